@@ -12,13 +12,12 @@ from scipy.integrate import cumulative_trapezoid
 
 from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.diagnosis.probing.candidates import candidates_for, counts_from_neutral
-from tirefmu.measurements.units import GRAVITY
 from tirefmu.symbolic.detection import Form
 from tirefmu.tires import Tire
 from tirefmu.tires.code.modules import two_track
 
 from .estimate import Estimate
-from .inputs.car import Car
+from .inputs.car import Car, loads_of
 from .inputs.grid import Grid
 from .inputs.unknowns import AXLES, FACTORS, Unknowns
 from .interval import BODY, OUTPUTS
@@ -48,7 +47,7 @@ class Motion:
     def evaluated(self, tires: Mapping[str, Tire]) -> list[pd.DataFrame]:
         """Return forces and states of each axle: rows of its left wheel, then of its right wheel."""
         tables = []
-        distance = cumulative_trapezoid(self.inputs["V"], self.t, initial=0.0)
+        distance = cumulative_trapezoid(self.inputs["V"], self.t, initial=0)
         for i, axle in enumerate(AXLES):
             inputs = {**self.inputs, "distance": distance}
             wheels = {name: values[2 * i : 2 * i + 2].ravel() for name, values in inputs.items()}
@@ -63,8 +62,7 @@ class Motion:
 
 def motion_of(grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> Motion:
     """Return the motion of the wheels in the middle of the intervals."""
-    p = {**car.values, **unknowns.car_values(estimate.z)}
-    p["cg_to_rear"] = p["wheelbase"] - p["cg_to_front"]
+    p = unknowns.whole_car(car, estimate.z)
     middle = (estimate.states[grid.left] + estimate.states[grid.right])[:, :3].T / 2
     rate = (estimate.states[grid.right] - estimate.states[grid.left])[:, :3].T / grid.step
     more = p["delay"] - grid.used[0], p["lag"] - grid.used[1]
@@ -73,9 +71,7 @@ def motion_of(grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> M
     wheels = np.array(two_track.wheels(*middle, *rate, steer, *(p[entry] for entry in BODY.values())))
     kappa = np.stack([estimate.outputs.values[:, OUTPUTS.index(f"kappa_{axle}")] for axle in AXLES])
     inputs = dict(zip(("alpha", "V", "Fz"), wheels.reshape(3, 4, -1), strict=True))
-    rear = GRAVITY * p["mass"] * p["cg_to_front"] / p["wheelbase"]
-    loads = GRAVITY * p["mass"] - rear, rear
-    return Motion(grid.t, {"kappa": kappa.repeat(2, axis=0), **inputs}, loads)
+    return Motion(grid.t, {"kappa": kappa.repeat(2, axis=0), **inputs}, loads_of(p))
 
 
 @dataclass(frozen=True)

@@ -149,7 +149,7 @@ def estimated(
     converged, arrived, part, last = False, False, 1.0, np.zeros(len(z))
     for _ in range(ROUNDS):
         slope = _volume_slope(grid, interval, at, added.tires(z))
-        change, change_z = at.factor.step(z + slope, z, LONGEST_STEP)
+        change, change_z = at.factor.step(z + slope, z)
         widening = np.maximum(np.clip(at.excess(), -LONGEST_STEP, LONGEST_STEP), np.log(floor / at.deviations))
         widening[len(MEASURED) : -n_balance] = 0.0  # errors of the integration
         arrived = arrived or bool(np.abs(change_z).max() < (1.0 - 1e-9) * LONGEST_STEP)
@@ -178,17 +178,22 @@ def estimated(
         weights = _weights(tried.linear.values / at.weights)
         added = curved(grid, interval, forces(grid, tried.states, z), tried.states, z)
         at = _solved(grid, interval, added, tried.states, z, tried.deviations, weights)
-    # A residual that is correlated over time has the information of fewer independent ones.
+    return grid, _estimate(at, interval, added, z, converged)
+
+
+def _estimate(at: _Point, interval: Interval, added: Added, z: FloatArray, converged: bool) -> Estimate:
+    """Return the estimate at a point; a residual that is correlated over time has the information of fewer ones."""
+    grid, n_balance = at.grid, len(BALANCE)
     lengths = [correlation_length(at.linear.values[:, i], grid.segment) for i in range(-n_balance, 0)]
-    scale = np.concatenate([np.ones(len(floor) - n_balance), np.sqrt(lengths)])
+    scale = np.concatenate([np.ones(len(at.deviations) - n_balance), np.sqrt(lengths)])
     linear = at.linear.weighted(np.tile(1.0 / scale, (len(grid.t), 1)))
     factor = _Factor(grid, linear, at.states.shape[1], 1e-9)
     outputs = evaluated(interval.output_chunk, grid, at.states, added.tires(z), interval_data(grid))
     weights = (at.weights / at.deviations / scale)[:, -n_balance:]
     parts, evidence = vars(_posterior(grid, factor)), -at.criterion - np.linalg.slogdet(at.factor.schur)[1] / 2
-    return grid, Estimate(**parts, states=at.states, z=z, deviations=at.deviations, residuals=linear,
-                          outputs=outputs.with_columns(added.further), weights=weights,
-                          evidence=float(evidence), converged=converged)  # fmt: skip
+    return Estimate(**parts, states=at.states, z=z, deviations=at.deviations, residuals=linear,
+                    outputs=outputs.with_columns(added.further), weights=weights, evidence=float(evidence),
+                    converged=converged)  # fmt: skip
 
 
 def _part(part: float, last: FloatArray, step: FloatArray) -> float:
@@ -315,11 +320,11 @@ class _Factor:
         by_z = self._J[:, :, 2 * self.n :].reshape(-1, self._border.shape[1])
         return np.asarray(by_z.T @ by_z + np.eye(by_z.shape[1]) - self._border.T @ self.solved_border)
 
-    def step(self, slope: FloatArray, z: FloatArray, longest: float) -> tuple[FloatArray, FloatArray]:
-        """Return the step of the states and of the unknowns; of an unknown at most `longest`."""
+    def step(self, slope: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the step of the states and of the unknowns."""
         gradient = self._slopes[:, 2 * self.n :].sum(axis=0) + slope - self._border.T @ self.solved_gradient
         change_z = -cho_solve(cho_factor(self.schur), gradient)
-        change_z *= min(1.0, longest / max(float(np.abs(change_z).max()), 1e-12))
+        change_z *= min(1.0, LONGEST_STEP / max(float(np.abs(change_z).max()), 1e-12))
         change_z = np.clip(z + change_z, -LARGEST, LARGEST) - z
         return (-self.solved_gradient - self.solved_border @ change_z).reshape(-1, self.n), change_z
 

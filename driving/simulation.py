@@ -18,7 +18,6 @@ import numpy.typing as npt
 from tirefmu.fmu.packaging.export import export
 from tirefmu.fmu.simulation.coupled import Coupled
 from tirefmu.fmu.simulation.simulate import instances
-from tirefmu.measurements.units import GRAVITY
 from tirefmu.symbolic.vehicle.quantities import CORNERS
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
@@ -26,7 +25,7 @@ from tirefmu.tires.code.modules import two_track
 
 from .effects import Motion, motion_of
 from .estimate import Estimate
-from .inputs.car import Car
+from .inputs.car import Car, loads_of
 from .inputs.grid import MEASURED, Grid
 from .inputs.unknowns import AXLES, Unknowns
 from .interval import BODY, OUTPUTS
@@ -61,9 +60,8 @@ def simulated(
 
     `known_car`: with the estimated entries of the car, not those of its file. `fmus`: the tires are four FMUs.
     """
-    estimated = unknowns.car_values(estimate.z)
-    p = {**car.values, **(estimated if known_car else {})}
-    p["cg_to_rear"] = p["wheelbase"] - p["cg_to_front"]
+    estimated = unknowns.whole_car(car, estimate.z)
+    p = estimated if known_car else unknowns.whole_car(car, 0.0 * estimate.z)
     body = [p[entry] for entry in BODY.values()]
     length = round(HORIZON / grid.step)
     starts = [
@@ -76,7 +74,7 @@ def simulated(
         return VehicleSimulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
     rows = np.array(starts)[:, None] + np.arange(length)
     # The offset of the steering is one of the log: both cars drive with it.
-    steer = grid.steer[:, rows] * car.values["ratio"] / p["ratio"] + estimated.get("offset", car.values["offset"])
+    steer = grid.steer[:, rows] * car.values["ratio"] / p["ratio"] + estimated["offset"]
     speed = estimate.states[:, 0]
     kappa = estimate.outputs.values[:, [OUTPUTS.index(f"kappa_{axle}") for axle in AXLES]][rows].repeat(2, axis=2)
     state = estimate.states[grid.left[rows[:, 0]], 1:3].T
@@ -109,12 +107,11 @@ def simulated(
 def _shortest_time(p: Mapping[str, float], tires: Mapping[str, Tire], speed: float) -> float:
     """Return the shorter time constant of lateral speed and yaw rate on the cornering stiffness of the tires, s."""
     arms = p["cg_to_front"], p["cg_to_rear"]
-    loads = [GRAVITY * p["mass"] * arm / p["wheelbase"] / 2 for arm in arms[::-1]]
-    ends = [
-        tires[axle].forces(alpha=[-1e-3, 1e-3], Fz=Fz, code="numpy")["Fy"]
-        for axle, Fz in zip(AXLES, loads, strict=True)
+    slopes = [
+        tires[axle].forces(alpha=[-1e-3, 1e-3], Fz=load / 2, code="numpy")["Fy"]
+        for axle, load in zip(AXLES, loads_of(p), strict=True)
     ]
-    stiffness = [abs(float(Fy[1] - Fy[0])) / 1e-3 for Fy in ends]  # of both wheels
+    stiffness = [abs(float(Fy[1] - Fy[0])) / 1e-3 for Fy in slopes]  # of both wheels
     turning = sum(C * arm**2 for C, arm in zip(stiffness, arms, strict=True)) / p["yaw_inertia"]
     return speed / max(sum(stiffness) / p["mass"], turning)
 
@@ -159,8 +156,7 @@ def estimated_motion(grid: Grid, estimate: Estimate) -> FloatArray:
 def _errors(motion: FloatArray, grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> dict[str, float]:
     """Return the rms of simulated minus estimated motion, and minus the measured yaw rate, its offset removed."""
     reference = estimated_motion(grid, estimate)
-    offset = {**car.values, **unknowns.car_values(estimate.z)}["yaw_rate_offset"]
-    yaw_rate = grid.means[MEASURED.index("yaw_rate")] - offset
+    yaw_rate = grid.means[MEASURED.index("yaw_rate")] - unknowns.whole_car(car, estimate.z)["yaw_rate_offset"]
     reference[:, 0] = np.where(np.isfinite(yaw_rate), yaw_rate, reference[:, 0])
     squares = ((motion - reference) ** 2)[np.isfinite(motion[:, 0])]
     rms = np.sqrt(squares.mean(axis=0)) if len(squares) else np.full(3, np.nan)

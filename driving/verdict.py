@@ -160,8 +160,3 @@ def _car_lines(of_car: tuple[CarFinding, ...], unknown: tuple[str, ...], estimat
         for axle in unknown
     ]
     return lines if estimate.converged else [*lines, "the estimate did not converge: the numbers are rough"]
-
-
-def worst_car_deviation(estimate: Estimate, unknowns: Unknowns) -> float:
-    """Return the largest deviation of an entry of the car from its file, in standard deviations."""
-    return float(np.max(np.abs(estimate.z[: len(unknowns.car)]), initial=0.0))

@@ -58,6 +58,11 @@ class Unknowns:
         """Return the entries of the car."""
         return {name: float(self.entry(i, z[i], np.exp)) for i, name in enumerate(self.car)}
 
+    def whole_car(self, car: Car, z: FloatArray) -> dict[str, float]:
+        """Return all entries of the car, and `cg_to_rear`."""
+        entries = {**car.values, **self.car_values(z)}
+        return {**entries, "cg_to_rear": entries["wheelbase"] - entries["cg_to_front"]}
+
     def entry(self, i: int, z: Any, exp: Any) -> Any:
         """Return an entry of the car for its deviation; `exp`: the exponential of NumPy or CasADi."""
         center, spread = self.center[i], self.spread[i]
