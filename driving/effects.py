@@ -62,7 +62,7 @@ class Motion:
 
 def motion_of(grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> Motion:
     """Return the motion of the wheels in the middle of the intervals."""
-    p = unknowns.whole_car(car, estimate.z)
+    p = unknowns.car_values(car, estimate.z)
     middle = (estimate.states[grid.left] + estimate.states[grid.right])[:, :3].T / 2
     rate = (estimate.states[grid.right] - estimate.states[grid.left])[:, :3].T / grid.step
     more = p["delay"] - grid.used[0], p["lag"] - grid.used[1]

@@ -174,7 +174,7 @@ def estimated(
         if converged or not gain > 0.0:
             break
         z = z + share * change_z
-        grid = with_steering(grid, log, car, unknowns.car_values(z))
+        grid = with_steering(grid, log, car, unknowns.car_values(car, z))
         weights = _weights(tried.linear.values / at.weights)
         added = curved(grid, interval, forces(grid, tried.states, z), tried.states, z)
         at = _solved(grid, interval, added, tried.states, z, tried.deviations, weights)

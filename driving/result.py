@@ -92,7 +92,7 @@ class Drive:
     def to_json(self) -> dict[str, Any]:
         """Return the contents of drive.json; a number that does not exist is null."""
         deviation = np.sqrt(np.diag(self.estimate.covariance))
-        values = self.unknowns.car_values(self.estimate.z)
+        values = self.unknowns.car_values(self.car, self.estimate.z)
         entries: dict[str, CarEntry] = {
             name: {
                 "value": values[name], "uncertainty": float(self.unknowns.spread[i] * deviation[i]),

@@ -184,7 +184,7 @@ def _forces(missing: Missing, unknowns: Unknowns, car: Car, base: Explanation) -
             columns[:, :, i - len(z)] = (added(z + STEP * (np.arange(len(z)) == i)) - at) / STEP
         turned = {**motion.inputs, "alpha": motion.inputs["alpha"] + SLIP_STEP}
         by_slip = (added(z, replace(motion, inputs=turned)) - at) / SLIP_STEP
-        p = unknowns.whole_car(car, z)
+        p = unknowns.car_values(car, z)
         middle = (states[grid.left] + states[grid.right])[:, : len(MOTION)] / 2
         ahead = np.array([p["cg_to_front"], -p["cg_to_rear"]])
         slopes = np.stack([0.0 * by_slip, by_slip, by_slip * ahead], axis=2) / middle[:, :1, None]

@@ -60,8 +60,8 @@ def simulated(
 
     `known_car`: with the estimated entries of the car, not those of its file. `fmus`: the tires are four FMUs.
     """
-    estimated = unknowns.whole_car(car, estimate.z)
-    p = estimated if known_car else unknowns.whole_car(car, 0.0 * estimate.z)
+    estimated = unknowns.car_values(car, estimate.z)
+    p = estimated if known_car else unknowns.car_values(car, 0.0 * estimate.z)
     body = [p[entry] for entry in BODY.values()]
     length = round(HORIZON / grid.step)
     starts = [
@@ -156,7 +156,7 @@ def estimated_motion(grid: Grid, estimate: Estimate) -> FloatArray:
 def _errors(motion: FloatArray, grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> dict[str, float]:
     """Return the rms of simulated minus estimated motion, and minus the measured yaw rate, its offset removed."""
     reference = estimated_motion(grid, estimate)
-    yaw_rate = grid.means[MEASURED.index("yaw_rate")] - unknowns.whole_car(car, estimate.z)["yaw_rate_offset"]
+    yaw_rate = grid.means[MEASURED.index("yaw_rate")] - unknowns.car_values(car, estimate.z)["yaw_rate_offset"]
     reference[:, 0] = np.where(np.isfinite(yaw_rate), yaw_rate, reference[:, 0])
     squares = ((motion - reference) ** 2)[np.isfinite(motion[:, 0])]
     rms = np.sqrt(squares.mean(axis=0)) if len(squares) else np.full(3, np.nan)

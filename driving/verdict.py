@@ -96,7 +96,7 @@ def verdict_on(
         for name, factor in factors[axle].items()
         if factor.determined and factor.changed > CERTAIN
     )
-    values = unknowns.car_values(estimate.z)
+    values = unknowns.car_values(car, estimate.z)
     of_car = tuple(
         CarFinding(name, values[name], car.values[name], float(z), wrong[name])
         for name, z in zip(unknowns.car, estimate.z, strict=False)
