@@ -51,7 +51,8 @@ class Motion:
         for i, axle in enumerate(AXLES):
             inputs = {**self.inputs, "distance": distance}
             wheels = {name: values[2 * i : 2 * i + 2].ravel() for name, values in inputs.items()}
-            tables.append(tires[axle].evaluate(pd.DataFrame({"t": np.tile(self.t, 2), **wheels}), signs="iso"))
+            table = tires[axle].evaluate(pd.DataFrame({"t": np.tile(self.t, 2), **wheels}), signs="iso")
+            tables.append(table.assign(distance=wheels["distance"]))
         return tables
 
     def side_forces(self, tires: Mapping[str, Tire]) -> FloatArray:

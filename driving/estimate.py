@@ -37,9 +37,9 @@ LONGEST_STEP = 1.0
 LARGEST = 10.0
 #: Residual in standard deviations beyond which it has less weight, as that of Huber.
 OUTLYING = 3.0
-#: Most steps of the unknowns, most steps of the states for given unknowns, predicted relative decrease that ends the
-#: latter, smallest part of a step that is tried.
-ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 60, 50, 1e-7, 1e-2
+#: Most steps of the unknowns, and from an estimate that is near; most steps of the states for given unknowns, predicted
+#: relative decrease that ends the latter, smallest part of a step that is tried.
+ROUNDS, NEAR_ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 40, 20, 50, 1e-7, 1e-2
 #: The estimate ends at a step of an unknown in its standard deviations and of the logarithm of a deviation below the
 #: first number, or at a step below 1 that gains less than the second one in the logarithm of the posterior.
 SETTLED, FLAT = 0.1, 0.05
@@ -147,7 +147,7 @@ def estimated(
     z = np.concatenate([z, np.zeros(added.further)])
     at = _solved(grid, interval, added, start, z, deviations, np.ones((len(grid.t), len(floor))))
     converged, arrived, part, last = False, False, 1.0, np.zeros(len(z))
-    for _ in range(ROUNDS):
+    for _ in range(NEAR_ROUNDS if near else ROUNDS):
         slope = _volume_slope(grid, interval, at, added.tires(z))
         change, change_z = at.factor.step(z + slope, z)
         widening = np.maximum(np.clip(at.excess(), -LONGEST_STEP, LONGEST_STEP), np.log(floor / at.deviations))
