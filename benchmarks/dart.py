@@ -96,8 +96,9 @@ def main() -> int:
     fitted = answered(options.folder, FIRST, given, options.out)
     unused = answered(options.folder, OTHER, given, options.out)
     for text, tires in (("authors' tires", given), (f"tires of {FIRST}", fitted.scaled)):
-        drive = simulated(unused.grid, unused.estimate, unused.unknowns, unused.car, tires, known_car=False)
-        print(f"{OTHER} simulated over 2 s on {text}: {drive.rms}")
+        for known, car in ((False, "of the file"), (True, "as estimated")):
+            drive = simulated(unused.grid, unused.estimate, unused.unknowns, unused.car, tires, known_car=known)
+            print(f"{OTHER} simulated over 2 s on {text}, car {car}: {drive.rms}")
     lower = True
     for name, first in SLIPPERY:
         answer = answered(options.folder, name, dict(fitted.scaled), options.out, first)

@@ -14,7 +14,7 @@ from tirefmu.tires.tire_argument import TireLike
 
 from .disagreement import disagreement
 from .effects import factor_values, motion_of, scaled
-from .estimate import START_DEVIATIONS, Estimate, Forces, estimated
+from .estimate import Estimate, Forces, estimated
 from .factors import factors_of, scaled_tires
 from .inputs.car import Car, read_car
 from .inputs.grid import Grid, forward_speed, gridded, spinning, unwrapped
@@ -104,10 +104,7 @@ def _answer(
     interval = interval_of(car, tires, unknowns, pose=log.has_pose(), spins=spinning(log, car), step=grid.step)
     start = _start(grid, interval.states, log, car, speed)
     try:
-        for deviation in START_DEVIATIONS:
-            grid, estimate = estimated(grid, interval, unknowns, start, log, car, deviation=deviation)
-            if estimate.converged:
-                break
+        grid, estimate = estimated(grid, interval, unknowns, start, log, car)
     except np.linalg.LinAlgError:
         raise DataError(f"{log.source}: no motion of {car.source} on these tires explains the log") from None
 

@@ -8,19 +8,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
+from scipy.integrate import cumulative_trapezoid
 
 from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.diagnosis.probing.candidates import candidates_for, counts_from_neutral
-from tirefmu.measurements.units import GRAVITY
 from tirefmu.symbolic.detection import Form
 from tirefmu.tires import Tire
 from tirefmu.tires.code.modules import two_track
 
 from .estimate import Estimate
-from .inputs.car import Car
+from .inputs.car import Car, loads_of
 from .inputs.grid import Grid
 from .inputs.unknowns import AXLES, FACTORS, Unknowns
-from .interval import BODY, OUTPUTS, Added
+from .interval import BODY, OUTPUTS
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -28,8 +28,6 @@ FloatArray = npt.NDArray[np.float64]
 INPUTS = frozenset({"kappa", "alpha", "Fz", "V", "t", "Fy", "distance"})
 #: Prior standard deviation of the logarithm of a coefficient without a declared spread.
 SCALE_SPREAD = 0.7
-#: Step of a coefficient for its derivative, in its standard deviations.
-STEP = 0.02
 #: Smallest change of a force, per static load, that is a change: that of rounding is none.
 MIN_CHANGE = 1e-5
 
@@ -49,9 +47,12 @@ class Motion:
     def evaluated(self, tires: Mapping[str, Tire]) -> list[pd.DataFrame]:
         """Return forces and states of each axle: rows of its left wheel, then of its right wheel."""
         tables = []
+        distance = cumulative_trapezoid(self.inputs["V"], self.t, initial=0)
         for i, axle in enumerate(AXLES):
-            wheels = {name: values[2 * i : 2 * i + 2].ravel() for name, values in self.inputs.items()}
-            tables.append(tires[axle].evaluate(pd.DataFrame({"t": np.tile(self.t, 2), **wheels}), signs="iso"))
+            inputs = {**self.inputs, "distance": distance}
+            wheels = {name: values[2 * i : 2 * i + 2].ravel() for name, values in inputs.items()}
+            table = tires[axle].evaluate(pd.DataFrame({"t": np.tile(self.t, 2), **wheels}), signs="iso")
+            tables.append(table.assign(distance=wheels["distance"]))
         return tables
 
     def side_forces(self, tires: Mapping[str, Tire]) -> FloatArray:
@@ -62,8 +63,7 @@ class Motion:
 
 def motion_of(grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> Motion:
     """Return the motion of the wheels in the middle of the intervals."""
-    p = {**car.values, **unknowns.car_values(estimate.z)}
-    p["cg_to_rear"] = p["wheelbase"] - p["cg_to_front"]
+    p = unknowns.car_values(car, estimate.z)
     middle = (estimate.states[grid.left] + estimate.states[grid.right])[:, :3].T / 2
     rate = (estimate.states[grid.right] - estimate.states[grid.left])[:, :3].T / grid.step
     more = p["delay"] - grid.used[0], p["lag"] - grid.used[1]
@@ -72,9 +72,7 @@ def motion_of(grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> M
     wheels = np.array(two_track.wheels(*middle, *rate, steer, *(p[entry] for entry in BODY.values())))
     kappa = np.stack([estimate.outputs.values[:, OUTPUTS.index(f"kappa_{axle}")] for axle in AXLES])
     inputs = dict(zip(("alpha", "V", "Fz"), wheels.reshape(3, 4, -1), strict=True))
-    rear = GRAVITY * p["mass"] * p["cg_to_front"] / p["wheelbase"]
-    loads = GRAVITY * p["mass"] - rear, rear
-    return Motion(grid.t, {"kappa": kappa.repeat(2, axis=0), **inputs}, loads)
+    return Motion(grid.t, {"kappa": kappa.repeat(2, axis=0), **inputs}, loads_of(p))
 
 
 @dataclass(frozen=True)
@@ -121,15 +119,10 @@ class Missing:
             result[axle] = replace(tire, added=added, values=values).in_signs("iso")
         return result
 
-    def forces(self, motion: Motion, u: FloatArray, factors: Mapping[str, Mapping[str, float]]) -> Added:
-        """Return the side forces that the effect adds, linear about u."""
+    def side_forces(self, motion: Motion, u: FloatArray, factors: Mapping[str, Mapping[str, float]]) -> FloatArray:
+        """Return the side forces that the effect adds, per static load, shape (n, 2)."""
         without = motion.side_forces({axle: scaled(tire, factors[axle]) for axle, tire in self.tires.items()})
-        at = motion.side_forces(self.on(u, factors)) - without
-        columns = [
-            (motion.side_forces(self.on(u + STEP * unit, factors)) - without - at) / STEP for unit in np.eye(len(u))
-        ]
-        stacked = np.nan_to_num(np.stack(columns, axis=2))
-        return Added(np.nan_to_num(at) - stacked @ u, stacked)
+        return np.nan_to_num(motion.side_forces(self.on(u, factors)) - without)
 
 
 def scaled(tire: Tire, factors: Mapping[str, float]) -> Tire:
@@ -159,7 +152,8 @@ def effect_columns(
     candidates = candidates_for(library["front"])
     for name, candidate in candidates.items():
         # Where the simpler effect is a candidate, the more general one is a refinement of it.
-        if candidate.contains in candidates or "Fy" not in candidate.channels or not set(candidate.requires) <= INPUTS:
+        simpler, slow = candidate.contains in candidates, candidate.rate > 1.0 / np.median(np.diff(motion.t))
+        if simpler or slow or "Fy" not in candidate.channels or not set(candidate.requires) <= INPUTS:
             continue
         for missing, size in (pair for form in candidate.forms for pair in _of_form(name, form, library)):
             added = motion.side_forces(missing.on(size, factors)) - without

@@ -25,22 +25,21 @@ from .inputs.car import Car
 from .inputs.grid import MEASURED, Grid, with_steering
 from .inputs.log import Log
 from .inputs.unknowns import Unknowns
-from .interval import BALANCE, Added, Interval, Linear
+from .interval import BALANCE, MOTION, Added, Interval, Linear
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Deviations of the balance, per load: at the start (the second one if the first one does not converge), and the
-#: smallest one (the error of the integration).
-START_DEVIATIONS, MIN_DEVIATION = (0.02, 0.1), 1e-3
+#: Deviations of the balance, per load: at the start, and the smallest one (the error of the integration).
+START_DEVIATION, MIN_DEVIATION = 0.02, 1e-3
 #: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
 LONGEST_STEP = 1.0
 #: Largest deviation of an unknown: one that reaches it contradicts the car file.
 LARGEST = 10.0
 #: Residual in standard deviations beyond which it has less weight, as that of Huber.
 OUTLYING = 3.0
-#: Most steps of the unknowns, most steps of the states for given unknowns, relative decrease that ends the latter,
-#: smallest part of a step that is tried.
-ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 40, 12, 1e-7, 1e-2
+#: Most steps of the unknowns, and from an estimate that is near; most steps of the states for given unknowns, predicted
+#: relative decrease that ends the latter, smallest part of a step that is tried.
+ROUNDS, NEAR_ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 40, 20, 50, 1e-7, 1e-2
 #: The estimate ends at a step of an unknown in its standard deviations and of the logarithm of a deviation below the
 #: first number, or at a step below 1 that gains less than the second one in the logarithm of the posterior.
 SETTLED, FLAT = 0.1, 0.05
@@ -52,7 +51,8 @@ Forces = Callable[[Grid, FloatArray, FloatArray], Added]
 
 def no_forces(grid: Grid, states: FloatArray, z: FloatArray) -> Added:
     """Return no added forces."""
-    return Added(np.zeros((len(grid.t), len(BALANCE))), np.zeros((len(grid.t), len(BALANCE), 0)))
+    shape = len(grid.t), len(BALANCE)
+    return Added(np.zeros(shape), np.zeros((*shape, 0)), np.zeros((*shape, len(MOTION))))
 
 
 @dataclass(frozen=True)
@@ -126,36 +126,41 @@ class Estimate(Posterior):
 
 def estimated(
     grid: Grid, interval: Interval, unknowns: Unknowns, start: FloatArray, log: Log, car: Car,
-    forces: Forces = no_forces, near: Estimate | None = None, deviation: float = START_DEVIATIONS[0],
+    forces: Forces = no_forces, near: Estimate | None = None,
 ) -> tuple[Grid, Estimate]:  # fmt: skip
     """Return the grid with the estimated steering, and the estimate from initial states, shape (n_nodes, n_states).
 
     Steps of the unknowns and of the deviations of all residuals decrease one criterion: minus the logarithm of the
-    posterior, integrated over the states.
+    posterior, integrated over the states. The deviations wait until a step of the unknowns is not shortened: far from
+    the optimum, the errors of the unknowns are none of the forces, and a long log would never leave a large deviation.
 
     `forces`: added to those of the tires, for a fixed motion in each round. `near`: an estimate without them, from
-    which this one starts. `deviation`: of the balance at the start.
+    which this one starts.
     """
     n_balance = len(BALANCE)
     z, floor = np.zeros(len(unknowns)), np.ones(len(interval.residuals))
     floor[-n_balance:] = MIN_DEVIATION
-    deviations = np.concatenate([floor[:-n_balance], np.full(n_balance, deviation)])
+    deviations = np.concatenate([floor[:-n_balance], np.full(n_balance, START_DEVIATION)])
     if near:
         start, z, deviations = near.states, near.z, near.deviations
     added = forces(grid, start, z)
-    z = np.concatenate([z, np.zeros(added.columns.shape[2])])
+    z = np.concatenate([z, np.zeros(added.further)])
     at = _solved(grid, interval, added, start, z, deviations, np.ones((len(grid.t), len(floor))))
-    converged = False
-    for _ in range(ROUNDS):
+    converged, arrived, part, last = False, False, 1.0, np.zeros(len(z))
+    for _ in range(NEAR_ROUNDS if near else ROUNDS):
         slope = _volume_slope(grid, interval, at, added.tires(z))
-        change, change_z = at.factor.step(z + slope, z, LONGEST_STEP)
+        change, change_z = at.factor.step(z + slope, z)
         widening = np.maximum(np.clip(at.excess(), -LONGEST_STEP, LONGEST_STEP), np.log(floor / at.deviations))
         widening[len(MEASURED) : -n_balance] = 0.0  # errors of the integration
-        size = max(np.abs(change_z / np.sqrt(np.diag(at.posterior.covariance))).max(), np.abs(widening).max())
+        arrived = arrived or bool(np.abs(change_z).max() < (1.0 - 1e-9) * LONGEST_STEP)
+        widening *= arrived
+        step = change_z / np.sqrt(np.diag(at.posterior.covariance))
+        size = max(np.abs(step).max(), np.abs(widening).max())
         if size < SETTLED:
             converged = True
             break
-        share, gain = 3.0, -np.inf
+        part, last = _part(part, last, step), step
+        share, gain = 3.0 * part, -np.inf
         while not gain > 0.0 and share > SHORTEST:
             share /= 3.0
             to = at.deviations * np.exp(share * widening)
@@ -169,21 +174,37 @@ def estimated(
         if converged or not gain > 0.0:
             break
         z = z + share * change_z
-        grid = with_steering(grid, log, car, unknowns.car_values(z))
+        grid = with_steering(grid, log, car, unknowns.car_values(car, z))
         weights = _weights(tried.linear.values / at.weights)
         added = curved(grid, interval, forces(grid, tried.states, z), tried.states, z)
         at = _solved(grid, interval, added, tried.states, z, tried.deviations, weights)
-    # A residual that is correlated over time has the information of fewer independent ones.
+    return grid, _estimate(at, interval, added, z, converged)
+
+
+def _estimate(at: _Point, interval: Interval, added: Added, z: FloatArray, converged: bool) -> Estimate:
+    """Return the estimate at a point; a residual that is correlated over time has the information of fewer ones."""
+    grid, n_balance = at.grid, len(BALANCE)
     lengths = [correlation_length(at.linear.values[:, i], grid.segment) for i in range(-n_balance, 0)]
-    scale = np.concatenate([np.ones(len(floor) - n_balance), np.sqrt(lengths)])
+    scale = np.concatenate([np.ones(len(at.deviations) - n_balance), np.sqrt(lengths)])
     linear = at.linear.weighted(np.tile(1.0 / scale, (len(grid.t), 1)))
     factor = _Factor(grid, linear, at.states.shape[1], 1e-9)
     outputs = evaluated(interval.output_chunk, grid, at.states, added.tires(z), interval_data(grid))
     weights = (at.weights / at.deviations / scale)[:, -n_balance:]
     parts, evidence = vars(_posterior(grid, factor)), -at.criterion - np.linalg.slogdet(at.factor.schur)[1] / 2
-    return grid, Estimate(**parts, states=at.states, z=z, deviations=at.deviations, residuals=linear,
-                          outputs=outputs.with_columns(added.columns.shape[2]), weights=weights,
-                          evidence=float(evidence), converged=converged)  # fmt: skip
+    return Estimate(**parts, states=at.states, z=z, deviations=at.deviations, residuals=linear,
+                    outputs=outputs.with_columns(added.further), weights=weights, evidence=float(evidence),
+                    converged=converged)  # fmt: skip
+
+
+def _part(part: float, last: FloatArray, step: FloatArray) -> float:
+    """Return the part of a step to be taken, from that of the last one.
+
+    A step that reverses the last one shows by how much that was too long (Aitken's relaxation, as in Kuettler and Wall,
+    Computational Mechanics 43, 2008): what is linearized in each round, steering, weights and curvature, would else
+    make the steps alternate.
+    """
+    turn = step - last
+    return min(1.0, 2.0 * part) if last @ step >= 0.0 else -part * float(last @ turn / (turn @ turn))
 
 
 def _weights(residual: FloatArray) -> FloatArray:
@@ -230,7 +251,8 @@ def _solved(
 
     def at(states: FloatArray) -> Linear:
         linear = evaluated(interval.residual_chunk, grid, states, of_tires, data)
-        return added.residuals(linear, z).weighted(weights / deviations)
+        ends = states[grid.left], states[grid.right]
+        return added.residuals(linear, z, *ends).weighted(weights / deviations)
 
     linear, damping = at(states), 1e-9
     for _ in range(MAX_STEPS):
@@ -239,16 +261,15 @@ def _solved(
         except np.linalg.LinAlgError:  # rounding made the matrix indefinite
             damping = 100.0 * damping
             continue
+        if factor.gradient @ factor.solved_gradient < 2.0 * TOLERANCE * linear.cost(z):
+            break
         moved = states - factor.solved_gradient.reshape(states.shape)
         tried = at(moved)
-        gain = linear.cost(z) - tried.cost(z)
-        if gain >= 0.0:
+        if tried.cost(z) <= linear.cost(z):
             states, linear, damping = moved, tried, max(damping / 10, 1e-9)
-            if gain < TOLERANCE * linear.cost(z):
-                break
         else:
             damping = max(damping, 1e-6) * 30
-    factor = _Factor(grid, linear, n, max(damping, 1e-9))
+    factor = _Factor(grid, linear, n, 1e-9)  # the determinant of a damped matrix would be none of the posterior
     # The density of the next motion that the balance gives, and those of the sensors, have the deviations as scales.
     density = np.log(np.abs(np.linalg.det(linear.jacobian[:, -len(BALANCE) :, n + 1 : n + 3]))).sum()
     density -= np.sum((linear.values != 0.0) * np.log(deviations), axis=0)[: -len(BALANCE)].sum()
@@ -299,11 +320,11 @@ class _Factor:
         by_z = self._J[:, :, 2 * self.n :].reshape(-1, self._border.shape[1])
         return np.asarray(by_z.T @ by_z + np.eye(by_z.shape[1]) - self._border.T @ self.solved_border)
 
-    def step(self, slope: FloatArray, z: FloatArray, longest: float) -> tuple[FloatArray, FloatArray]:
-        """Return the step of the states and of the unknowns; of an unknown at most `longest`."""
+    def step(self, slope: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the step of the states and of the unknowns."""
         gradient = self._slopes[:, 2 * self.n :].sum(axis=0) + slope - self._border.T @ self.solved_gradient
         change_z = -cho_solve(cho_factor(self.schur), gradient)
-        change_z *= min(1.0, longest / max(float(np.abs(change_z).max()), 1e-12))
+        change_z *= min(1.0, LONGEST_STEP / max(float(np.abs(change_z).max()), 1e-12))
         change_z = np.clip(z + change_z, -LARGEST, LARGEST) - z
         return (-self.solved_gradient - self.solved_border @ change_z).reshape(-1, self.n), change_z
 

@@ -16,14 +16,13 @@ import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.measurements.units import GRAVITY
 from tirefmu.symbolic.vehicle import quantities as vehicle
 from tirefmu.symbolic.vehicle.quantities import CORNERS
 from tirefmu.tires import Tire
 from tirefmu.tires.code.casadi_code import ARRAYS, casadi_expression
 from tirefmu.tires.code.modules import two_track
 
-from .inputs.car import Car
+from .inputs.car import Car, loads_of
 from .inputs.grid import MEASURED
 from .inputs.unknowns import AXLES, FACTORS, Unknowns
 
@@ -98,13 +97,10 @@ def interval_of(
     # A differential gives both wheels of an axle the same torque: their longitudinal forces are equal.
     order = [*(pull / 2 for pull in pulls for _ in "lr"), *(forces[axle][1][side] for axle in AXLES for side in (0, 1))]
     balance = dict(zip(_RESULTS, two_track.balance(*motion, steer, *body, *order, xp=ARRAYS), strict=True))
-    weight = GRAVITY * p["mass"]
-    rear = weight * p["cg_to_front"] / p["wheelbase"]
     measured = _readings(p, middle, rate, pose)
     parts = {name: (data[i] - measured.get(name, 0)) * data[n + i] for i, name in enumerate(MEASURED)}
     parts |= _kinematics(middle, rate) if pose else {}
-    loads = {"e_front": weight - rear, "e_rear": rear}
-    parts |= {name: balance[name] / loads[name] for name in BALANCE}
+    parts |= {name: balance[name] / load for name, load in zip(BALANCE, loads_of(p), strict=True)}
     residual = ca.vertcat(*parts.values())
     required_forces = [balance[f"e_{axle}"] / ca.cos(steer if axle == "front" else 0) / 2 for axle in AXLES]
     outputs = ca.vertcat(*_outputs(wheels, forces, kappa, required_forces))
@@ -236,8 +232,7 @@ def _kappa_of_spins(rims: Mapping[str, Any], wheels: Mapping[str, Any], spins: t
 
 def _kappa_of_pulls(pulls: list[Any], p: Mapping[str, Any], tires: Mapping[str, Tire]) -> list[list[Any]]:
     """Return the longitudinal slip of each axle that gives its longitudinal force, to first order in the slip."""
-    rear = p["cg_to_front"] / p["wheelbase"] * GRAVITY * p["mass"]
-    loads = (GRAVITY * p["mass"] - rear, rear)
+    loads = loads_of(p)
     return [[pulls[i] / (loads[i] * slip_stiffness(tires[axle]))] * 2 for i, axle in enumerate(AXLES)]
 
 
@@ -291,25 +286,32 @@ class Linear:
 
 @dataclass(frozen=True)
 class Added:
-    """Side forces per static load beyond the tires': `offset`, shape (n, 2), and `columns`, shape (n, 2, n_u).
+    """Side forces per static load beyond the tires', linear in the last unknowns and in the motion.
 
-    The columns are for further unknowns u, the last ones of z, whose prior is the standard normal distribution.
-    `correction`, shape (n, n_residuals): added to all residuals.
+    `offset`, shape (n, 2). `columns`, shape (n, 2, n_last): by the last unknowns, of which `further` are none of tires
+    and car; their prior is the standard normal distribution. `slopes`, shape (n, 2, 3): by `MOTION` in the middle of an
+    interval. `correction`, shape (n, n_residuals): added to all residuals.
     """
 
     offset: FloatArray
     columns: FloatArray
+    slopes: FloatArray
+    further: int = 0
     correction: FloatArray | float = 0.0
 
     def tires(self, z: FloatArray) -> FloatArray:
-        """Return the unknowns before u."""
-        return z[: len(z) - self.columns.shape[2]]
+        """Return the unknowns of tires and car."""
+        return z[: len(z) - self.further]
 
-    def residuals(self, of_tires: Linear, z: FloatArray) -> Linear:
+    def residuals(self, of_tires: Linear, z: FloatArray, left: FloatArray, right: FloatArray) -> Linear:
         """Return residuals, per static load, with these forces, from those without them."""
-        n = self.columns.shape[2]
-        linear = of_tires.with_columns(n)
+        linear, n, last, moving = of_tires.with_columns(self.further), left.shape[1], self.columns.shape[2], len(MOTION)
+        middle = (left + right)[:, :moving] / 2
         linear.values[:] += self.correction
-        linear.values[:, -len(BALANCE) :] -= self.offset + self.columns @ z[len(z) - n :]
-        linear.jacobian[:, -len(BALANCE) :, linear.jacobian.shape[2] - n :] = -self.columns
+        forces = self.offset + self.columns @ z[len(z) - last :] + np.einsum("kim,km->ki", self.slopes, middle)
+        balance = slice(-len(BALANCE), None)
+        linear.values[:, balance] -= forces
+        linear.jacobian[:, balance, linear.jacobian.shape[2] - last :] -= self.columns
+        for first in (0, n):
+            linear.jacobian[:, balance, first : first + moving] -= self.slopes / 2
         return linear

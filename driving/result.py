@@ -26,7 +26,7 @@ from .inputs.log import Log
 from .inputs.unknowns import AXLES, Unknowns
 from .interval import OUTPUTS
 from .simulation import VehicleSimulation
-from .verdict import DriveVerdict, worst_car_deviation
+from .verdict import DriveVerdict
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -76,7 +76,8 @@ class Drive:
     @property
     def ok(self) -> bool:
         """Whether the numbers can be used: the estimate converged, and the log is one of this car."""
-        return self.estimate.converged and worst_car_deviation(self.estimate, self.unknowns) < OTHER_CAR
+        deviations = np.abs(self.estimate.z[: len(self.unknowns.car)])
+        return self.estimate.converged and bool((deviations < OTHER_CAR).all())
 
     def __repr__(self) -> str:
         """Return the verdict."""
@@ -91,7 +92,7 @@ class Drive:
     def to_json(self) -> dict[str, Any]:
         """Return the contents of drive.json; a number that does not exist is null."""
         deviation = np.sqrt(np.diag(self.estimate.covariance))
-        values = self.unknowns.car_values(self.estimate.z)
+        values = self.unknowns.car_values(self.car, self.estimate.z)
         entries: dict[str, CarEntry] = {
             name: {
                 "value": values[name], "uncertainty": float(self.unknowns.spread[i] * deviation[i]),

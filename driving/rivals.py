@@ -20,12 +20,12 @@ import numpy.typing as npt
 from tirefmu.estimation.correlation import correlation_length
 from tirefmu.tires import Tire
 
-from .effects import Missing, effect_columns, factor_values, motion_of, scaled
+from .effects import Missing, Motion, effect_columns, factor_values, motion_of, scaled
 from .estimate import Estimate, Forces
 from .inputs.car import Car
 from .inputs.grid import Grid
-from .inputs.unknowns import CHANGED, LATERAL, Unknowns
-from .interval import BALANCE, Added
+from .inputs.unknowns import AXLES, CHANGED, LATERAL, Unknowns
+from .interval import BALANCE, MOTION, Added
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -42,6 +42,8 @@ COMPARED = 4
 #: Error of the form of a tire over its side force. Judgement: a Magic Formula differs from bench data by about 1 %, of
 #: which its factors and the car take the larger part.
 FORM_ERROR = 0.003
+#: Steps for derivatives: of an unknown in its standard deviations, of a slip angle in rad.
+STEP, SLIP_STEP = 0.02, 1e-4
 #: Gives the grid and the estimate with the forces of an effect.
 Refit = Callable[[Forces], tuple[Grid, Estimate]]
 
@@ -120,10 +122,12 @@ def explanations(
             compared.append(explanation)
             powers.append(power)
     logs = np.array([_evidence(explanation, unknowns) for explanation in compared])
-    best = compared[int(np.argmax(logs))]
+    # All rivals are compared under one likelihood, that of the best one.
+    first = int(np.argmax(logs))
+    best = compared[first]
     residuals = best.estimate.residuals.values[:, -len(BALANCE) :].T
     length = np.mean([correlation_length(row, best.grid.segment) for row in residuals])
-    logs = (logs - logs[0]) * powers / length + [_log_prior(explanation.missing) for explanation in compared]
+    logs = (logs - logs[0]) * powers[first] / length + [_log_prior(explanation.missing) for explanation in compared]
     share = np.exp(logs - logs.max())
     ranked = zip(compared, share / share.sum(), strict=True)
     return sorted(
@@ -159,12 +163,33 @@ def _evidence(explanation: Explanation, unknowns: Unknowns) -> float:
 
 
 def _forces(missing: Missing, unknowns: Unknowns, car: Car, base: Explanation) -> Forces:
-    """Return the forces of an effect over the motion that is estimated so far."""
+    """Return the forces of an effect about the motion, the factors and the coefficients that are estimated so far."""
+    n, further = len(unknowns), len(missing.center)
 
     def forces(grid: Grid, states: FloatArray, z: FloatArray) -> Added:
-        n, so_far = len(unknowns), replace(base.estimate, states=states, z=z)
-        u = z[n:] if len(z) > n else np.zeros(len(missing.center))
-        return missing.forces(motion_of(grid, so_far, unknowns, car), u, factor_values(unknowns, z))
+        z = np.concatenate([z[:n], z[n:] if len(z) > n else np.zeros(further)])
+        motion = motion_of(grid, replace(base.estimate, states=states, z=z), unknowns, car)
+
+        def added(z: FloatArray, motion: Motion = motion) -> FloatArray:
+            return missing.side_forces(motion, z[n:], factor_values(unknowns, z))
+
+        at, last = added(z), len(unknowns.factors) + further
+        columns = np.zeros((*at.shape, last))
+        for name in LATERAL:  # of both axles at a time
+            places = [unknowns.factor(axle, name) for axle in AXLES]
+            change = (added(z + STEP * np.isin(np.arange(len(z)), places)) - at) / STEP
+            for axle, place in enumerate(places):
+                columns[:, axle, place - len(z)] = change[:, axle]
+        for i in range(n, n + further):
+            columns[:, :, i - len(z)] = (added(z + STEP * (np.arange(len(z)) == i)) - at) / STEP
+        turned = {**motion.inputs, "alpha": motion.inputs["alpha"] + SLIP_STEP}
+        by_slip = (added(z, replace(motion, inputs=turned)) - at) / SLIP_STEP
+        p = unknowns.car_values(car, z)
+        middle = (states[grid.left] + states[grid.right])[:, : len(MOTION)] / 2
+        ahead = np.array([p["cg_to_front"], -p["cg_to_rear"]])
+        slopes = np.stack([0.0 * by_slip, by_slip, by_slip * ahead], axis=2) / middle[:, :1, None]
+        offset = at - columns @ z[len(z) - last :] - np.einsum("kim,km->ki", slopes, middle)
+        return Added(offset, columns, slopes, further)
 
     return forces
 

@@ -25,15 +25,15 @@ from tirefmu.tires.code.modules import two_track
 
 from .effects import Motion, motion_of
 from .estimate import Estimate
-from .inputs.car import Car
+from .inputs.car import Car, loads_of
 from .inputs.grid import MEASURED, Grid
 from .inputs.unknowns import AXLES, Unknowns
 from .interval import BODY, OUTPUTS
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Length of a piece, s; longest Heun step, s.
-HORIZON, MAX_STEP = 2.0, 0.01
+#: Length of a piece, s; longest Heun step, s, and in the shorter time constant of lateral speed and yaw rate.
+HORIZON, MAX_STEP, MAX_SHARE = 2.0, 0.01, 0.5
 #: kappa, alpha, Fz, V and states of effects, shape (4, n) each, and the length of the step that follows with these
 #: inputs, s (0: none); the answer is Fx and Fy, shape (2, 4, n).
 TireForces = Callable[[Mapping[str, FloatArray], float], FloatArray]
@@ -60,9 +60,8 @@ def simulated(
 
     `known_car`: with the estimated entries of the car, not those of its file. `fmus`: the tires are four FMUs.
     """
-    estimated = unknowns.car_values(estimate.z)
-    p = {**car.values, **(estimated if known_car else {})}
-    p["cg_to_rear"] = p["wheelbase"] - p["cg_to_front"]
+    estimated = unknowns.car_values(car, estimate.z)
+    p = estimated if known_car else unknowns.car_values(car, 0.0 * estimate.z)
     body = [p[entry] for entry in BODY.values()]
     length = round(HORIZON / grid.step)
     starts = [
@@ -75,12 +74,13 @@ def simulated(
         return VehicleSimulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
     rows = np.array(starts)[:, None] + np.arange(length)
     # The offset of the steering is one of the log: both cars drive with it.
-    steer = grid.steer[:, rows] * car.values["ratio"] / p["ratio"] + estimated.get("offset", car.values["offset"])
+    steer = grid.steer[:, rows] * car.values["ratio"] / p["ratio"] + estimated["offset"]
     speed = estimate.states[:, 0]
     kappa = estimate.outputs.values[:, [OUTPUTS.index(f"kappa_{axle}") for axle in AXLES]][rows].repeat(2, axis=2)
     state = estimate.states[grid.left[rows[:, 0]], 1:3].T
     acceleration = np.zeros((2, len(rows)))
-    substeps = int(np.ceil(grid.step / MAX_STEP - 1e-9))
+    longest = min(MAX_STEP, MAX_SHARE * _shortest_time(p, tires, float(speed[grid.left[rows]].min())))
+    substeps = int(np.ceil(grid.step / longest - 1e-9))
     h = grid.step / substeps
     past = {} if fmus else states_of(motion_of(grid, estimate, unknowns, car), tires)
     with fmu_forces(tires, len(rows)) if fmus else nullcontext(code_forces(tires)) as forces:
@@ -102,6 +102,18 @@ def simulated(
                 [mean[1], (state[0] - before[0]) / grid.step + mean[1] * (ends[0] + ends[1]) / 2, mean[0]], axis=1
             )
     return VehicleSimulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
+
+
+def _shortest_time(p: Mapping[str, float], tires: Mapping[str, Tire], speed: float) -> float:
+    """Return the shorter time constant of lateral speed and yaw rate on the cornering stiffness of the tires, s."""
+    arms = p["cg_to_front"], p["cg_to_rear"]
+    slopes = [
+        tires[axle].forces(alpha=[-1e-3, 1e-3], Fz=load / 2, code="numpy")["Fy"]
+        for axle, load in zip(AXLES, loads_of(p), strict=True)
+    ]
+    stiffness = [abs(float(Fy[1] - Fy[0])) / 1e-3 for Fy in slopes]  # of both wheels
+    turning = sum(C * arm**2 for C, arm in zip(stiffness, arms, strict=True)) / p["yaw_inertia"]
+    return speed / max(sum(stiffness) / p["mass"], turning)
 
 
 def _rates(
@@ -144,8 +156,7 @@ def estimated_motion(grid: Grid, estimate: Estimate) -> FloatArray:
 def _errors(motion: FloatArray, grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> dict[str, float]:
     """Return the rms of simulated minus estimated motion, and minus the measured yaw rate, its offset removed."""
     reference = estimated_motion(grid, estimate)
-    offset = {**car.values, **unknowns.car_values(estimate.z)}["yaw_rate_offset"]
-    yaw_rate = grid.means[MEASURED.index("yaw_rate")] - offset
+    yaw_rate = grid.means[MEASURED.index("yaw_rate")] - unknowns.car_values(car, estimate.z)["yaw_rate_offset"]
     reference[:, 0] = np.where(np.isfinite(yaw_rate), yaw_rate, reference[:, 0])
     squares = ((motion - reference) ** 2)[np.isfinite(motion[:, 0])]
     rms = np.sqrt(squares.mean(axis=0)) if len(squares) else np.full(3, np.nan)

@@ -96,7 +96,7 @@ def verdict_on(
         for name, factor in factors[axle].items()
         if factor.determined and factor.changed > CERTAIN
     )
-    values = unknowns.car_values(estimate.z)
+    values = unknowns.car_values(car, estimate.z)
     of_car = tuple(
         CarFinding(name, values[name], car.values[name], float(z), wrong[name])
         for name, z in zip(unknowns.car, estimate.z, strict=False)
@@ -160,8 +160,3 @@ def _car_lines(of_car: tuple[CarFinding, ...], unknown: tuple[str, ...], estimat
         for axle in unknown
     ]
     return lines if estimate.converged else [*lines, "the estimate did not converge: the numbers are rough"]
-
-
-def worst_car_deviation(estimate: Estimate, unknowns: Unknowns) -> float:
-    """Return the largest deviation of an entry of the car from its file, in standard deviations."""
-    return float(np.max(np.abs(estimate.z[: len(unknowns.car)]), initial=0.0))

@@ -76,9 +76,14 @@ class Car:
     @property
     def axle_loads(self) -> tuple[float, float]:
         """Static loads of the front and of the rear axle, N."""
-        rear = self.values["cg_to_front"] / self.values["wheelbase"]
-        weight = GRAVITY * self.values["mass"]
-        return weight * (1.0 - rear), weight * rear
+        return loads_of(self.values)
+
+
+def loads_of(entries: Mapping[str, Any]) -> tuple[Any, Any]:
+    """Return the static loads of the axles, N, from entries that are numbers or CasADi expressions."""
+    weight = GRAVITY * entries["mass"]
+    rear = weight * entries["cg_to_front"] / entries["wheelbase"]
+    return weight - rear, rear
 
 
 def read_car(path: str | Path) -> Car:

@@ -148,14 +148,13 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
         noise[-1] = RATE_DEVIATION
     empty = np.zeros((4, len(chosen)))
     grid = Grid(step, middle[chosen], left, left + 1, means, noise, empty[:2], empty, rims[:, chosen])
-    return with_steering(grid, log, car, {})
+    return with_steering(grid, log, car, car.values)
 
 
-def with_steering(grid: Grid, log: Log, car: Car, estimated: Mapping[str, float]) -> Grid:
-    """Return a grid with the steering angle at the estimated delay and lag, by default those of the car."""
-    values = {**car.values, **estimated}
+def with_steering(grid: Grid, log: Log, car: Car, entries: Mapping[str, float]) -> Grid:
+    """Return a grid with the steering angle at the delay and the lag of entries of the car."""
     t, angle = _wheel_angle(log, car)
-    delay, lag = values["delay"], max(values["lag"], 0.0)
+    delay, lag = entries["delay"], max(entries["lag"], 0.0)
     ends = grid.t + np.array([[-0.5], [0.5]]) * grid.step
 
     def at(delay: float, lag: float) -> FloatArray:

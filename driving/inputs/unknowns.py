@@ -54,9 +54,10 @@ class Unknowns:
     def __len__(self) -> int:
         return len(self.car) + len(self.factors)
 
-    def car_values(self, z: FloatArray) -> dict[str, float]:
-        """Return the entries of the car."""
-        return {name: float(self.entry(i, z[i], np.exp)) for i, name in enumerate(self.car)}
+    def car_values(self, car: Car, z: FloatArray) -> dict[str, float]:
+        """Return all entries of the car, and `cg_to_rear`."""
+        entries = {**car.values, **{name: float(self.entry(i, z[i], np.exp)) for i, name in enumerate(self.car)}}
+        return {**entries, "cg_to_rear": entries["wheelbase"] - entries["cg_to_front"]}
 
     def entry(self, i: int, z: Any, exp: Any) -> Any:
         """Return an entry of the car for its deviation; `exp`: the exponential of NumPy or CasADi."""

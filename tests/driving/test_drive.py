@@ -16,7 +16,9 @@ import tirefmu
 from tests.json_schemas import check_file, objections
 from tirefmu.boundary.errors import DataError
 from tirefmu.cli import main
+from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.driving import simulation
+from tirefmu.driving.effects import motion_of
 from tirefmu.driving.inputs.car import Car
 from tirefmu.driving.report import write_drive
 from tirefmu.tires import read_tir
@@ -146,6 +148,15 @@ def test_an_effect_that_the_tires_lack_is_named_and_delivered(relaxing, tmp_path
     assert {"relax_lat"} == read_tir(tmp_path / "front.tir").has - answer.tires["front"].has
     on_fmus = resimulated(answer, answer.scaled, fmus=True)
     assert on_fmus.rms["yaw_rate"] < 0.7 * answer.before.rms["yaw_rate"]
+
+
+def test_each_wheel_rolls_its_own_distance(answer):
+    motion = motion_of(answer.grid, answer.estimate, answer.unknowns, answer.car)
+    tables = motion.evaluated({axle: with_library(tire) for axle, tire in answer.tires.items()})
+    distances = np.concatenate([table["distance"].to_numpy().reshape(2, -1) for table in tables])
+    assert not distances[:, 0].any()
+    duration = motion.t[-1] - motion.t[0]
+    np.testing.assert_allclose(distances[:, -1], motion.inputs["V"].mean(axis=1) * duration, rtol=0.01)
 
 
 SAME = road.Truth({axle: dict.fromkeys(("LMUX", "LMUY", "LKX", "LKY"), 1.0) for axle in ("front", "rear")}, {})
