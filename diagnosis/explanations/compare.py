@@ -290,6 +290,7 @@ class _Table:
         Others are from `REFIT_MARGIN` on. In rivals of the leading explanation the first `RIVALS` effects also are if
         they act through time: these are not linear in their coefficients.
         """
+        self.progress(f"adding an effect to {', '.join(refit.explanation.parts) or 'the baseline model'}")
         candidates, model = refit.linear.candidates, refit.linear.simulator.symbolic_model
         parts = self.leader.explanation.parts
         rivals = RIVALS if len(refit.explanation.parts) < len(parts) or not parts else 0

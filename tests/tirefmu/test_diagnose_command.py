@@ -50,7 +50,7 @@ def test_a_hidden_effect_is_identified_and_written(recording, tmp_path, capsys):
     assert [line.split("; ")[-1].split(",")[0] for line in lines if "; stage " in line] == [
         f"stage {number} of 4" for number in range(1, 5)
     ]
-    assert any(line.startswith(f"{COMPARING}: comparing camber_thrust with other explanations") for line in lines)
+    assert any(line.startswith(f"{COMPARING}: adding an effect to camber_thrust") for line in lines)
     assert reported["found"][0]["effect"] == "camber_thrust"
     assert reported["gap"]["holdout"]["Fy"]["after"] < 0.6 * reported["gap"]["holdout"]["Fy"]["before"]
     improved, base = read_tir(folder / reported["tire"]), read_tir(folder / reported["base_tire"])
