@@ -62,12 +62,12 @@ def compared(
     at_few = few.at(baseline.parameters, baseline.free)
     linear = Linearization(Explanation(), few, at_few, dict(sorted(candidates.items())))
     seen, explained = set[tuple[str, ...]](), 0.0
-    for _ in range(ESTIMATES):
+    for remaining in reversed(range(ESTIMATES)):
         table = _table(linear, baseline, explained, progress)
         table.climb(linear)
         seen.add(linear.explanation.parts)
         # Two explanations may lead in turn, each under the noise of the other one: then the smaller one is the leader.
-        if table.leads_again(seen, linear.explanation):
+        if table.leads_again(seen, linear.explanation) or not remaining:
             table.compare()
             table.propose()
             if table.leads_again(seen, linear.explanation):
