@@ -58,7 +58,7 @@ perturb: $(VENV)/installed-dev  ## fits and a diagnosis have equal results with 
 	TIREFMU_PERTURB=1 $(BIN)/pytest tests/fitting/test_perturbations.py $(PYTEST_ARGS)
 
 workers: $(VENV)/installed-dev  ## two Dask workers, one of them killed midway: diagnoses with FMUs, a study, cross-validation, a bootstrap
-	TIREFMU_WORKERS=1 $(BIN)/pytest tests/batch/test_execution.py tests/batch/test_intervals.py $(PYTEST_ARGS)
+	TIREFMU_WORKERS=1 $(BIN)/pytest tests/batch/test_two_workers.py tests/batch/test_intervals.py $(PYTEST_ARGS)
 
 discovery: $(VENV)/installed-dev  ## success rate of the diagnosis over made recordings: two suites, see docs/discovery.md
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/discovery.py $(DISCOVERY_ARGS)

@@ -4,11 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.boundary.errors import DataError, FitError
-from tirefmu.estimation.nominal_values import check_nominal, check_radius
-from tirefmu.measurements import Recording, check_plausible, read_recording
-from tirefmu.measurements.column_meaning.radii import radii
-from tirefmu.symbolic.models import model_named
+from tirefmu.boundary.errors import DataError
+from tirefmu.measurements import Recording, check_plausible
 
 
 def recording(signs="iso", declared="", **columns) -> Recording:
@@ -27,7 +24,6 @@ def recording(signs="iso", declared="", **columns) -> Recording:
         ({"kappa": [-4.0, 4.0], "Fx": [-1.0, 1.0]}, "backwards: in percent? declare it: 'kappa [%]' (or 'kappa [1]')"),
         ({"kappa": [-15.0, 100.0]}, "kappa reaches 100: in percent? declare it: 'kappa [%]'"),
         ({"Fz": [0.9, 1.1]}, "no |Fz| is above 1.1 N: in kN?"),
-        ({"Fz": [5e6]}, "Fz reaches 5e+06 N: in another unit?"),
         ({"p": [83.0, 84.0]}, "p is about 83.5 Pa: in kPa?"),
         ({"p": [2.2, 2.2]}, "p is about 2.2 Pa: in bar?"),
         ({"p": [12.0, 14.0]}, "p is about 13 Pa: in psi?"),
@@ -75,36 +71,3 @@ def test_a_declared_unit_is_used(name, value):
 def test_declared_unit_does_not_excuse_the_sign():
     with pytest.raises(DataError, match="SAE signs"):
         check_plausible(recording(declared="Fz", Fz=[-900.0]))
-
-
-# ---------------------------------------------- Radii that a bench file shows, and nominal values that contradict them
-
-
-@pytest.mark.parametrize(
-    ("title", "radius"),
-    [("Hoosier 43075 16x7.5-10 LCO, 7 inch rim", 0.2032), ("18.0x6.0-10", 0.2286), ("205/55R16", 0.316), ("R7", None)],
-)
-def test_the_size_of_a_tire_gives_its_radius(title, radius):
-    found = radii(Recording(pd.DataFrame(), "iso", "a", {"tireid": title}))
-    assert found == ({} if radius is None else {"size of its tire": pytest.approx(radius, abs=1e-4)})
-
-
-@pytest.mark.parametrize(("wheel", "loaded", "expected"), [
-    (468.5, 21.96, {"loaded radius": 0.2196, "wheel speed": 0.2265}), (0.03, 64178.97, {}), (0.0, np.nan, {})
-])  # fmt: skip
-def test_unusable_channels_of_a_bench_give_no_radius(tmp_path, wheel, loaded, expected):
-    rows = pd.DataFrame({"ET": np.arange(9) / 100.0, "SA": 1.0, "IA": 0.0, "FZ": -900.0, "FY": 1.0, "V": 40.0})
-    rows.assign(N=wheel, RL=loaded).to_csv(tmp_path / "a.csv", index=False)
-    assert radii(read_recording(tmp_path / "a.csv")) == pytest.approx(expected, abs=1e-4)
-
-
-def test_nominal_values_that_contradict_the_recordings_are_refused():
-    bench = Recording(pd.DataFrame({"Fz": [190.0, 700.0, 1168.0]}), "iso", "a", {"loaded radius": "0.22"})
-    check_radius({"R0": 0.23}, [bench])
-    check_radius({}, [bench])
-    with pytest.raises(FitError, match=r"R0 = 0.46 m contradicts a: 0.22 m by the loaded radius"):
-        check_radius({"R0": 0.46}, [bench])
-    model = model_named("mf96")
-    check_nominal({"Fz0": 220.0, "R0": 0.23}, model, [bench.table])
-    with pytest.raises(FitError, match=r"Fz0 = 3600 N is far outside the tested loads, 200.2 to 1159 N"):
-        check_nominal({"Fz0": 3600.0, "R0": 0.23}, model, [bench.table])
