@@ -138,7 +138,7 @@ hosts: $(VENV)/installed-dev  ## code for other programs, also with Ceres, CasAD
 	TIREFMU_HOSTS=1 $(BIN)/pytest tests/hosts $(PYTEST_ARGS)
 
 readers: $(VENV)/installed-dev  ## MFeval, OpenTirePython and Chrono on files of convert: TIREFMU_MFEVAL, TIREFMU_OPENTIRE, TIREFMU_CHRONO are their paths
-	$(BIN)/pytest tests/hosts/test_readers.py -rP
+	$(BIN)/pytest tests/exports/test_readers.py -rP
 
 check: $(VENV)/installed-dev types  ## lint, format, types, imports, and generated/ compared with the equations
 	$(BIN)/ruff check .

@@ -22,7 +22,7 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.boundary.errors import TirefmuError
-from tirefmu.cli import main
+from tirefmu.commands.cli import main
 from tirefmu.fitting import fit as fit_tire
 from tirefmu.measurements import check_columns, recordings_from
 

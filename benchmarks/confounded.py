@@ -14,18 +14,18 @@ from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
+from missing_effects.generator.bench import recorded
+from missing_effects.generator.cases import rounded
+from missing_effects.generator.draws import Draws
+from missing_effects.generator.effects import true_forces
+from missing_effects.generator.formula import Tire, drawn_tire
+from missing_effects.generator.programs import ANGLE, SLIP
 
+from tirefmu.applications.planning.bench_file import NOISE_LOAD, Bench, Limits
+from tirefmu.applications.planning.separation import pairs_in, plan_between
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.diagnosis import diagnose
 from tirefmu.measurements import Noise
-from tirefmu.missing_effects.generator.bench import recorded
-from tirefmu.missing_effects.generator.cases import rounded
-from tirefmu.missing_effects.generator.draws import Draws
-from tirefmu.missing_effects.generator.effects import true_forces
-from tirefmu.missing_effects.generator.formula import Tire, drawn_tire
-from tirefmu.missing_effects.generator.programs import ANGLE, SLIP
-from tirefmu.planning.bench_file import NOISE_LOAD, Bench, Limits
-from tirefmu.planning.separation import pairs_in, plan_between
 
 #: Hidden effects, and the inputs of which two vary together; without them all are constant.
 TOGETHER: dict[str, tuple[str, ...]] = {

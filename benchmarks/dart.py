@@ -22,10 +22,10 @@ import pandas as pd
 
 import tirefmu
 from tirefmu import Tire
-from tirefmu.driving.inputs.car import read_car
-from tirefmu.driving.interval import OUTPUTS
-from tirefmu.driving.result import Drive
-from tirefmu.driving.simulation import simulated
+from tirefmu.applications.driving.inputs.car import read_car
+from tirefmu.applications.driving.interval import OUTPUTS
+from tirefmu.applications.driving.result import Drive
+from tirefmu.applications.driving.simulation import simulated
 
 CAR = Path(__file__).with_name("dart.toml")
 #: D, C and B of the authors: Fy = -Fz D sin(C atan(B alpha)).

@@ -25,7 +25,7 @@ import hidden
 import road
 
 import tirefmu
-from tirefmu.driving.inputs.car import Car
+from tirefmu.applications.driving.inputs.car import Car
 
 AXLES, NAMES = ("front", "rear"), ("LMUY", "LKY")
 #: What is wrong in the car file of the last drives, relative to the true car or absolute.

@@ -12,7 +12,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from tirefmu.explorer.explore import explore
+from tirefmu.applications.explorer.explore import explore
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire, published
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from tirefmu.demo import bench_tire
+from tirefmu.commands.demo import bench_tire
 from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, kappa_sweeps
 from tirefmu.tires import Tire

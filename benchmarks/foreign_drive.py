@@ -20,8 +20,8 @@ from vehiclemodels.vehicle_dynamics_mb import vehicle_dynamics_mb
 
 import tirefmu
 from tirefmu import Tire
-from tirefmu.driving.inputs.car import Car
-from tirefmu.driving.interval import OUTPUTS
+from tirefmu.applications.driving.inputs.car import Car
+from tirefmu.applications.driving.interval import OUTPUTS
 
 STEP, SECONDS, SPEED = 0.001, 30.0, 17.0
 #: Peak friction and cornering stiffness of the file relative to those of the car.

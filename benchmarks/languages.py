@@ -5,7 +5,7 @@
 
 The rows include zero slip, no load, reverse, standstill and large slips. `--write` replaces the computed cells of the
 table in docs/languages.md; a language whose compiler or package is missing keeps its cells. The self-tests run as
-in the tests (tests/hosts/self_tests.py).
+in the tests (tests/exports/self_tests.py).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "hosts"))
 from doc_tables import DOCS, cells_of, put, split, table
 from self_tests import COMMANDS, command_of, differences
 
-from tirefmu.hosts.printout import printed, program_of
+from tirefmu.applications.exports.printout import printed, program_of
 from tirefmu.symbolic.printers.languages import LANGUAGES, printer
 from tirefmu.symbolic.printers.languages.program import FUNCTIONS, PrintoutSelection, Program
 from tirefmu.tires import Tire, published, read_tir

@@ -7,10 +7,10 @@ import sys
 from pathlib import Path
 
 from doc_tables import DOCS, put, table, version_text
+from missing_effects.entries import ENTRIES
+from missing_effects.score import HEAD, row
 
-from tirefmu.cli import main as tirefmu
-from tirefmu.missing_effects.entries import ENTRIES
-from tirefmu.missing_effects.score import HEAD, row
+from tirefmu.commands.cli import main as tirefmu
 
 OUTPUT = Path(__file__).parents[1] / "build" / "missing_effects"
 TITLES = {"tires": "Tires", "systems": "Systems that are not tires"}

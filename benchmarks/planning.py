@@ -13,11 +13,11 @@ from math import radians
 import numpy as np
 import pandas as pd
 
-from tirefmu.demo import bench_tire
+from tirefmu.applications.planning.bench_file import Bench, Limits
+from tirefmu.applications.planning.plan import plan
+from tirefmu.commands.demo import bench_tire
 from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, Program, VirtualBench, alpha_sweeps, concatenate, kappa_sweeps, recording_from
-from tirefmu.planning.bench_file import Bench, Limits
-from tirefmu.planning.plan import plan
 from tirefmu.tires import Tire, published, read_tir
 from tirefmu.tires.evaluation import quantities
 

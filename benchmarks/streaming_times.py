@@ -26,7 +26,7 @@ PART = 250_000
 #: Runs a command line in a process of its own and prints peak memory, kB, and CPU time, s, with those of its children.
 MEASURED = """
 import json, os, resource, sys
-from tirefmu.cli import main
+from tirefmu.commands.cli import main
 status = main(sys.argv[1:])
 from tirefmu.measurements.files import native_reader
 native_reader.close()

@@ -6,17 +6,16 @@ import time
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 
-from tirefmu.boundary.errors import UnknownName, no_single_text
-from tirefmu.estimation.nominal_values import check_nominal
-from tirefmu.estimation.one_thread import one_blas_thread
-from tirefmu.estimation.turn_slip import with_turn_slip
-from tirefmu.measurements import Recording, TableLike, check_columns, recording_from
-from tirefmu.symbolic import DEFAULT_MODEL
-from tirefmu.symbolic.added import AddedEffect
-from tirefmu.symbolic.models import model_named, whole_library
-from tirefmu.tires import TireLike, tire_from
-from tirefmu.tires.tire import Tire
-
+from ..boundary.errors import UnknownName, no_single_text
+from ..measurements import Recording, TableLike, check_columns, recording_from
+from ..measurements.nominal_values import check_nominal
+from ..measurements.turn_slip import with_turn_slip
+from ..numerics.one_thread import one_blas_thread
+from ..symbolic import DEFAULT_MODEL
+from ..symbolic.added import AddedEffect
+from ..symbolic.models import model_named, whole_library
+from ..tires import TireLike, tire_from
+from ..tires.tire import Tire
 from .explanations.compare import compared
 from .explanations.explanation import Explanation
 from .explanations.final import final_fits

@@ -10,9 +10,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg import cho_factor, cho_solve
 
-from tirefmu.estimation.gauss_newton import Damping, minimize
-from tirefmu.estimation.noise_model import Whitening
-
+from ..numerics.gauss_newton import Damping, minimize
+from ..numerics.noise_model import Whitening
 from .recording.disturbances import Disturbances
 from .recording.simulation import Simulator
 

@@ -9,17 +9,17 @@ There are three kinds of reasons:
 One value, `INEXACT_SHARE`, is calibrated on made recordings.
 
 Settings of one effect are in its file
-(docs/effects.md), those of `tirefmu.estimation` in its modules.
+(docs/effects.md), those of `tirefmu.numerics` in its modules.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-from tirefmu.measurements.virtual_bench.bench_errors import CROSS_TALK_PRIOR_SHARE as CROSS_TALK_PRIOR_SHARE
-from tirefmu.measurements.virtual_bench.bench_errors import DRIFT_WAVES as DRIFT_WAVES
-from tirefmu.measurements.virtual_bench.bench_errors import MAX_CROSS_TALK as MAX_CROSS_TALK
-from tirefmu.measurements.virtual_bench.bench_errors import MAX_SKEW as MAX_SKEW
+from ..measurements.virtual_bench.bench_errors import CROSS_TALK_PRIOR_SHARE as CROSS_TALK_PRIOR_SHARE
+from ..measurements.virtual_bench.bench_errors import DRIFT_WAVES as DRIFT_WAVES
+from ..measurements.virtual_bench.bench_errors import MAX_CROSS_TALK as MAX_CROSS_TALK
+from ..measurements.virtual_bench.bench_errors import MAX_SKEW as MAX_SKEW
 
 # ------------------------------------------------------------------ the recording
 

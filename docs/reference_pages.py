@@ -17,9 +17,9 @@ import sympy
 
 import tirefmu
 from tirefmu.boundary.escaping import html_text
-from tirefmu.catalogue import effects, models, published_tires
-from tirefmu.cli import cli
-from tirefmu.schemas import KINDS, schema
+from tirefmu.commands.cli import cli
+from tirefmu.commands.schemas import KINDS, schema
+from tirefmu.measurements.catalogue import effects, models, published_tires
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.models import MODELS

@@ -15,7 +15,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from tirefmu.hosts.printout import generate
+from tirefmu.applications.exports.printout import generate
 from tirefmu.tires import published
 
 MASS, INERTIA, GRAVITY = 100.0, 0.4, 9.81

@@ -12,14 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from tirefmu.boundary.errors import FitError
-from tirefmu.estimation.nominal_values import NOMINAL
-from tirefmu.measurements import Recording, TableLike, group_by_condition, recordings_from
-from tirefmu.measurements.arrays import FloatArray, IntArray
-from tirefmu.measurements.operating_conditions.levels import MAX_LEVELS
-from tirefmu.tires.code import fastest_code
-from tirefmu.tires.tire import Tire
-
+from ..boundary.errors import FitError
+from ..measurements import Recording, TableLike, group_by_condition, recordings_from
+from ..measurements.nominal_values import NOMINAL
+from ..measurements.operating_conditions.levels import MAX_LEVELS
+from ..numerics.arrays import FloatArray, IntArray
+from ..tires.code import fastest_code
+from ..tires.tire import Tire
 from .fit import fit
 from .problem.rows import Rows
 from .results.fit_result import FitResult
@@ -67,7 +66,7 @@ def cross_validate(
         The fit of all data, if it exists already.
     compute : callable
         Returns the tire of each task, in their order. Default: one after another, in this process
-        (`tirefmu.batch.cross_validation` distributes them).
+        (`tirefmu.applications.batch.cross_validation` distributes them).
     **options
         Options of `tirefmu.fitting.fit`.
 

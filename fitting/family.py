@@ -19,13 +19,12 @@ from math import isfinite
 import numpy as np
 from scipy.special import fdtrc
 
-from tirefmu.boundary.errors import FitError
-from tirefmu.measurements.arrays import FloatArray
-from tirefmu.symbolic.model import Model
-from tirefmu.tires import TireLike
-from tirefmu.tires.tire import Tire
-from tirefmu.tires.tire_argument import tires_from
-
+from ..boundary.errors import FitError
+from ..numerics.arrays import FloatArray
+from ..symbolic.model import Model
+from ..tires import TireLike
+from ..tires.tire import Tire
+from ..tires.tire_argument import tires_from
 from .problem.influence import typical_size
 from .problem.prior import Prior
 from .results.records import FittedCoefficient

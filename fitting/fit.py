@@ -9,12 +9,11 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from tirefmu.boundary.errors import FitError
-from tirefmu.estimation.one_thread import one_blas_thread
-from tirefmu.measurements import TableLike, check_columns, recordings_from
-from tirefmu.measurements.provenance import table_digest
-from tirefmu.tires import TireLike
-
+from ..boundary.errors import FitError
+from ..measurements import TableLike, check_columns, recordings_from
+from ..measurements.provenance import table_digest
+from ..numerics.one_thread import one_blas_thread
+from ..tires import TireLike
 from .fit_run import FitRun
 from .options import FitOptions
 from .resampling.bounds import with_consequences

@@ -10,12 +10,11 @@ from math import nan
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import FitError
-from tirefmu.measurements.recording import distinct
-from tirefmu.tires.code import fastest_code
-from tirefmu.tires.property_file.names import assumed_lines, in_written_order
-from tirefmu.tires.tire import Tire
-
+from ..boundary.errors import FitError
+from ..measurements.recording import distinct
+from ..tires.code import fastest_code
+from ..tires.property_file.names import assumed_lines, in_written_order
+from ..tires.tire import Tire
 from .constraints.physical import operating_range
 from .constraints.verification import VerifiedConstraints
 from .data.simulated_states import with_states

@@ -6,9 +6,9 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from math import inf, isfinite
 
-from tirefmu.boundary.errors import FitError
-from tirefmu.boundary.escaping import excerpt
-from tirefmu.tires import TireLike
+from ..boundary.errors import FitError
+from ..boundary.escaping import excerpt
+from ..tires import TireLike
 
 #: Default weight of a slip stiffness that is read from the data: the study in docs/stiffness.md.
 STIFFNESS_WEIGHT = 10.0

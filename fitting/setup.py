@@ -8,17 +8,16 @@ from pathlib import Path
 
 import pandas as pd
 
-from tirefmu.boundary.errors import FitError, TirError, UnknownName, WrongType, no_single_text
-from tirefmu.estimation.nominal_values import NOMINAL, check_nominal, check_radius
-from tirefmu.measurements import Recording
-from tirefmu.symbolic import DEFAULT_MODEL
-from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.models import model_named, with_library
-from tirefmu.tires import TireLike, tire_from
-from tirefmu.tires.code.printed import model_with
-from tirefmu.tires.property_file.names import not_given
-from tirefmu.tires.tire import Tire
-
+from ..boundary.errors import FitError, TirError, UnknownName, WrongType, no_single_text
+from ..measurements import Recording
+from ..measurements.nominal_values import NOMINAL, check_nominal, check_radius
+from ..symbolic import DEFAULT_MODEL
+from ..symbolic.model import Model
+from ..symbolic.models import model_named, with_library
+from ..tires import TireLike, tire_from
+from ..tires.code.printed import model_with
+from ..tires.property_file.names import not_given
+from ..tires.tire import Tire
 from .constraints.physical import Constraint, chosen_constraints
 from .data.fit_data import FitData, prepare
 from .data.initial_values import starting_values

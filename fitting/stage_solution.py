@@ -11,8 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from tirefmu.measurements.arrays import FloatArray
-
+from ..numerics.arrays import FloatArray
 from .constraints.verification import APPROACHED, VERIFIED, ConstraintPoints, VerifiedConstraints
 from .problem.weighted_residuals import Problem
 from .solvers.ipopt import Progress, SolverResult

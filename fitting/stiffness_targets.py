@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import pandas as pd
 
-from tirefmu.measurements.arrays import FloatArray
-
+from ..numerics.arrays import FloatArray
 from .evidence.residuals import Residuals
 from .evidence.slip_stiffness import slope_targets
 from .problem.slope_targets import SlopeTarget

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tirefmu.boundary.on_demand import on_demand
+from ..boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
     from .comparison.check import check

@@ -7,24 +7,24 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tirefmu.boundary.on_demand import on_demand
+from ..boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
     from .channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
-    from .column_meaning.check import check_columns, column_notes
-    from .column_meaning.limits import check_plausible
+    from .checks.columns.check import check_columns, column_notes
+    from .checks.columns.limits import check_plausible
+    from .checks.recordings.data_findings import data_findings
+    from .checks.recordings.finding import Finding
+    from .checks.recordings.one_recording import incomplete_rows
+    from .checks.recordings.residual_causes import residual_findings
+    from .checks.rows.coverage import Coverage, coverage, coverage_notes
+    from .checks.rows.outliers import Outlier, outliers
+    from .checks.rows.row_exclusion import EXCLUSION_REASONS, RowExclusion, exclude_rows
     from .files.reading import READERS, read_recording
     from .files.writing import write_table
-    from .findings.data_findings import data_findings
-    from .findings.finding import Finding
-    from .findings.one_recording import incomplete_rows
-    from .findings.residual_causes import residual_findings
     from .operating_conditions.grouping import Grouping, group_by_condition
     from .operating_conditions.levels import held_levels, level_tolerance, levels
     from .operating_conditions.phases import Phase, phases, transitions
-    from .quality.coverage import Coverage, coverage, coverage_notes
-    from .quality.outliers import Outlier, outliers
-    from .quality.row_exclusion import EXCLUSION_REASONS, RowExclusion, exclude_rows
     from .recording import Recording
     from .row_selection.selected import selected
     from .table_argument import TableLike, recording_from, recordings_from

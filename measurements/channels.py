@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf, radians
 
-from tirefmu.boundary.errors import UnknownName
-from tirefmu.boundary.typed_numbers import RANGES
+from ..boundary.errors import UnknownName
+from ..boundary.typed_numbers import RANGES
 
 
 @dataclass(frozen=True)

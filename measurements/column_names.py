@@ -8,8 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable
 
-from tirefmu.boundary.errors import DataError, UnknownName
-
+from ..boundary.errors import DataError, UnknownName
 from .channels import CHANNELS, INPUTS, channel
 from .units import unit_named
 

@@ -1,7 +1,7 @@
 """How columns of a table are to be read: which column is which channel, with which sign, in which unit.
 
 The options ``--columns`` and ``--units`` are an interpretation, and so is each hypothesis about a table
-(`tirefmu.measurements.column_meaning`): what a message advises is what an option does.
+(`tirefmu.measurements.checks.columns`): what a message advises is what an option does.
 """
 
 from __future__ import annotations
@@ -11,9 +11,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from tirefmu.boundary.errors import DataError, nearest
-
-from .arrays import FloatArray
+from ..boundary.errors import DataError, nearest
+from ..numerics.arrays import FloatArray
 from .channels import CHANNELS, channel
 from .recording import Recording
 from .units import Unit, to_si, unit_of

@@ -14,13 +14,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError
-from tirefmu.tires.signs import reversed_columns
-from tirefmu.tires.tire import Tire
-
-from .arrays import FloatArray
+from ..boundary.errors import DataError
+from ..numerics.arrays import FloatArray
+from ..tires.signs import reversed_columns
+from ..tires.tire import Tire
 from .channels import CHANNELS, INPUTS
-from .column_meaning.limits import check_plausible
+from .checks.columns.limits import check_plausible
 from .column_names import check_names
 from .files.parquet_table import parquet_header, parquet_parts
 from .recording import Recording

@@ -11,12 +11,11 @@ from typing import Any, Concatenate, ParamSpec, TypeVar
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError
-from tirefmu.boundary.escaping import excerpt
-from tirefmu.tires.notebook import html_summary, html_table
-from tirefmu.tires.signs import convert_signs, reversed_columns
-
-from .arrays import IntArray
+from ..boundary.errors import DataError
+from ..boundary.escaping import excerpt
+from ..numerics.arrays import IntArray
+from ..tires.notebook import html_summary, html_table
+from ..tires.signs import convert_signs, reversed_columns
 from .channels import CHANNELS, OUTPUTS
 from .column_names import check_names
 from .thresholds import LOGGING_GAP

@@ -9,15 +9,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError, WrongType
-
+from ..boundary.errors import DataError, WrongType
 from .channels import CHANNELS
-from .column_meaning.limits import check_plausible
+from .checks.columns.limits import check_plausible
+from .checks.rows.incomplete_rows import without_incomplete_rows
 from .column_names import check_names
 from .files.columns import check_finite
 from .files.reading import read_recording
 from .interpretation import Interpretation
-from .quality.incomplete_rows import without_incomplete_rows
 from .recording import Recording
 
 #: Types that the functions of the public interface accept as a table.

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tirefmu.boundary.errors import DataError, UnknownName
-
-from .arrays import FloatArray
+from ..boundary.errors import DataError, UnknownName
+from ..numerics.arrays import FloatArray
 
 PSI = 6894.757293168361  # Pa, from the pound-force and the inch
 POUND = 4.4482216152605  # N, exact

@@ -8,8 +8,7 @@ from functools import lru_cache
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 
-from tirefmu.boundary.errors import UnknownName
-
+from ..boundary.errors import UnknownName
 from .added import AddedEffect, effect_text, library, texts_digest
 from .model import Model
 from .model.discovery import found_models

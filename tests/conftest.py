@@ -46,7 +46,8 @@ def compiled_code(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPath
 @pytest.fixture(scope="session", autouse=True)
 def coarse_figures() -> Iterator[None]:
     """Draw figures with fewer pixels, whose number is not tested: they take most of the time of a report."""
-    from tirefmu.tires.drawing import files, picture
+    from tirefmu.drawing import picture
+    from tirefmu.tires.drawing import files
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(picture, "DPI", 40)

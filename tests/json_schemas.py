@@ -8,8 +8,8 @@ from functools import cache
 
 import jsonschema
 
-from tirefmu.cli import cli
-from tirefmu.schemas import schema
+from tirefmu.commands.cli import cli
+from tirefmu.commands.schemas import schema
 
 
 @cache

@@ -60,8 +60,8 @@ EMPTY_WORDS = {"each", "one", "own", "found", "known"}
 NOT_NAMED = ("benchmarks", "examples", "tests", "generated")
 #: The field `Diagnosis.found`, and keys of the JSON of a diagnosis and of a drive.
 AS_THEY_ARE = {
-    "batch/diagnose_many.py: found", "diagnosis/verdict/composition.py: found", "diagnosis/verdict/content.py: found",
-    "diagnosis/verdict/result.py: found", "driving/drive_content.py: found",
+    "applications/batch/diagnose_many.py: found", "diagnosis/verdict/composition.py: found", "diagnosis/verdict/content.py: found",
+    "diagnosis/verdict/result.py: found", "applications/driving/drive_content.py: found",
 }  # fmt: skip
 
 

@@ -12,13 +12,12 @@ from typing import Self
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.boundary.errors import TireError, UnknownName, no_single_text
-from tirefmu.symbolic.added import AddedEffect, library
-from tirefmu.symbolic.declarations import Coefficient
-from tirefmu.symbolic.model import INDISPENSABLE, Model
-from tirefmu.symbolic.models import with_library
-from tirefmu.symbolic.options import OPTIONS
-
+from ..boundary.errors import TireError, UnknownName, no_single_text
+from ..symbolic.added import AddedEffect, library
+from ..symbolic.declarations import Coefficient
+from ..symbolic.model import INDISPENSABLE, Model
+from ..symbolic.models import with_library
+from ..symbolic.options import OPTIONS
 from .code.printed import model_with
 from .signs import TABLE_INPUTS
 

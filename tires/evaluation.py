@@ -9,15 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.boundary.errors import DataError, UnknownName
-from tirefmu.symbolic.model import Model
-
+from ..boundary.errors import DataError, UnknownName
+from ..symbolic.model import Model
 from .code import Code, code_for, fastest_code
 from .definition import TireDefinition
 from .forces import Forces
 from .signs import MIRRORED, TABLE_INPUTS, convert_signs, reversed_columns
-from .states import StateSimulation, equilibrium
-from .transient import lagged_course, rolled_distance, with_pauses
+from .states.simulation import StateSimulation, equilibrium
+from .states.transient import lagged_course, rolled_distance, with_pauses
 
 if TYPE_CHECKING:
     import pandas as pd

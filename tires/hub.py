@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tirefmu.boundary.errors import UnknownName
-from tirefmu.symbolic.declarations import Quantity
-from tirefmu.symbolic.wheel.quantities import (
+from ..boundary.errors import UnknownName
+from ..symbolic.declarations import Quantity
+from ..symbolic.wheel.quantities import (
     CARRIER,
     CONTACT_FORCES,
     CONTACT_POINT,
@@ -24,7 +24,6 @@ from tirefmu.symbolic.wheel.quantities import (
     SPIN,
     WRENCH,
 )
-
 from .code.modules import wheel_kinematics
 
 #: Default values other than 0: the carrier's axes are the global axes, the road is level.

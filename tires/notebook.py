@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from html import escape
 
-from tirefmu.boundary.escaping import excerpt
+from ..boundary.escaping import excerpt
 
 #: The longest text of a cell, in characters.
 LONGEST = 200

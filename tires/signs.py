@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tirefmu.boundary.errors import UnknownName
+from ..boundary.errors import UnknownName
 
 if TYPE_CHECKING:
     import pandas as pd

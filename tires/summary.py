@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from tirefmu.boundary.escaping import excerpt
-
+from ..boundary.escaping import excerpt
 from .definition import TireDefinition
 from .notebook import html_details, html_summary, html_table
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Protocol
 
-from tirefmu.boundary.errors import WrongType
+from ..boundary.errors import WrongType
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
-from tirefmu.boundary.errors import UnknownName
-from tirefmu.boundary.typed_numbers import check_typed
-
+from ..boundary.errors import UnknownName
+from ..boundary.typed_numbers import check_typed
 from .definition import TireDefinition
 from .evaluation import Conventions, evaluate, forces
 from .forces import Forces
@@ -21,7 +20,7 @@ from .table_argument import table_from
 if TYPE_CHECKING:
     import pandas as pd
 
-    from .drawing.own_matplotlib import MatplotlibFigure
+    from ..drawing.own_matplotlib import MatplotlibFigure
 
 
 class Tire(TireDefinition):

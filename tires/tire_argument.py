@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from tirefmu.boundary.errors import TireError, UnknownName, WrongType
-
+from ..boundary.errors import TireError, UnknownName, WrongType
 from .property_file.reading import read_tir
 from .published_tires import PUBLISHED, published
 from .tire import Tire

@@ -98,7 +98,7 @@ def read_answer(folder: Path, case: str, channels: list[str], rows: int) -> Answ
     """
     path = folder / f"{case}.json"
     content = _json(path)
-    schema = json.loads((files("tirefmu.missing_effects") / "answer.schema.json").read_text(encoding="utf-8"))
+    schema = json.loads((files("missing_effects") / "answer.schema.json").read_text(encoding="utf-8"))
     check_content(content, schema, str(path), DataError)
     if content["case"] != case:
         raise DataError(f"{path}: is the answer to {content['case']}")

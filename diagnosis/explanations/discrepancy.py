@@ -15,8 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 
-from tirefmu.measurements.virtual_bench.bench_errors import half_waves
-
+from ...measurements.virtual_bench.bench_errors import half_waves
 from ..recording.disturbances import passed
 from ..recording.load_error import LAGS, load_error_responses
 from ..recording.signals import Signals

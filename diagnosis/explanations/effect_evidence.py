@@ -9,8 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import chdtrc, ndtri
 
-from tirefmu.estimation.block_regression import error_of_sum
-
+from ...numerics.block_regression import error_of_sum
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS, STRETCHES
 

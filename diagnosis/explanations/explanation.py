@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.detection import Form
-
+from ...symbolic.detection import Form
 from ..thresholds import EFFECT_ODDS
 from ..unexplained.features import Feature, Location
 

@@ -13,10 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.estimation.noise_model import Whitening, noise_parts
-from tirefmu.symbolic.detection import Form
-from tirefmu.tires.tire import Tire
-
+from ...numerics.noise_model import Whitening, noise_parts
+from ...symbolic.detection import Form
+from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS, MAX_WHITENED_MISFIT

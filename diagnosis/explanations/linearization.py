@@ -9,8 +9,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.detection import Form
-
+from ...symbolic.detection import Form
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import CORE, Candidate, declared_candidate, is_testable, refinements_for
 from ..probing.effect_probing import probed, unfitted

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.model import Model
-
+from ...symbolic.model import Model
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..thresholds import UNKNOWN_SHARE

@@ -8,12 +8,11 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.estimation.periodic_lines import periodic_lines
-from tirefmu.symbolic.declarations import Coefficient
-from tirefmu.symbolic.model import Model
-from tirefmu.tires.code import code_for
-from tirefmu.tires.tire import Tire
-
+from ...numerics.periodic_lines import periodic_lines
+from ...symbolic.declarations import Coefficient
+from ...symbolic.model import Model
+from ...tires.code import code_for
+from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 from ..recording.disturbances import disturbances_of
 from ..recording.outliers import short_range

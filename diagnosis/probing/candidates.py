@@ -7,11 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tirefmu.symbolic.declarations import Coefficient
-from tirefmu.symbolic.detection import Detection, Form
-from tirefmu.symbolic.model import Model
-from tirefmu.tires.tire import Tire
-
+from ...symbolic.declarations import Coefficient
+from ...symbolic.detection import Detection, Form
+from ...symbolic.model import Model
+from ...tires.tire import Tire
 from ..recording.signals import Signals
 from ..thresholds import MAX_BLOCKS, MIN_VARIATION, MIN_VARIATION_IN_NOISE
 

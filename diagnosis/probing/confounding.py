@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.detection import Detection
-
+from ...symbolic.detection import Detection
 from ..recording.skew import delay_response
 from ..thresholds import MIN_SHARE, SIDE
 from .effect_probing import Screen

@@ -10,16 +10,8 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.estimation.block_regression import (
-    BlockSums,
-    autocovariance,
-    block_sums,
-    coloured_covariance,
-    regression,
-    wald_p,
-)
-from tirefmu.symbolic.detection import Form, Probe
-
+from ...numerics.block_regression import BlockSums, autocovariance, block_sums, coloured_covariance, regression, wald_p
+from ...symbolic.detection import Form, Probe
 from ..least_squares import LeastSquares, Solution
 from ..recording.simulation import Simulator
 from ..thresholds import FREE_PRIOR, MAX_CORRELATION_TIME, MIN_INDEPENDENT_SHARE, MIN_ROWS_OF_BLOCK

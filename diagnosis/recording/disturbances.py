@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.estimation.periodic_lines import PeriodicLine
-from tirefmu.measurements.virtual_bench.bench_errors import cross_talk, half_waves
-
+from ...measurements.virtual_bench.bench_errors import cross_talk, half_waves
+from ...numerics.periodic_lines import PeriodicLine
 from ..thresholds import CROSS_TALK_PRIOR_SHARE, DRIFT_PRIOR, DRIFT_WAVES, FREE_PRIOR, MAX_CROSS_TALK
 from .signals import Signals
 

@@ -12,8 +12,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.tires.transient import followed
-
+from ...tires.states.transient import followed
 from .simulation import Simulator
 
 FloatArray = npt.NDArray[np.float64]

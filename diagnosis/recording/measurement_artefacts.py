@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.estimation.smoothing import HALF_WIDTHS
-from tirefmu.estimation.wheel_periodicity import once_per_revolution
-from tirefmu.measurements import Recording
-from tirefmu.measurements.channels import OUTPUTS
-from tirefmu.tires.tire import Tire
-
+from ...measurements import Recording
+from ...measurements.channels import OUTPUTS
+from ...numerics.smoothing import HALF_WIDTHS
+from ...numerics.wheel_periodicity import once_per_revolution
+from ...tires.tire import Tire
 from .disturbances import Disturbances, reported_disturbances
 from .predicted_temperature import SURROUNDINGS, TEMPERATURE
 from .signals import Signals

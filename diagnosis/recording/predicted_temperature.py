@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import replace
 
-from tirefmu.measurements import Recording
-from tirefmu.tires.tire import Tire
+from ...measurements import Recording
+from ...tires.tire import Tire
 
 #: The effect that predicts temperatures, the input that effects of temperature read, and the surroundings.
 EFFECT, TEMPERATURE, SURROUNDINGS = "temperature", "T", ("T_ambient", "T_road")

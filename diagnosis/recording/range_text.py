@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import degrees
 
-from tirefmu.symbolic import quantities
-from tirefmu.symbolic.declarations import Quantity
+from ...symbolic import quantities
+from ...symbolic.declarations import Quantity
 
 _UNITS = {quantity.name: quantity.unit for quantity in vars(quantities).values() if isinstance(quantity, Quantity)}
 #: By SI unit: the unit of a text, and what turns an SI value into it.

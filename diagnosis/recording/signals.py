@@ -1,6 +1,6 @@
 """Preprocessed recording: sign convention of the formula, smoothed inputs, time blocks.
 
-The windows of smoothing are selected from the data (`tirefmu.estimation.smoothing`). Every eighth block is the hold-out
+The windows of smoothing are selected from the data (`tirefmu.numerics.smoothing`). Every eighth block is the hold-out
 set, which no fit uses; confirmation, formulas and delivery are checked on it. Fx is excluded if kappa is always 0.
 """
 
@@ -14,13 +14,12 @@ import numpy.typing as npt
 import pandas as pd
 from scipy.interpolate import PchipInterpolator
 
-from tirefmu.boundary.errors import DataError
-from tirefmu.estimation.smoothing import smoothed
-from tirefmu.measurements.channels import OUTPUTS
-from tirefmu.tires.signs import convert_signs
-from tirefmu.tires.tire import Tire
-from tirefmu.tires.transient import rolled_distance
-
+from ...boundary.errors import DataError
+from ...measurements.channels import OUTPUTS
+from ...numerics.smoothing import smoothed
+from ...tires.signs import convert_signs
+from ...tires.states.transient import rolled_distance
+from ...tires.tire import Tire
 from ..thresholds import (
     BLOCK_LENGTH,
     HOLDOUT_EVERY,

@@ -10,13 +10,12 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.estimation.state_starts import estimated_starts
-from tirefmu.symbolic.added.effect import owners_of
-from tirefmu.tires.code import Code, chosen_derivatives, fastest_code
-from tirefmu.tires.states import StateSimulation, equilibrium
-from tirefmu.tires.tire import Tire
-from tirefmu.tires.transient import Course, lagged_course, segment_starts
-
+from ...measurements.state_starts import estimated_starts
+from ...symbolic.added.effect import owners_of
+from ...tires.code import Code, chosen_derivatives, fastest_code
+from ...tires.states.simulation import StateSimulation, equilibrium
+from ...tires.states.transient import Course, lagged_course, segment_starts
+from ...tires.tire import Tire
 from .signals import Signals
 
 FloatArray = npt.NDArray[np.float64]

@@ -8,14 +8,13 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.measurements import level_tolerance
-from tirefmu.measurements.operating_conditions.levels import held_levels
-from tirefmu.tires.drawing.figure import Figure, Panel, Series
-from tirefmu.tires.drawing.labels import axis_label, drawn_unit, letter, per_si
-from tirefmu.tires.drawing.style import BLUE, DASHED, GRAY, RED, SOLID
-from tirefmu.tires.signs import convert_signs
-from tirefmu.tires.tire import Tire
-
+from ...drawing.figure import Figure, Panel, Series
+from ...drawing.labels import axis_label, drawn_unit, letter, per_si
+from ...drawing.style import BLUE, DASHED, GRAY, RED, SOLID
+from ...measurements import level_tolerance
+from ...measurements.operating_conditions.levels import held_levels
+from ...tires.signs import convert_signs
+from ...tires.tire import Tire
 from ..verdict.result import Diagnosis
 
 FloatArray = npt.NDArray[np.float64]

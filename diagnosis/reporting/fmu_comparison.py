@@ -12,16 +12,15 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError
-from tirefmu.estimation.turn_slip import with_turn_slip
-from tirefmu.fmu import export
-from tirefmu.fmu.comparison.result import EVALUATION_TOLERANCE
-from tirefmu.fmu.simulation.simulate import loaded
-from tirefmu.measurements import Recording, TableLike, recording_from, recordings_from
-from tirefmu.measurements.recording import distinct
-from tirefmu.tires import TABLE_INPUTS
-from tirefmu.tires.tire import Tire
-
+from ...boundary.errors import DataError
+from ...fmu import export
+from ...fmu.comparison.result import EVALUATION_TOLERANCE
+from ...fmu.simulation.simulate import loaded
+from ...measurements import Recording, TableLike, recording_from, recordings_from
+from ...measurements.recording import distinct
+from ...measurements.turn_slip import with_turn_slip
+from ...tires import TABLE_INPUTS
+from ...tires.tire import Tire
 from ..verdict.result import Diagnosis
 
 FloatArray = npt.NDArray[np.float64]

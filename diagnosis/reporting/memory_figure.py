@@ -6,12 +6,11 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.symbolic.quantities import ALPHA, KAPPA
-from tirefmu.tires.drawing.figure import Figure, Panel, Series
-from tirefmu.tires.drawing.labels import axis_label, drawn_unit, per_si
-from tirefmu.tires.drawing.style import BLACK, BLUE, DASHED, RED, SOLID
-from tirefmu.tires.tire import Tire
-
+from ...drawing.figure import Figure, Panel, Series
+from ...drawing.labels import axis_label, drawn_unit, per_si
+from ...drawing.style import BLACK, BLUE, DASHED, RED, SOLID
+from ...symbolic.quantities import ALPHA, KAPPA
+from ...tires.tire import Tire
 from ..thresholds import MIN_ROWS_OF_CELL
 from ..verdict.result import Diagnosis
 from .curves_figure import coincide

@@ -9,13 +9,12 @@ from typing import Any
 
 from markupsafe import Markup
 
-from tirefmu.boundary.errors import DataError, path_from
-from tirefmu.measurements import Recording, TableLike, recording_from
-from tirefmu.measurements.provenance import provenance
-from tirefmu.tires.drawing.figure import Figure
-from tirefmu.tires.drawing.page import page_text, write_page
-from tirefmu.tires.tire import Tire
-
+from ...boundary.errors import DataError, path_from
+from ...drawing.figure import Figure
+from ...drawing.page import page_text, write_page
+from ...measurements import Recording, TableLike, recording_from
+from ...measurements.provenance import provenance
+from ...tires.tire import Tire
 from ..verdict.result import Diagnosis
 from ..verdict.verdict import percent
 from .curves_figure import curves_figure
@@ -131,7 +130,7 @@ def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
     >>> [line.after for line in changed_lines(plain, richer)][0]
     'mu_x = LMUX_star*(PDX1 + PDX2*dfz)*(-PDX3*gamma_in**2 + 1)'
     """
-    from tirefmu.symbolic.printers.pages.mathml import equation_mathml  # loads SymPy
+    from ...symbolic.printers.pages.mathml import equation_mathml  # loads SymPy
 
     gained = after.has - before.has
     old = after.symbolic_model.as_written(before.has & after.symbolic_model.effects.keys())

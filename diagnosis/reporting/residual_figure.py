@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from tirefmu.tires.drawing.figure import Cells, Figure, Panel, Series
-from tirefmu.tires.drawing.labels import axis_label, per_si
-from tirefmu.tires.drawing.style import BLUE, DASHED, RED, SOLID
-
+from ...drawing.figure import Cells, Figure, Panel, Series
+from ...drawing.labels import axis_label, per_si
+from ...drawing.style import BLUE, DASHED, RED, SOLID
 from ..thresholds import MIN_ROWS_OF_CELL
 from .curves_figure import coincide
 

@@ -10,15 +10,14 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError, nearest
-from tirefmu.boundary.whole_file import write_whole
-from tirefmu.measurements import Recording, TableLike, levels, recording_from
-from tirefmu.tires import TireLike, tire_from
-from tirefmu.tires.drawing.figure import Cells, Figure, Panel, Series
-from tirefmu.tires.drawing.labels import axis_label, drawn_unit, note, per_si
-from tirefmu.tires.drawing.style import BLACK
-from tirefmu.tires.tire import Tire
-
+from ...boundary.errors import DataError, nearest
+from ...boundary.whole_file import write_whole
+from ...drawing.figure import Cells, Figure, Panel, Series
+from ...drawing.labels import axis_label, drawn_unit, note, per_si
+from ...drawing.style import BLACK
+from ...measurements import Recording, TableLike, levels, recording_from
+from ...tires import TireLike, tire_from
+from ...tires.tire import Tire
 from ..thresholds import MIN_ROWS_OF_CELL
 
 FloatArray = npt.NDArray[np.float64]
@@ -229,7 +228,7 @@ def draw_residual_maps(maps: Sequence[tuple[str, ResidualMap]], path: str | Path
     DataError
         If there is no map, their channels or conventions differ, or the file cannot be written.
     """
-    from tirefmu.tires.drawing.picture import DPI, png  # imports matplotlib, which takes its time
+    from ...drawing.picture import DPI, png  # imports matplotlib, which takes its time
 
     image = png(residual_map_figure(maps), DPI)
     try:

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.model import Model
-from tirefmu.tires.tire import Tire
-
+from ...symbolic.model import Model
+from ...tires.tire import Tire
 from ..probing.candidates import excited, varies
 from ..recording.signals import Signals
 from ..recording.simulation import Simulator

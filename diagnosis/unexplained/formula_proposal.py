@@ -6,11 +6,10 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from tirefmu.boundary.errors import EffectError
-from tirefmu.boundary.escaping import toml_string
-from tirefmu.symbolic.added import AddedEffect, read_effect
-from tirefmu.tires.tire import Tire
-
+from ...boundary.errors import EffectError
+from ...boundary.escaping import toml_string
+from ...symbolic.added import AddedEffect, read_effect
+from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 from ..recording.simulation import Simulator
 from ..thresholds import COEFFICIENT_BOUND_FACTOR

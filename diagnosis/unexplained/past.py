@@ -14,8 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 
-from tirefmu.tires.transient import recursion
-
+from ...tires.states.transient import recursion
 from ..thresholds import SIDE
 
 FloatArray = npt.NDArray[np.float64]

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
-from tirefmu.estimation.noise_floor import NoiseFloor
-
+from ...numerics.noise_floor import NoiseFloor
 from ..recording.range_text import range_text
 from ..thresholds import INADEQUATE
 

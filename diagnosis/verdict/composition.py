@@ -11,10 +11,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import stdtrit
 
-from tirefmu.estimation.noise_floor import NoiseFloor
-from tirefmu.measurements import Recording
-from tirefmu.tires.tire import Tire
-
+from ...measurements import Recording
+from ...numerics.noise_floor import NoiseFloor
+from ...tires.tire import Tire
 from ..explanations.answer import Answer
 from ..explanations.effect_evidence import Evidence
 from ..explanations.explanation import UNKNOWN

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, NotRequired, TypedDict
 
-from tirefmu.boundary.json_schema import document, schema_of
-
+from ...boundary.json_schema import document, schema_of
 from ..explanations.answer import RankedExplanation
 from .findings import Interval
 

@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.special import chdtri
 
-from tirefmu.symbolic.detection import LARGEST_IN_SIZES
-from tirefmu.tires.tire import Tire
-
+from ...symbolic.detection import LARGEST_IN_SIZES
+from ...tires.tire import Tire
 from ..probing.candidates import CHANNELS, Candidate, excited, rows_per_second, varies
 from ..probing.effect_probing import Screen, Tried
 from ..thresholds import EFFECT_P, MIN_INDEPENDENT_SHARE

@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.declarations import Quantity
-
+from ...symbolic.declarations import Quantity
 from ..least_squares import LeastSquares, Solution
 from ..recording.range_text import range_text
 from ..thresholds import EXTRAPOLATED_SHARE, MAX_CHANGE

@@ -13,12 +13,11 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.estimation.noise_floor import NoiseFloor, noise_floor
-from tirefmu.estimation.state_starts import with_fitted_starts
-from tirefmu.measurements import Recording
-from tirefmu.tires.signs import convert_signs
-from tirefmu.tires.tire import Tire
-
+from ...measurements import Recording
+from ...measurements.state_starts import with_fitted_starts
+from ...numerics.noise_floor import NoiseFloor, noise_floor
+from ...tires.signs import convert_signs
+from ...tires.tire import Tire
 from ..probing.effect_probing import Screen
 from ..recording.outliers import short_range
 from ..recording.signals import FORMULA_SIGNS, Signals
@@ -150,7 +149,7 @@ def _residual(tire: Tire, recording: Recording, screen: Screen, rows: IntArray) 
 
 
 def floors_of(recording: Recording, residuals: Residuals, channels: Sequence[str]) -> dict[str, NoiseFloor]:
-    """Return the noise floor of each channel on the fitted rows (`tirefmu.estimation.noise_floor`).
+    """Return the noise floor of each channel on the fitted rows (`tirefmu.numerics.noise_floor`).
 
     Parameters
     ----------

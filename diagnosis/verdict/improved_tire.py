@@ -7,10 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from tirefmu.symbolic.added import AddedEffect
-from tirefmu.tires.definition import RANGES
-from tirefmu.tires.tire import Tire
-
+from ...symbolic.added import AddedEffect
+from ...tires.definition import RANGES
+from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 
 

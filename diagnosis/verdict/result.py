@@ -12,12 +12,11 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError, UnknownName, path_from
-from tirefmu.boundary.json_schema import json_value, write_toml
-from tirefmu.symbolic.added import AddedEffect, effect_schema, effect_text
-from tirefmu.tires.signs import reversed_columns
-from tirefmu.tires.tire import Tire
-
+from ...boundary.errors import DataError, UnknownName, path_from
+from ...boundary.json_schema import json_value, write_toml
+from ...symbolic.added import AddedEffect, effect_schema, effect_text
+from ...tires.signs import reversed_columns
+from ...tires.tire import Tire
 from ..explanations.answer import Answer
 from ..explanations.effect_evidence import Evidence
 from ..unexplained.formula_proposal import Unknown
@@ -61,7 +60,7 @@ class Diagnosis:
     gap : mapping
         train, cv, holdout -> channel -> before, after, floor, floor_with_history: root mean square residuals of the
         fitted tires over the compared rows, N and N m, with all errors of the recording removed (``recording``), and
-        noise floors (`tirefmu.estimation.noise_floor`). ``after`` is the residual of the delivered tire.
+        noise floors (`tirefmu.numerics.noise_floor`). ``after`` is the residual of the delivered tire.
     adequacy : tuple of Adequacy
         By channel: residual over noise floor, and where the residual is largest.
     delivered : bool

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from tirefmu.boundary.escaping import visible
-from tirefmu.tires.notebook import html_details, html_summary, html_table
-
+from ...boundary.escaping import visible
+from ...tires.notebook import html_details, html_summary, html_table
 from .findings import Finding
 from .verdict import percent
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tirefmu.measurements.arrays import FloatArray
+from ...numerics.arrays import FloatArray
 
 
 class BufferedFunction:

@@ -14,11 +14,10 @@ import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.measurements.arrays import BoolArray, FloatArray
-from tirefmu.symbolic.model import Model
-from tirefmu.tires.code.casadi_code import casadi_expression
-from tirefmu.tires.code.modules import numpy_module
-
+from ...numerics.arrays import BoolArray, FloatArray
+from ...symbolic.model import Model
+from ...tires.code.casadi_code import casadi_expression
+from ...tires.code.modules import numpy_module
 from ..problem.weighted_residuals import Problem
 from .buffered_function import BufferedFunction
 from .physical import TOLERANCE, Constraint

@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.optimize import minimize
 
-from tirefmu.measurements.arrays import FloatArray
-from tirefmu.symbolic.model import Model
-
+from ...numerics.arrays import FloatArray
+from ...symbolic.model import Model
 from .buffered_function import BufferedFunction
 from .constraint_functions import value_with_slopes
 from .physical import Constraint

@@ -28,11 +28,11 @@ from math import inf
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import UnknownName
-from tirefmu.measurements.arrays import FloatArray
-from tirefmu.symbolic.contract import PhysicalConstraint
-from tirefmu.symbolic.models import model_named
-from tirefmu.tires.tire import Tire
+from ...boundary.errors import UnknownName
+from ...numerics.arrays import FloatArray
+from ...symbolic.contract import PhysicalConstraint
+from ...symbolic.models import model_named
+from ...tires.tire import Tire
 
 #: Tolerance within which a constraint is satisfied, in the unit of the quantity.
 TOLERANCE = 1e-6

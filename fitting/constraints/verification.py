@@ -8,10 +8,9 @@ from math import inf
 
 import numpy as np
 
-from tirefmu.measurements.arrays import FloatArray
-from tirefmu.tires.code import fastest_code
-from tirefmu.tires.tire import Tire
-
+from ...numerics.arrays import FloatArray
+from ...tires.code import fastest_code
+from ...tires.tire import Tire
 from .constraint_functions import measured_values
 from .local_extrema import local_extrema
 from .physical import TOLERANCE, Constraint, grid

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError, FitError, UnknownName
-from tirefmu.measurements import EXCLUSION_REASONS, Finding, Recording, data_findings, exclude_rows, group_by_condition
-from tirefmu.measurements.arrays import BoolArray, FloatArray
-from tirefmu.measurements.operating_conditions.levels import held_levels
-from tirefmu.measurements.quality.row_exclusion import check_inputs
-from tirefmu.measurements.row_selection.selected import matching
-from tirefmu.symbolic.model import Model
+from ...boundary.errors import DataError, FitError, UnknownName
+from ...measurements import EXCLUSION_REASONS, Finding, Recording, data_findings, exclude_rows, group_by_condition
+from ...measurements.checks.rows.row_exclusion import check_inputs
+from ...measurements.operating_conditions.levels import held_levels
+from ...measurements.row_selection.selected import matching
+from ...numerics.arrays import BoolArray, FloatArray
+from ...symbolic.model import Model
 
 #: The inputs of which at least one has to vary by `MIN_VARIATION` for a channel to be fitted; none for My.
 EXCITED_BY = {"Fx": ("kappa",), "Fy": ("alpha",), "Mz": ("alpha",), "Mx": ("alpha", "gamma"), "My": ()}

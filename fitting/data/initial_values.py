@@ -1,7 +1,7 @@
 """Initial values from the data: slip stiffness, friction, shifts and trail at each load.
 
 A saturating curve is fitted to the sweeps at one load; its slope at zero, zero crossing and height are the values. A
-few rows determine it; the slope near zero slip (`tirefmu.estimation.slip_slope`), which targets and evidence use, would
+few rows determine it; the slope near zero slip (`tirefmu.numerics.slip_slope`), which targets and evidence use, would
 be off by up to 28 %. The trail is the ratio of aligning moment to side force. The coefficients that a model declares
 for these roles follow by least squares with the equations of the model, for any model and any set of effects.
 """
@@ -15,11 +15,11 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import least_squares
 
-from tirefmu.measurements import levels
-from tirefmu.measurements.arrays import FloatArray
-from tirefmu.symbolic.contract import Role
-from tirefmu.tires.code import fastest_code
-from tirefmu.tires.tire import Tire
+from ...measurements import levels
+from ...numerics.arrays import FloatArray
+from ...symbolic.contract import Role
+from ...tires.code import fastest_code
+from ...tires.tire import Tire
 
 #: Largest magnitude of the other slip and of the inclination that counts as zero.
 PURE = {"kappa": 0.01, "alpha": radians(1.0), "gamma": radians(1.0)}

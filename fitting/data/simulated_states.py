@@ -10,10 +10,9 @@ from collections.abc import Collection
 
 import pandas as pd
 
-from tirefmu.estimation.state_starts import with_fitted_starts
-from tirefmu.measurements.recording import Recording
-from tirefmu.tires.tire import Tire
-
+from ...measurements.recording import Recording
+from ...measurements.state_starts import with_fitted_starts
+from ...tires.tire import Tire
 from .fit_data import FitData
 
 
@@ -21,7 +20,7 @@ def with_states(data: FitData, tire: Tire, free: Collection[str] = ()) -> pd.Dat
     """Return the included rows of a fit with the states of a tire as columns.
 
     Excluded rows are simulated, too: a state remembers them. States with a fitted start begin each segment with the
-    value that the measured forces determine (`tirefmu.estimation.state_starts`).
+    value that the measured forces determine (`tirefmu.measurements.state_starts`).
 
     `tire`: in adapted SAE, as the data. `free`: coefficients that are estimated together with fitted starts, but not
     returned.

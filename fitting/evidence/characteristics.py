@@ -11,10 +11,9 @@ from math import hypot, nan
 
 import numpy as np
 
-from tirefmu.estimation.correlation import correlation_length
-from tirefmu.estimation.slip_slope import SLOPE_WINDOW
-from tirefmu.measurements.arrays import IntArray
-
+from ...numerics.arrays import IntArray
+from ...numerics.correlation import correlation_length
+from ...numerics.slip_slope import SLOPE_WINDOW
 from .residuals import Residuals
 from .slip_stiffness import FORCES, Compared, ReadStiffness, read_stiffnesses
 

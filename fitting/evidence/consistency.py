@@ -14,10 +14,9 @@ from itertools import combinations
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from tirefmu.estimation.correlation import correlation_length
-from tirefmu.measurements.arrays import FloatArray, IntArray
-from tirefmu.measurements.operating_conditions.levels import held_levels
-
+from ...measurements.operating_conditions.levels import held_levels
+from ...numerics.arrays import FloatArray, IntArray
+from ...numerics.correlation import correlation_length
 from ..problem.weights import OWN_SLIP
 from .residuals import Residuals
 

@@ -13,9 +13,8 @@ from itertools import product
 
 import numpy as np
 
-from tirefmu.measurements.arrays import FloatArray
-from tirefmu.tires.code import fastest_code
-
+from ...numerics.arrays import FloatArray
+from ...tires.code import fastest_code
 from .residuals import Residuals
 
 #: Steps of a line over the range of a slip, and lengths of a part of it, in steps.

@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import FitError
-from tirefmu.estimation.slip_slope import SLOPE_WINDOW, read_slope
-from tirefmu.measurements import OUTPUTS, Recording, TableLike, level_tolerance, levels, recordings_from
-from tirefmu.measurements.arrays import BoolArray, FloatArray
-from tirefmu.measurements.operating_conditions.levels import held_levels
-from tirefmu.measurements.recording import distinct
-from tirefmu.tires import TireLike, tire_from
-from tirefmu.tires.signs import convert_signs
-from tirefmu.tires.tire import Tire
+from ...boundary.errors import FitError
+from ...measurements import OUTPUTS, Recording, TableLike, level_tolerance, levels, recordings_from
+from ...measurements.operating_conditions.levels import held_levels
+from ...measurements.recording import distinct
+from ...numerics.arrays import BoolArray, FloatArray
+from ...numerics.slip_slope import SLOPE_WINDOW, read_slope
+from ...tires import TireLike, tire_from
+from ...tires.signs import convert_signs
+from ...tires.tire import Tire
 
 _POINTS = 301  # of a curve
 #: Inputs that a program may set to several levels in addition to load and inclination: one panel has one level of each.

@@ -3,7 +3,7 @@
 The noise floor is what no model of inputs and time could remove. It is the scatter of the residual about short pieces
 of a cubic in time, within a sweep. Every other row gives a second value: where two tires or two runs alternate, this
 is smaller. Rows that are no time series have no such scatter; there, and where rows are few, the floor is that of
-regressions on the inputs and the history of the slips, cross-validated (`tirefmu.estimation.noise_floor`). Pieces
+regressions on the inputs and the history of the slips, cross-validated (`tirefmu.numerics.noise_floor`). Pieces
 that are too long, because the rows are few in time, contain changes of the model's error; the smallest of all values
 counts.
 
@@ -22,7 +22,8 @@ from math import nan
 import numpy as np
 import pandas as pd
 
-from tirefmu.estimation.noise_floor import (
+from ...numerics.arrays import FloatArray, IntArray
+from ...numerics.noise_floor import (
     BLOCK,
     MAX_ROWS,
     MIN_ROWS,
@@ -33,7 +34,6 @@ from tirefmu.estimation.noise_floor import (
     slip_history,
     varying_inputs,
 )
-from tirefmu.measurements.arrays import FloatArray, IntArray
 
 #: Length of a piece of time that a cubic describes, s, its least number of rows, and its number of coefficients.
 PIECE, MIN_PIECE, CUBIC = 0.25, 8, 4

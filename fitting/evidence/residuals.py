@@ -10,13 +10,12 @@ from math import degrees
 import numpy as np
 import pandas as pd
 
-from tirefmu.measurements import CHANNELS
-from tirefmu.measurements.arrays import FloatArray, IntArray
-from tirefmu.measurements.operating_conditions.levels import held_levels
-from tirefmu.tires.code import fastest_code
-from tirefmu.tires.signs import reversed_columns
-from tirefmu.tires.tire import Tire
-
+from ...measurements import CHANNELS
+from ...measurements.operating_conditions.levels import held_levels
+from ...numerics.arrays import FloatArray, IntArray
+from ...tires.code import fastest_code
+from ...tires.signs import reversed_columns
+from ...tires.tire import Tire
 from ..problem.rows import BLOCK, inputs_of
 from ..problem.weights import OWN_SLIP
 

@@ -8,8 +8,7 @@ from math import nan
 
 import numpy as np
 
-from tirefmu.estimation.wheel_periodicity import once_per_revolution
-
+from ...numerics.wheel_periodicity import once_per_revolution
 from .residuals import Residuals
 
 

@@ -8,9 +8,8 @@ from math import nan
 
 import numpy as np
 
-from tirefmu.estimation.slip_slope import SLOPE_WINDOW, Slope, read_slope
-from tirefmu.measurements.arrays import FloatArray, IntArray
-
+from ...numerics.arrays import FloatArray, IntArray
+from ...numerics.slip_slope import SLOPE_WINDOW, Slope, read_slope
 from ..problem.rows import Rows
 from ..problem.slope_targets import SlopeTarget
 from .residuals import Residuals

@@ -14,10 +14,9 @@ from itertools import combinations, product
 
 import numpy as np
 
-from tirefmu.measurements.arrays import BoolArray, FloatArray
-from tirefmu.tires.code import fastest_code
-from tirefmu.tires.tire import Tire
-
+from ...numerics.arrays import BoolArray, FloatArray
+from ...tires.code import fastest_code
+from ...tires.tire import Tire
 from ..problem.rows import inputs_of
 from ..problem.weights import MIN_NOISE, OWN_SLIP
 from ..uncertainty.sandwich import LARGEST_SD

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tirefmu.estimation.correlation import correlation_length
-from tirefmu.measurements.arrays import FloatArray
-
+from ...numerics.arrays import FloatArray
+from ...numerics.correlation import correlation_length
 from .weighted_residuals import Problem
 
 

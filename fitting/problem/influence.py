@@ -6,10 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tirefmu.symbolic.declarations import Coefficient
-from tirefmu.tires.code import CHUNK, fastest_code
-from tirefmu.tires.tire import Tire
-
+from ...symbolic.declarations import Coefficient
+from ...tires.code import CHUNK, fastest_code
+from ...tires.tire import Tire
 from .rows import Rows
 
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tirefmu.boundary.errors import UnknownName
-from tirefmu.measurements.arrays import FloatArray
+from ...boundary.errors import UnknownName
+from ...numerics.arrays import FloatArray
 
 #: Standard deviation of normal noise divided by the median of its magnitude.
 PER_MEDIAN = 1.482602

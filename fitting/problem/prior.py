@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tirefmu.measurements.arrays import FloatArray
+from ...numerics.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)

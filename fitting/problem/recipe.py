@@ -17,16 +17,16 @@ from typing import Annotated, Any
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.bounded_file import toml_content, toml_file
-from tirefmu.boundary.errors import DataError, FitError, UnknownName
-from tirefmu.boundary.json_schema import document, object_schema, one_of
-from tirefmu.boundary.schema_check import check_content
-from tirefmu.measurements.arrays import FloatArray
-from tirefmu.measurements.channels import CHANNELS
-from tirefmu.measurements.row_selection.expression import Selection, parse_range, parse_selection
-from tirefmu.symbolic.effects import EFFECTS
-from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.models import MODELS, model_named
+from ...boundary.bounded_file import toml_content, toml_file
+from ...boundary.errors import DataError, FitError, UnknownName
+from ...boundary.json_schema import document, object_schema, one_of
+from ...boundary.schema_check import check_content
+from ...measurements.channels import CHANNELS
+from ...measurements.row_selection.expression import Selection, parse_range, parse_selection
+from ...numerics.arrays import FloatArray
+from ...symbolic.effects import EFFECTS
+from ...symbolic.model import Model
+from ...symbolic.models import MODELS, model_named
 
 #: The recipes that come with the package.
 RECIPES = ("progressive", "joint", "trento", "scaling", "family")

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tirefmu.measurements.arrays import FloatArray
-
+from ...numerics.arrays import FloatArray
 from .weighted_residuals import Problem
 
 

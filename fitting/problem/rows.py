@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pandas as pd
 
-from tirefmu.measurements.arrays import FloatArray, IntArray
-from tirefmu.tires.tire import Tire
+from ...numerics.arrays import FloatArray, IntArray
+from ...tires.tire import Tire
 
 #: Rows of a block: what is computed from them needs 15 MB. A multiple of the rows that kernels and intervals take.
 BLOCK = 65_280

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tirefmu.measurements.arrays import FloatArray, IntArray
-from tirefmu.tires.code import CHUNK, Code
+from ...numerics.arrays import FloatArray, IntArray
+from ...tires.code import CHUNK, Code
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,11 +16,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from tirefmu.measurements.arrays import FloatArray, IntArray
-from tirefmu.symbolic.model import Model
-from tirefmu.tires.code import CHUNK, Code, WeightedRows, fastest_code, forces_of_each, normal_equations
-from tirefmu.tires.tire import Tire
-
+from ...numerics.arrays import FloatArray, IntArray
+from ...symbolic.model import Model
+from ...tires.code import CHUNK, Code, WeightedRows, fastest_code, forces_of_each, normal_equations
+from ...tires.tire import Tire
 from .loss import LOSSES, Loss
 from .prior import Prior
 from .rows import BLOCK, Rows

@@ -7,9 +7,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import pandas as pd
 
-from tirefmu.measurements.arrays import FloatArray
-from tirefmu.measurements.operating_conditions.levels import held_levels
-
+from ...measurements.operating_conditions.levels import held_levels
+from ...numerics.arrays import FloatArray
 from .loss import robust_scale
 from .rows import Rows
 from .weighted_residuals import Problem

@@ -9,16 +9,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import FitError
-from tirefmu.boundary.escaping import figure_text
-from tirefmu.measurements import TableLike, recordings_from
-from tirefmu.tires import TireLike
-from tirefmu.tires.drawing.figure import Figure, Panel, Series, band, curve, in_rows, measured
-from tirefmu.tires.drawing.labels import LEVEL, axis_label, drawn_unit, held_text, letter, level_text, note, per_si
-from tirefmu.tires.drawing.residual_panels import residuals_over_inputs
-from tirefmu.tires.drawing.style import BLUE, level_styles, some_of
-from tirefmu.tires.tire import Tire
-
+from ...boundary.errors import FitError
+from ...boundary.escaping import figure_text
+from ...drawing.figure import Figure, Panel, Series, band, curve, in_rows, measured
+from ...drawing.labels import LEVEL, axis_label, drawn_unit, held_text, letter, level_text, note, per_si
+from ...drawing.residual_panels import residuals_over_inputs
+from ...drawing.style import BLUE, level_styles, some_of
+from ...measurements import TableLike, recordings_from
+from ...tires import TireLike
+from ...tires.tire import Tire
 from ..evidence.curves import CurveFamily, MeasuredCurves, compare
 from ..results.fit_result import FitResult
 from ..results.intervals import band as confidence_band
@@ -74,7 +73,7 @@ def draw_figures(
     DataError
         If a recording has no measured output.
     """
-    from tirefmu.tires.drawing.picture import write_figures  # imports matplotlib, which takes its time
+    from ...drawing.picture import write_figures  # imports matplotlib, which takes its time
 
     figures = figures_of(tire, recordings, truth=truth, signs=signs)
     try:

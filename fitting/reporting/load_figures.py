@@ -8,15 +8,14 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.boundary.escaping import figure_text
-from tirefmu.estimation.slip_slope import SLOPE_WINDOW
-from tirefmu.measurements import levels
-from tirefmu.measurements.arrays import FloatArray
-from tirefmu.tires.drawing.figure import Figure, Panel, Series, band, curve, in_rows
-from tirefmu.tires.drawing.labels import axis_label, held_text, letter, level_text, note, per_si, stiffness_unit
-from tirefmu.tires.drawing.style import BLACK, BLUE, DASHED, DOTTED, RED, level_styles
-from tirefmu.tires.tire import Tire
-
+from ...boundary.escaping import figure_text
+from ...drawing.figure import Figure, Panel, Series, band, curve, in_rows
+from ...drawing.labels import axis_label, held_text, letter, level_text, note, per_si, stiffness_unit
+from ...drawing.style import BLACK, BLUE, DASHED, DOTTED, RED, level_styles
+from ...measurements import levels
+from ...numerics.arrays import FloatArray
+from ...numerics.slip_slope import SLOPE_WINDOW
+from ...tires.tire import Tire
 from ..evidence.curves import CurveFamily, Group, MeasuredCurves
 from ..results.fit_result import FitResult
 from ..results.intervals import band as confidence_band

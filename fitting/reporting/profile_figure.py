@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from tirefmu.tires.drawing.figure import Figure, Panel, Series, in_rows
-from tirefmu.tires.drawing.labels import note
-from tirefmu.tires.drawing.style import BLUE, DASHED, ORANGE
-
+from ...drawing.figure import Figure, Panel, Series, in_rows
+from ...drawing.labels import note
+from ...drawing.style import BLUE, DASHED, ORANGE
 from ..results.fit_result import FitResult
 from ..results.resampled import Profile
 from ..uncertainty.sandwich import QUANTILE

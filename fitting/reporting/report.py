@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import FitError, path_from
-from tirefmu.measurements import Finding, TableLike, recordings_from
-from tirefmu.measurements.provenance import provenance
-from tirefmu.tires.drawing.figure import Figure
-from tirefmu.tires.drawing.page import page_text, write_page
-
+from ...boundary.errors import FitError, path_from
+from ...drawing.figure import Figure
+from ...drawing.page import page_text, write_page
+from ...measurements import Finding, TableLike, recordings_from
+from ...measurements.provenance import provenance
 from ..evidence.residuals import condition_text
 from ..results.fit_result import FitResult
 from ..results.intervals import listed_intervals

@@ -6,12 +6,11 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from tirefmu.boundary.escaping import figure_text
-from tirefmu.measurements import Recording
-from tirefmu.tires.drawing.figure import Figure, Panel, Series, in_rows
-from tirefmu.tires.drawing.style import BLUE, GRAY, GREEN, ORANGE, RED
-from tirefmu.tires.tire import Tire
-
+from ...boundary.escaping import figure_text
+from ...drawing.figure import Figure, Panel, Series, in_rows
+from ...drawing.style import BLUE, GRAY, GREEN, ORANGE, RED
+from ...measurements import Recording
+from ...tires.tire import Tire
 from ..temperature.fitted_temperature import FittedTemperature
 from ..temperature.heat_balance import ZERO_CELSIUS, HeatBalance
 from ..temperature.selection import with_temperature

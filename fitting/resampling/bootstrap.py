@@ -19,11 +19,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tirefmu.boundary.errors import FitError
-from tirefmu.measurements import Recording, group_by_condition, phases
-from tirefmu.measurements.arrays import FloatArray, IntArray
-from tirefmu.measurements.operating_conditions.levels import MAX_LEVELS
-
+from ...boundary.errors import FitError
+from ...measurements import Recording, group_by_condition, phases
+from ...measurements.operating_conditions.levels import MAX_LEVELS
+from ...numerics.arrays import FloatArray, IntArray
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..problem.slope_targets import SlopeTarget
 from ..results.fit_result import FitResult

@@ -11,9 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from tirefmu.measurements.arrays import FloatArray
-from tirefmu.tires.code import fastest_code
-
+from ...numerics.arrays import FloatArray
+from ...tires.code import fastest_code
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..problem.weighted_residuals import Problem
 from ..results.fit_result import FitResult

@@ -23,8 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import stdtrit
 
-from tirefmu.measurements.arrays import FloatArray, IntArray
-
+from ...numerics.arrays import FloatArray, IntArray
 from ..problem.regularization import Ridge
 from ..results.solved_stage import SolvedStage
 from ..uncertainty.sandwich import MIN_CURVATURE, QUANTILE

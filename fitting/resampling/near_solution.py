@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from tirefmu.estimation.gauss_newton import minimize, restore
-from tirefmu.measurements.arrays import FloatArray
-
+from ...numerics.arrays import FloatArray
+from ...numerics.gauss_newton import minimize, restore
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..problem.regularization import Ridge
 from ..problem.weighted_residuals import Problem

@@ -18,9 +18,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from tirefmu.boundary.errors import FitError, UnknownName
-from tirefmu.measurements.arrays import FloatArray
-
+from ...boundary.errors import FitError, UnknownName
+from ...numerics.arrays import FloatArray
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..results.fit_result import FitResult
 from ..results.resampled import Profile

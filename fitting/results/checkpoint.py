@@ -12,13 +12,12 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from tirefmu.boundary.bounded_file import read_bounded
-from tirefmu.boundary.errors import FitError, writing
-from tirefmu.boundary.json_schema import json_value, schema_of
-from tirefmu.boundary.schema_check import check_content
-from tirefmu.boundary.whole_file import write_whole
-from tirefmu.measurements.arrays import FloatArray
-
+from ...boundary.bounded_file import read_bounded
+from ...boundary.errors import FitError, writing
+from ...boundary.json_schema import json_value, schema_of
+from ...boundary.schema_check import check_content
+from ...boundary.whole_file import write_whole
+from ...numerics.arrays import FloatArray
 from ..problem.recipe import Freed
 from .records import StageFit
 

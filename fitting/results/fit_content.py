@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Any, TypedDict
 
-from tirefmu.boundary.json_schema import document, schema_of
-from tirefmu.measurements import Finding
-
+from ...boundary.json_schema import document, schema_of
+from ...measurements import Finding
 from ..constraints.verification import Margin
 from ..data.fit_data import ExcludedRows
 from ..evidence.diagnostics import Findings

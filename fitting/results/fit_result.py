@@ -12,11 +12,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import UnknownName
-from tirefmu.boundary.json_schema import json_value
-from tirefmu.measurements import Finding, TableLike
-from tirefmu.tires.tire import Tire
-
+from ...boundary.errors import UnknownName
+from ...boundary.json_schema import json_value
+from ...measurements import Finding, TableLike
+from ...tires.tire import Tire
 from ..constraints.physical import TOLERANCE
 from ..constraints.verification import Margin
 from ..data.fit_data import ExcludedRows

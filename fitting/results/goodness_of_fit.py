@@ -7,10 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from tirefmu.measurements.arrays import FloatArray
-from tirefmu.tires.code import fastest_code
-from tirefmu.tires.tire import Tire
-
+from ...numerics.arrays import FloatArray
+from ...tires.code import fastest_code
+from ...tires.tire import Tire
 from ..data.fit_data import FitData
 from ..evidence.error_split import ErrorSplit, error_split
 from ..evidence.residuals import Residuals

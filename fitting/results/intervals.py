@@ -9,13 +9,12 @@ import numpy as np
 import pandas as pd
 from scipy.special import ndtri
 
-from tirefmu.boundary.errors import FitError
-from tirefmu.measurements import TableLike, recording_from
-from tirefmu.measurements.arrays import FloatArray
-from tirefmu.tires.code import fastest_code
-from tirefmu.tires.signs import convert_signs
-from tirefmu.tires.tire import Tire
-
+from ...boundary.errors import FitError
+from ...measurements import TableLike, recording_from
+from ...numerics.arrays import FloatArray
+from ...tires.code import fastest_code
+from ...tires.signs import convert_signs
+from ...tires.tire import Tire
 from ..problem.rows import inputs_of
 from ..uncertainty.sensitivities import sensitivities
 

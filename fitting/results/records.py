@@ -7,7 +7,7 @@ from math import nan
 
 import numpy as np
 
-from tirefmu.measurements.arrays import FloatArray
+from ...numerics.arrays import FloatArray
 
 #: Change of a channel without a bound, as a share of its standard deviation, and reduction of its error, from which a
 #: bound has a consequence. Judgement.

@@ -9,8 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.measurements.arrays import FloatArray, IntArray
-
+from ...numerics.arrays import FloatArray, IntArray
 from ..constraints.verification import ConstraintPoints
 from ..evidence.residuals import Residuals
 from ..problem.weighted_residuals import Problem

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tirefmu.boundary.escaping import excerpt, visible
-from tirefmu.tires.notebook import html_details, html_summary, html_table
+from ...boundary.escaping import excerpt, visible
+from ...tires.notebook import html_details, html_summary, html_table
 
 if TYPE_CHECKING:
     from .fit_result import FitResult

@@ -1,6 +1,6 @@
 r"""The convergence criterion of a fit: the predicted reduction of the cost; and the last Gauss-Newton steps.
 
-`tirefmu.estimation.gauss_newton` takes the steps. The noise determines the tolerance. With N independent rows and the
+`tirefmu.numerics.gauss_newton` takes the steps. The noise determines the tolerance. With N independent rows and the
 cost F = N sigma^2 / 2, the estimation error of n coefficients has the squared length n sigma^2 in the norm of J^T W J:
 fitting noise reduces the cost by n F / N. A predicted reduction of `STEP_TOLERANCE`^2 times this value is a step of a
 tenth of a standard error, root mean square over the coefficients. N is the effective sample size, because noise is
@@ -15,10 +15,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tirefmu.estimation.correlation import effective_sample_size
-from tirefmu.estimation.gauss_newton import Damping, minimize, restore
-from tirefmu.measurements.arrays import FloatArray
-
+from ...numerics.arrays import FloatArray
+from ...numerics.correlation import effective_sample_size
+from ...numerics.gauss_newton import Damping, minimize, restore
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..problem.regularization import Ridge
 from ..problem.weighted_residuals import Problem

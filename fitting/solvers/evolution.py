@@ -12,9 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tirefmu.boundary.errors import FitError
-from tirefmu.measurements.arrays import BoolArray, FloatArray, IndexArray
-
+from ...boundary.errors import FitError
+from ...numerics.arrays import BoolArray, FloatArray, IndexArray
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..constraints.physical import TOLERANCE, Constraint
 from ..problem.weighted_residuals import Problem

@@ -25,9 +25,8 @@ import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.estimation.one_thread import one_blas_thread
-from tirefmu.measurements.arrays import FloatArray
-
+from ...numerics.arrays import FloatArray
+from ...numerics.one_thread import one_blas_thread
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..constraints.physical import Constraint
 from ..problem.regularization import Ridge

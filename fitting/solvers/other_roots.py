@@ -11,8 +11,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from tirefmu.measurements.arrays import FloatArray
-
+from ...numerics.arrays import FloatArray
 from ..problem.weighted_residuals import Problem
 from .convergence import noise_of
 

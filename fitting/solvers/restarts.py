@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tirefmu.measurements.arrays import FloatArray
-
+from ...numerics.arrays import FloatArray
 from ..problem.weighted_residuals import Problem
 from .ipopt import SolverResult
 from .other_roots import other_roots

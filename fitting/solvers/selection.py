@@ -6,9 +6,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import Protocol
 
-from tirefmu.boundary.errors import FitError, UnknownName
-from tirefmu.measurements.arrays import FloatArray
-
+from ...boundary.errors import FitError, UnknownName
+from ...numerics.arrays import FloatArray
 from ..constraints.physical import Constraint
 from ..problem.weighted_residuals import Problem
 from .evolution import ITERATIONS, Evolution

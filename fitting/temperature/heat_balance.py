@@ -14,12 +14,11 @@ from functools import cached_property
 
 import numpy as np
 
-from tirefmu.measurements import Recording
-from tirefmu.measurements.arrays import FloatArray, IndexArray
-from tirefmu.tires.code import fastest_code
-from tirefmu.tires.tire import Tire
-from tirefmu.tires.transient import exchange, held_system, vector_recursion, with_pauses
-
+from ...measurements import Recording
+from ...numerics.arrays import FloatArray, IndexArray
+from ...tires.code import fastest_code
+from ...tires.states.transient import exchange, held_system, vector_recursion, with_pauses
+from ...tires.tire import Tire
 from ..problem.rows import inputs_of
 
 #: The effect whose states are temperatures.

@@ -14,11 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from tirefmu.estimation.correlation import correlation_length
-from tirefmu.measurements import Recording
-from tirefmu.measurements.arrays import FloatArray
-from tirefmu.tires.tire import Tire
-
+from ...measurements import Recording
+from ...numerics.arrays import FloatArray
+from ...numerics.correlation import correlation_length
+from ...tires.tire import Tire
 from .solution import DELAY, DELAY_SPREAD
 
 #: The effect with the coefficients TMU1 and TMU2, per K and per K^2 about TREF.

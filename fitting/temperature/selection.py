@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError, nearest, no_single_text
-from tirefmu.measurements import Recording
-from tirefmu.measurements.arrays import FloatArray
-from tirefmu.measurements.channels import channel
-
+from ...boundary.errors import DataError, nearest, no_single_text
+from ...measurements import Recording
+from ...measurements.channels import channel
+from ...numerics.arrays import FloatArray
 from ..options import FitOptions
 from .heat_balance import EFFECT, ZERO_CELSIUS
 

@@ -12,9 +12,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from tirefmu.estimation.correlation import correlation_length
-from tirefmu.measurements.arrays import BoolArray, FloatArray
-
+from ...numerics.arrays import BoolArray, FloatArray
+from ...numerics.correlation import correlation_length
 from .heat_balance import HeatBalance, integrated
 
 Used = Sequence[BoolArray]

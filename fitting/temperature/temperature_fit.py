@@ -7,10 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from tirefmu.measurements import Recording
-from tirefmu.measurements.arrays import BoolArray, FloatArray
-from tirefmu.tires.tire import Tire
-
+from ...measurements import Recording
+from ...numerics.arrays import BoolArray, FloatArray
+from ...tires.tire import Tire
 from .fitted_temperature import FittedTemperature
 from .heat_balance import BLOCK, EFFECT, HeatBalance
 from .optimum import EFFECT as FRICTION

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg.lapack import dtbtrs
 
-from tirefmu.measurements.arrays import FloatArray, IntArray
+from ...numerics.arrays import FloatArray, IntArray
 
 #: Largest correlation phi of neighboring rows: a memory of 500 rows. Chunks of rows are much longer.
 MAX_CORRELATED = 0.998
@@ -34,7 +34,7 @@ class NoiseCorrelation:
         """Return the correlation of residuals with a known correlation length.
 
         `residual`, shape (n,): in the order of time. `segment`, shape (n,). `length`: their correlation length in rows,
-        1 at least (`tirefmu.estimation.correlation`).
+        1 at least (`tirefmu.numerics.correlation`).
 
         >>> NoiseCorrelation.of(np.ones(5), np.zeros(5, dtype=int), 3.0)
         NoiseCorrelation(share=1.0, decay=0.5)

@@ -26,8 +26,7 @@ import numpy as np
 from scipy.optimize import nnls
 from scipy.special import gammaincc, ndtri, stdtrit
 
-from tirefmu.measurements.arrays import FloatArray
-
+from ...numerics.arrays import FloatArray
 from ..problem.weighted_residuals import Problem
 from .sample import Sample
 

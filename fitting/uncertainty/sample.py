@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tirefmu.estimation.smoothing import noise_of
-from tirefmu.measurements.arrays import FloatArray, IntArray
-
+from ...numerics.arrays import FloatArray, IntArray
+from ...numerics.smoothing import noise_of
 from ..problem.rows import Rows
 from ..problem.weighted_residuals import Problem
 

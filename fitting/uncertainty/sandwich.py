@@ -20,10 +20,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from tirefmu.estimation.correlation import correlation_length
-from tirefmu.estimation.one_thread import one_blas_thread
-from tirefmu.measurements.arrays import BoolArray, FloatArray, IntArray
-
+from ...numerics.arrays import BoolArray, FloatArray, IntArray
+from ...numerics.correlation import correlation_length
+from ...numerics.one_thread import one_blas_thread
 from ..problem.loss import LOSSES
 from ..problem.weighted_residuals import Problem
 from .correlated_noise import CorrelatedSums, NoiseCorrelation

@@ -8,12 +8,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from tirefmu.boundary.errors import UnknownName
-from tirefmu.measurements.arrays import FloatArray
-from tirefmu.symbolic.model import Model
-from tirefmu.tires.code.casadi_code import casadi_expression
-from tirefmu.tires.code.modules import numpy_module
-from tirefmu.tires.tire import Tire
+from ...boundary.errors import UnknownName
+from ...numerics.arrays import FloatArray
+from ...symbolic.model import Model
+from ...tires.code.casadi_code import casadi_expression
+from ...tires.code.modules import numpy_module
+from ...tires.tire import Tire
 
 
 def sensitivities(tire: Tire, name: str, inputs: FloatArray) -> tuple[FloatArray, FloatArray, list[str]]:

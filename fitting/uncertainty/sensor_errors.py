@@ -14,9 +14,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from tirefmu.measurements import ChannelNoise, Noise
-from tirefmu.measurements.arrays import FloatArray, IntArray
-from tirefmu.measurements.virtual_bench.bench_errors import (
+from ...measurements import ChannelNoise, Noise
+from ...measurements.virtual_bench.bench_errors import (
     CROSS_TALK_PRIOR_SHARE,
     DRIFT_WAVES,
     MAX_CROSS_TALK,
@@ -25,7 +24,7 @@ from tirefmu.measurements.virtual_bench.bench_errors import (
     cross_talk,
     half_waves,
 )
-
+from ...numerics.arrays import FloatArray, IntArray
 from ..problem.rows import Rows
 from ..problem.weighted_residuals import Problem
 from .sample import Sample

@@ -11,14 +11,13 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError, path_from
-from tirefmu.boundary.escaping import excerpt
-from tirefmu.measurements.column_meaning.check import check_columns
-from tirefmu.measurements.recording import Recording
-from tirefmu.measurements.table_argument import TableLike, recording_from
-from tirefmu.tires import TABLE_INPUTS, TABLE_OUTPUTS, Tire
-from tirefmu.tires.signs import convert_signs
-
+from ...boundary.errors import DataError, path_from
+from ...boundary.escaping import excerpt
+from ...measurements.checks.columns.check import check_columns
+from ...measurements.recording import Recording
+from ...measurements.table_argument import TableLike, recording_from
+from ...tires import TABLE_INPUTS, TABLE_OUTPUTS, Tire
+from ...tires.signs import convert_signs
 from ..simulation.archive import unpacked
 from ..simulation.simulate import read_description, simulate
 from .channel_errors import ChannelErrors

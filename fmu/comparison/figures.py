@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.boundary.errors import FmuError, writing
-from tirefmu.boundary.escaping import figure_text
-from tirefmu.tires.drawing.figure import Figure, Panel, Series
-from tirefmu.tires.drawing.labels import note
-from tirefmu.tires.drawing.style import BLACK, BLUE, GRAY, RED
-
+from ...boundary.errors import FmuError, writing
+from ...boundary.escaping import figure_text
+from ...drawing.figure import Figure, Panel, Series
+from ...drawing.labels import note
+from ...drawing.style import BLACK, BLUE, GRAY, RED
 from .result import CheckedChannel, CheckResult
 
 FloatArray = npt.NDArray[np.float64]
@@ -43,7 +42,7 @@ def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: s
     >>> [path.name for path in draw_check(result, "figures")]
     ['Fy.png']
     """
-    from tirefmu.tires.drawing.picture import write_figures  # imports matplotlib, which is slow
+    from ...drawing.picture import write_figures  # imports matplotlib, which is slow
 
     with writing(Path(folder), FmuError):
         return write_figures(check_figures(result), Path(folder), prefix)

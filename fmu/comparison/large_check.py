@@ -11,14 +11,13 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.boundary.escaping import excerpt
-from tirefmu.measurements.column_meaning.check import check_columns
-from tirefmu.measurements.large_table import LargeTable
-from tirefmu.measurements.recording import Recording
-from tirefmu.measurements.thresholds import LOGGING_GAP
-from tirefmu.tires import TABLE_OUTPUTS
-from tirefmu.tires.signs import convert_signs
-
+from ...boundary.escaping import excerpt
+from ...measurements.checks.columns.check import check_columns
+from ...measurements.large_table import LargeTable
+from ...measurements.recording import Recording
+from ...measurements.thresholds import LOGGING_GAP
+from ...tires import TABLE_OUTPUTS
+from ...tires.signs import convert_signs
 from ..simulation.archive import unpacked
 from ..simulation.simulate import read_description, simulate
 from .channel_errors import ChannelErrors

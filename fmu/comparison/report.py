@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tirefmu.boundary.errors import FmuError, path_from, writing
-from tirefmu.measurements import Recording
-from tirefmu.measurements.provenance import provenance
-from tirefmu.tires.drawing.labels import drawn_unit, per_si
-from tirefmu.tires.drawing.page import page_text, write_page
-from tirefmu.tires.drawing.residual_panels import residuals_over_inputs
-
+from ...boundary.errors import FmuError, path_from, writing
+from ...drawing.labels import drawn_unit, per_si
+from ...drawing.page import page_text, write_page
+from ...drawing.residual_panels import residuals_over_inputs
+from ...measurements import Recording
+from ...measurements.provenance import provenance
 from .figures import check_figures
 from .result import EVALUATION_TOLERANCE, CheckResult
 

@@ -7,10 +7,10 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from tirefmu.boundary.bounded_file import read_bounded
-from tirefmu.boundary.errors import FmuError, TirefmuError
-from tirefmu.boundary.escaping import excerpt
-from tirefmu.tires import Tire, read_tir
+from ...boundary.bounded_file import read_bounded
+from ...boundary.errors import FmuError, TirefmuError
+from ...boundary.escaping import excerpt
+from ...tires import Tire, read_tir
 
 #: The largest resources/interface.json, bytes.
 LARGEST_INTERFACE = 1_000_000

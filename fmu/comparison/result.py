@@ -9,9 +9,9 @@ from typing import Any
 
 import pandas as pd
 
-from tirefmu.boundary.escaping import visible
-from tirefmu.tires.drawing.labels import drawn_unit, per_si
-from tirefmu.tires.notebook import html_summary, html_table
+from ...boundary.escaping import visible
+from ...drawing.labels import drawn_unit, per_si
+from ...tires.notebook import html_summary, html_table
 
 #: Largest |FMU - direct| / (1 + |direct|) between the FMU and direct evaluation of its tire.
 EVALUATION_TOLERANCE = 1e-9

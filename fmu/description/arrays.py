@@ -6,8 +6,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from tirefmu.symbolic.wheel import quantities as hub
-
+from ...symbolic.wheel import quantities as hub
 from .variables import Variable
 
 #: Value reference of the first array, beyond those of all scalars; as in wrapper/arrays.h.

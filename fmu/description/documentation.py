@@ -11,10 +11,9 @@ from pathlib import Path
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
-from tirefmu.boundary.errors import FmuError
-from tirefmu.boundary.escaping import html_text
-from tirefmu.tires import Tire
-
+from ...boundary.errors import FmuError
+from ...boundary.escaping import html_text
+from ...tires import Tire
 from .model_description import Header
 from .variables import Variable
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from math import inf
 
-from tirefmu.symbolic.declarations import Quantity
-from tirefmu.symbolic.quantities import FZ
-from tirefmu.symbolic.wheel import quantities as hub
-from tirefmu.tires import Tire
-from tirefmu.tires.evaluation import quantities as quantities_of
-from tirefmu.tires.property_file.text import number_and_rest
-from tirefmu.tires.roads.road import Road
-
+from ...symbolic.declarations import Quantity
+from ...symbolic.quantities import FZ
+from ...symbolic.wheel import quantities as hub
+from ...tires import Tire
+from ...tires.evaluation import quantities as quantities_of
+from ...tires.property_file.text import number_and_rest
+from ...tires.roads.road import Road
 from .variables import Variable, input_variable
 
 #: The smallest friction of a road relative to that of the tire: the formulas divide by it.

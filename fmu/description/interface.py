@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from tirefmu.boundary.errors import FmuError, UnknownName
-from tirefmu.symbolic.added.state import State, rate_unit
-from tirefmu.symbolic.declarations import Quantity
-from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.model.extension import acting_name
-from tirefmu.symbolic.quantities import ACTED_ON, KAPPA_LAGGED, TAN_ALPHA_LAGGED
-from tirefmu.symbolic.wheel.quantities import SPIN
-from tirefmu.tires import Tire
-from tirefmu.tires.evaluation import quantities as quantities_of
-from tirefmu.tires.roads.road import Road
-
+from ...boundary.errors import FmuError, UnknownName
+from ...symbolic.added.state import State, rate_unit
+from ...symbolic.declarations import Quantity
+from ...symbolic.model import Model
+from ...symbolic.model.extension import acting_name
+from ...symbolic.quantities import ACTED_ON, KAPPA_LAGGED, TAN_ALPHA_LAGGED
+from ...symbolic.wheel.quantities import SPIN
+from ...tires import Tire
+from ...tires.evaluation import quantities as quantities_of
+from ...tires.roads.road import Road
 from .hub_variables import BRAKE_EVENT, hub_inputs, hub_motion, hub_outputs, hub_parameters, with_damping
 from .standstill import standstill_parameters, with_lengths
 from .variables import (

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 
-from tirefmu.boundary.escaping import xml_text
-
+from ...boundary.escaping import xml_text
 from .arrays import gather
 from .units import base_unit
 from .variables import Variable, is_indicator

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from math import inf
 
-from tirefmu.tires import Tire
-
+from ...tires import Tire
 from .variables import Variable
 
 #: Relaxation length of a slip for which a tire has none, per free radius.

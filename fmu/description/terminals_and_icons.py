@@ -6,8 +6,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from importlib.resources import files
 
-from tirefmu.symbolic.wheel import quantities as hub
-
+from ...symbolic.wheel import quantities as hub
 from .hub_variables import BRAKE, TORQUES
 from .model_description import xml_bytes
 from .variables import Variable

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 
-from tirefmu.boundary.errors import FmuError, nearest
+from ...boundary.errors import FmuError, nearest
 
 #: The factors of products, quotients and powers, as exponents of base units.
 #: The FMI standard treats rad as a base unit.

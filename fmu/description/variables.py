@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import inf, isfinite
 
-from tirefmu.symbolic.added.state import State
-from tirefmu.symbolic.declarations import Coefficient, Option, Quantity
-from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.models import model_named
-from tirefmu.symbolic.options import signs
-from tirefmu.tires import Tire
+from ...symbolic.added.state import State
+from ...symbolic.declarations import Coefficient, Option, Quantity
+from ...symbolic.model import Model
+from ...symbolic.models import model_named
+from ...symbolic.options import signs
+from ...tires import Tire
 
 
 @dataclass(frozen=True)

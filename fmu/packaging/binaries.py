@@ -10,8 +10,8 @@ from importlib.resources import files
 from pathlib import Path
 from platform import machine
 
-from tirefmu.boundary.errors import FmuError
-from tirefmu.tires.code.compiler import (
+from ...boundary.errors import FmuError
+from ...tires.code.compiler import (
     CompilerError,
     CrossCompiler,
     NoCompilerError,
@@ -20,7 +20,6 @@ from tirefmu.tires.code.compiler import (
     shared_library,
     suffix,
 )
-
 from .cross_compiler import FOLDERS_2, PLATFORMS, has_ziglang, universal, ziglang
 from .model_code import model_files
 from .sources import BUILT_IN, STI, STI_TIRE, VALUES, WRAPPER

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from tirefmu.boundary.errors import FmuError
-from tirefmu.tires.code.compiler import CrossCompiler
+from ...boundary.errors import FmuError
+from ...tires.code.compiler import CrossCompiler
 
 
 @dataclass(frozen=True)

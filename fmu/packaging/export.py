@@ -15,12 +15,11 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from tirefmu.boundary.errors import FmuError, WrongType, path_from, writing
-from tirefmu.boundary.whole_file import write_whole
-from tirefmu.symbolic.reserved import C_KEYWORDS
-from tirefmu.tires import Tire, TireLike, tire_from, write_tir
-from tirefmu.tires.roads.opencrg import read_crg
-
+from ...boundary.errors import FmuError, WrongType, path_from, writing
+from ...boundary.whole_file import write_whole
+from ...symbolic.reserved import C_KEYWORDS
+from ...tires import Tire, TireLike, tire_from, write_tir
+from ...tires.roads.opencrg import read_crg
 from ..description.arrays import with_arrays
 from ..description.documentation import header_license, index_html, license_of
 from ..description.interface import AXES, HUB, INPUTS, Interface, interface

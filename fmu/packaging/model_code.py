@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from functools import lru_cache
 
-from tirefmu.boundary.errors import FmuError
-from tirefmu.symbolic.printers.definitions import INCLUDES, calling_functions, calling_math, definitions
+from ...boundary.errors import FmuError
+from ...symbolic.printers.definitions import INCLUDES, calling_functions, calling_math, definitions
 
 #: Routines that a host calls at every step, and routines that it calls rarely.
 FAST = ("forces", "relaxation", "drives")

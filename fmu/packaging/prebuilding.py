@@ -12,10 +12,9 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 
-from tirefmu.boundary.errors import FmuError
-from tirefmu.symbolic.models import MODELS
-from tirefmu.tires import Tire
-
+from ...boundary.errors import FmuError
+from ...symbolic.models import MODELS
+from ...tires import Tire
 from ..description.interface import AXES, INPUTS
 from . import prebuilt
 from .binaries import binary, chosen_platforms, host_platform

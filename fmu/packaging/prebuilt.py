@@ -17,9 +17,8 @@ from importlib.resources import files
 from math import isfinite
 from pathlib import Path
 
-from tirefmu.boundary.errors import FmuError
-from tirefmu.tires import Tire
-
+from ...boundary.errors import FmuError
+from ...tires import Tire
 from ..description.interface import Interface, interface
 from .sources import CONFIG, code_files, generic_files
 from .written_headers import input_ranges, model_config

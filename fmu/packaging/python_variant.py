@@ -11,10 +11,9 @@ from importlib.resources import files
 from math import isfinite
 from pathlib import Path
 
-from tirefmu.boundary.errors import FmuError
-from tirefmu.tires import Tire
-from tirefmu.tires.code.printed import code_file
-
+from ...boundary.errors import FmuError
+from ...tires import Tire
+from ...tires.code.printed import code_file
 from ..description.documentation import license_of
 from ..description.model_description import xml_bytes
 from ..description.variables import Variable

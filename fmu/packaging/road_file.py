@@ -6,7 +6,7 @@ import struct
 
 import numpy as np
 
-from tirefmu.tires.roads.road import Road
+from ...tires.roads.road import Road
 
 #: The file inside an FMU, its format, and the length over which slopes are taken: that of a contact patch, m.
 ROAD_FILE = "resources/road.bin"

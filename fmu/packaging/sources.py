@@ -6,8 +6,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from importlib.resources import files
 
-from tirefmu.tires.code.printed import code_file
-
+from ...tires.code.printed import code_file
 from ..description.interface import Interface
 from ..description.model_description import xml_bytes
 from .model_code import model_files, split_code

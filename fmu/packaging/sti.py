@@ -10,12 +10,11 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from tirefmu.boundary.errors import FmuError, path_from
-from tirefmu.boundary.escaping import c_string
-from tirefmu.symbolic.printers.definitions import comment
-from tirefmu.tires import Tire, TireLike, tire_from
-from tirefmu.tires.code.compiler import suffix
-
+from ...boundary.errors import FmuError, path_from
+from ...boundary.escaping import c_string
+from ...symbolic.printers.definitions import comment
+from ...tires import Tire, TireLike, tire_from
+from ...tires.code.compiler import suffix
 from ..description.hub_variables import known_value
 from ..description.interface import interface
 from .binaries import SYSTEMS, binary, chosen_platforms, host_binary, host_platform

@@ -9,11 +9,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from tirefmu.boundary.errors import FmuError, path_from
-from tirefmu.boundary.escaping import visible
-from tirefmu.tires import Tire, TireLike, tire_from
-from tirefmu.tires.property_file.writing import tir_text
-
+from ...boundary.errors import FmuError, path_from
+from ...boundary.escaping import visible
+from ...tires import Tire, TireLike, tire_from
+from ...tires.property_file.writing import tir_text
 from ..description.interface import interface
 from ..description.system_structure import Component, parameter_mapping, parameter_set, system_structure
 from ..description.variables import Variable

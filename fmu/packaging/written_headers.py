@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from math import inf, isfinite
 
-from tirefmu.boundary.escaping import c_string
-from tirefmu.symbolic.added.state import SPEED, couplings
-from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.printers.definitions import comment
-from tirefmu.symbolic.wheel.quantities import CONTACT_FORCES, SPIN
-from tirefmu.tires import states
-
+from ...boundary.escaping import c_string
+from ...symbolic.added.state import SPEED, couplings
+from ...symbolic.model import Model
+from ...symbolic.printers.definitions import comment
+from ...symbolic.wheel.quantities import CONTACT_FORCES, SPIN
+from ...tires.states import simulation as states
 from ..description.arrays import arrays
 from ..description.interface import Interface, host_input_indices
 from ..description.variables import Variable, read_inputs

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from importlib.resources import files
 from typing import Any
 
-from tirefmu.boundary.escaping import html_text
+from ...boundary.escaping import html_text
 
 #: The version of FMI-LS-REF that the layout follows, and the version of proof.json.
 LAYOUT, FORMAT = "1.0.0-alpha.1", 1

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, TypedDict
 
-from tirefmu.boundary.json_schema import document, schema_of
-
+from ...boundary.json_schema import document, schema_of
 from .layout import FORMAT
 
 

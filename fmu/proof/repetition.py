@@ -13,10 +13,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.bounded_file import read_bounded
-from tirefmu.boundary.errors import FmuError, path_from
-from tirefmu.boundary.escaping import excerpt, visible
-
+from ...boundary.bounded_file import read_bounded
+from ...boundary.errors import FmuError, path_from
+from ...boundary.escaping import excerpt, visible
 from ..comparison.check import largest_difference
 from ..comparison.result import EVALUATION_TOLERANCE
 from ..simulation.archive import unpacked

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import FmuError
-from tirefmu.measurements.recording import Recording
-from tirefmu.tires import Tire
-from tirefmu.tires.signs import convert_signs
+from ...boundary.errors import FmuError
+from ...measurements.recording import Recording
+from ...tires import Tire
+from ...tires.signs import convert_signs
 
 #: Upper limit of rows in a proof; of longer tables, every n-th row of each segment is used.
 MAX_ROWS = 2000

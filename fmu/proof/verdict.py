@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from tirefmu.boundary.bounded_file import read_bounded
-from tirefmu.boundary.errors import FmuError
-from tirefmu.boundary.escaping import excerpt
+from ...boundary.bounded_file import read_bounded
+from ...boundary.errors import FmuError
+from ...boundary.escaping import excerpt
 
 #: The largest result of a fit, bytes.
 LARGEST = 20_000_000

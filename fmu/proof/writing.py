@@ -13,13 +13,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import FmuError, path_from
-from tirefmu.measurements.provenance import provenance
-from tirefmu.measurements.recording import Recording
-from tirefmu.measurements.table_argument import TableLike, recording_from
-from tirefmu.tires import TABLE_INPUTS, TABLE_OUTPUTS, Tire
-from tirefmu.tires.signs import convert_signs
-
+from ...boundary.errors import FmuError, path_from
+from ...measurements.provenance import provenance
+from ...measurements.recording import Recording
+from ...measurements.table_argument import TableLike, recording_from
+from ...tires import TABLE_INPUTS, TABLE_OUTPUTS, Tire
+from ...tires.signs import convert_signs
 from ..comparison.channel_errors import ChannelErrors
 from ..comparison.check import columns_of, directly, times_of, unit_of
 from ..comparison.resources import declared_interface, embedded_tire

@@ -19,9 +19,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from tirefmu.boundary.bounded_file import read_bounded
-from tirefmu.boundary.errors import FmuError, reading
-from tirefmu.boundary.escaping import visible
+from ...boundary.bounded_file import read_bounded
+from ...boundary.errors import FmuError, reading
+from ...boundary.escaping import visible
 
 #: The largest archive, and its largest size when unpacked, bytes.
 MAX_BYTES = 200_000_000

@@ -24,10 +24,9 @@ import fmpy
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.boundary.bounded_file import read_bounded
-from tirefmu.boundary.errors import FmuError
-from tirefmu.boundary.escaping import excerpt
-
+from ...boundary.bounded_file import read_bounded
+from ...boundary.errors import FmuError
+from ...boundary.escaping import excerpt
 from .archive import DESCRIPTION, unpacked
 from .slave import ANSWER, ARRAYS, JOB, OUTPUTS, Rejected, Slave
 

@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError, TirefmuError
-
-from ..arrays import FloatArray
+from ...boundary.errors import DataError, TirefmuError
+from ...numerics.arrays import FloatArray
 from ..channels import CHANNELS, INPUTS, channel
 from ..column_names import check_names
 from ..interpretation import Interpretation

@@ -13,8 +13,7 @@ from typing import TextIO
 
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError
-
+from ...boundary.errors import DataError
 from ..channels import CHANNELS
 from ..interpretation import Interpretation
 from ..recording import Recording

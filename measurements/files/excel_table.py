@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tirefmu.boundary.errors import DataError
-
+from ...boundary.errors import DataError
 from ..interpretation import Interpretation
 from ..recording import Recording
 from . import native_reader

@@ -11,8 +11,7 @@ import threading
 from pathlib import Path
 from typing import Any
 
-from tirefmu.boundary.errors import DataError
-
+from ...boundary.errors import DataError
 from . import reader_process
 from .reader_process import MissingPackage
 

@@ -8,8 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError
-
+from ...boundary.errors import DataError
 from ..interpretation import Interpretation
 from ..recording import Recording
 from . import native_reader

@@ -10,12 +10,11 @@ from importlib.metadata import EntryPoint
 from os import PathLike
 from pathlib import Path
 
-from tirefmu.boundary.errors import DataError, TirefmuError, nearest, path_from
-from tirefmu.boundary.plugins import described, loaded, plugins
-from tirefmu.tires.signs import reversed_columns
-
+from ...boundary.errors import DataError, TirefmuError, nearest, path_from
+from ...boundary.plugins import described, loaded, plugins
+from ...tires.signs import reversed_columns
+from ..checks.rows.incomplete_rows import without_incomplete_rows
 from ..interpretation import Interpretation
-from ..quality.incomplete_rows import without_incomplete_rows
 from ..recording import Recording
 from .formats import FORMATS
 
@@ -77,7 +76,7 @@ def read_recording(
     -------
     Recording
         In the sign convention of the file. Rows without an input are excluded up to a share
-        (`tirefmu.measurements.quality.incomplete_rows`).
+        (`tirefmu.measurements.checks.rows.incomplete_rows`).
 
     Raises
     ------

@@ -9,11 +9,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError, TirefmuError, nearest
-
-from ..arrays import FloatArray
+from ...boundary.errors import DataError, TirefmuError, nearest
+from ...numerics.arrays import FloatArray
 from ..channels import CHANNELS, OUTPUTS, Channel
-from ..column_meaning.radii import median_radius
+from ..checks.columns.radii import median_radius
 from ..column_names import intended_channel
 from ..interpretation import Interpretation
 from ..recording import Recording

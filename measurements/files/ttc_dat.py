@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from tirefmu.boundary.errors import DataError
-
+from ...boundary.errors import DataError
 from ..interpretation import Interpretation
 from ..recording import Recording
 from .columns import is_number, rows_of_numbers

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError
-
-from ..arrays import FloatArray
+from ...boundary.errors import DataError
+from ...numerics.arrays import FloatArray
 from ..channels import CHANNELS
 from ..interpretation import Interpretation
 from ..recording import Recording

@@ -10,9 +10,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError, UnknownName, nearest
-
-from ..arrays import FloatArray
+from ...boundary.errors import DataError, UnknownName, nearest
+from ...numerics.arrays import FloatArray
 from ..channels import CHANNELS
 from ..interpretation import Interpretation
 from ..recording import Recording

@@ -9,9 +9,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError, writing
-from tirefmu.boundary.whole_file import replacing
-
+from ...boundary.errors import DataError, writing
+from ...boundary.whole_file import replacing
 from .parquet_table import EXTRA
 
 

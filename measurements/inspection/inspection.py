@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ..arrays import BoolArray, FloatArray, IndexArray
+from ...numerics.arrays import BoolArray, FloatArray, IndexArray
 from ..channels import CHANNELS
-from ..column_meaning.meanings import ColumnMeaning, column_meanings
-from ..findings.data_findings import data_findings
-from ..findings.finding import Finding
+from ..checks.columns.meanings import ColumnMeaning, column_meanings
+from ..checks.recordings.data_findings import data_findings
+from ..checks.recordings.finding import Finding
+from ..checks.rows.row_exclusion import RowExclusion, exclude_rows
 from ..operating_conditions.grouping import group_by_condition
 from ..operating_conditions.levels import held_levels
 from ..operating_conditions.phases import Phase, phases
 from ..operating_conditions.time_series import sample_interval
-from ..quality.row_exclusion import RowExclusion, exclude_rows
 from ..recording import Recording
 
 #: s, time over which the speed of a sweep is measured. A sweep of a bench takes several seconds.

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from tirefmu.boundary.errors import DataError, path_from, writing
-from tirefmu.tires.drawing.page import page_text, write_page
-
-from ..findings.finding import Finding, verdict_on
+from ...boundary.errors import DataError, path_from, writing
+from ...drawing.page import page_text, write_page
+from ..checks.recordings.finding import Finding, verdict_on
 from ..provenance import provenance
 from .figures import inspection_figures
 from .inspection import Inspection

@@ -7,11 +7,10 @@ from itertools import groupby
 
 import numpy as np
 
-from tirefmu.tires.drawing.labels import drawn_unit, per_si
-
+from ...drawing.labels import drawn_unit, per_si
 from ..channels import CHANNELS
-from ..column_meaning.meanings import ASSUMPTIONS
-from ..quality.row_exclusion import EXCLUSION_REASONS
+from ..checks.columns.meanings import ASSUMPTIONS
+from ..checks.rows.row_exclusion import EXCLUSION_REASONS
 from .inspection import Inspection, SweepSummary
 
 Table = tuple[list[str], list[list[str]]]

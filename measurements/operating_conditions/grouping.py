@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IndexArray
+from ...numerics.arrays import BoolArray, FloatArray, IndexArray
 from ..channels import CONTROLLED_INPUTS
 from ..recording import Recording, once
 from ..thresholds import OVERSAMPLED

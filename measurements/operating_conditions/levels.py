@@ -7,9 +7,8 @@ import pandas as pd
 from numpy.typing import ArrayLike
 from scipy.ndimage import gaussian_filter1d
 
-from tirefmu.boundary.errors import DataError
-
-from ..arrays import FloatArray, IndexArray
+from ...boundary.errors import DataError
+from ...numerics.arrays import FloatArray, IndexArray
 from ..channels import CHANNELS
 from ..thresholds import LOAD_TOLERANCE, MIN_LEVEL_PROMINENCE, MIN_LEVEL_SHARE, MIN_ROWS_AT_LEVELS
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
 
-from ..arrays import BoolArray, FloatArray, IndexArray
+from ...numerics.arrays import BoolArray, FloatArray, IndexArray
 from ..channels import CONTROLLED_INPUTS
 from ..recording import Recording, once
 from ..thresholds import (

@@ -18,10 +18,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tirefmu.boundary.errors import DataError, TirefmuError, nearest
-from tirefmu.boundary.escaping import excerpt
-
-from ..arrays import BoolArray, FloatArray
+from ...boundary.errors import DataError, TirefmuError, nearest
+from ...boundary.escaping import excerpt
+from ...numerics.arrays import BoolArray, FloatArray
 from ..channels import CHANNELS
 from ..column_names import intended_channel
 from ..units import to_si

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tirefmu.boundary.errors import DataError
-
-from ..arrays import BoolArray, FloatArray
+from ...boundary.errors import DataError
+from ...numerics.arrays import BoolArray, FloatArray
 from ..channels import CHANNELS
 from ..operating_conditions.phases import phases
 from ..recording import Recording

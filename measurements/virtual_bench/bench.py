@@ -9,10 +9,9 @@ from typing import Any, Protocol
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError
-from tirefmu.tires import Tire, tire_from
-from tirefmu.tires.signs import convert_signs
-
+from ...boundary.errors import DataError
+from ...tires import Tire, tire_from
+from ...tires.signs import convert_signs
 from ..channels import OUTPUTS
 from ..recording import Recording
 from .programs import Program

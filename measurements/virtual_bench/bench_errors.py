@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ...numerics.arrays import FloatArray
 
 #: Half waves of drift over the recording: slower than sweeps, so that drift is not confounded with slip curves. Not
 #: recorded.

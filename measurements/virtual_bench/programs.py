@@ -14,10 +14,9 @@ from math import radians
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError
-from tirefmu.tires.signs import reversed_columns
-
-from ..arrays import FloatArray
+from ...boundary.errors import DataError
+from ...numerics.arrays import FloatArray
+from ...tires.signs import reversed_columns
 from ..channels import INPUTS
 from ..units import PSI
 

@@ -8,9 +8,8 @@ from math import pi, radians
 
 import numpy as np
 
-from tirefmu.boundary.errors import DataError
-
-from ..arrays import FloatArray
+from ...boundary.errors import DataError
+from ...numerics.arrays import FloatArray
 from ..channels import CHANNELS, channel
 
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from math import isfinite
 
-from tirefmu.boundary.errors import EffectError, nearest
-from tirefmu.boundary.escaping import quoted
-
+from ...boundary.errors import EffectError, nearest
+from ...boundary.escaping import quoted
 from ..declarations import Coefficient
 from ..reserved import no_coefficient, no_effect, no_state
 from .effect import AddedEffect

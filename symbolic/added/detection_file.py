@@ -13,10 +13,9 @@ from collections.abc import Iterable, Mapping
 from math import prod
 from typing import Any
 
-from tirefmu.boundary.errors import EffectError, nearest
-from tirefmu.boundary.escaping import quoted, toml_string
-from tirefmu.boundary.json_schema import by_name, list_schema, name_schema, object_schema, one_of
-
+from ...boundary.errors import EffectError, nearest
+from ...boundary.escaping import quoted, toml_string
+from ...boundary.json_schema import by_name, list_schema, name_schema, object_schema, one_of
 from ..contract import ROLES
 from ..detection import Confounded, Detection, Form
 from ..quantities import ALPHA, BEYOND, FX, FY, FZ, GAMMA, KAPPA, MX, MY, MZ, PHIT, P, V

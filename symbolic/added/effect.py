@@ -9,8 +9,7 @@ from functools import cached_property, partial
 from types import new_class
 from typing import TYPE_CHECKING
 
-from tirefmu.boundary.errors import EffectError
-
+from ...boundary.errors import EffectError
 from ..declarations import Coefficient, Section
 from ..detection import Detection
 from .formula_names import names_in

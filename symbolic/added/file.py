@@ -25,12 +25,11 @@ from dataclasses import replace
 from math import isfinite
 from typing import Any
 
-from tirefmu.boundary.bounded_file import toml_content
-from tirefmu.boundary.errors import EffectError, nearest
-from tirefmu.boundary.escaping import quoted, toml_string
-from tirefmu.boundary.json_schema import FILLED, by_name, document, list_schema, name_schema, object_schema
-from tirefmu.boundary.schema_check import check_content
-
+from ...boundary.bounded_file import toml_content
+from ...boundary.errors import EffectError, nearest
+from ...boundary.escaping import quoted, toml_string
+from ...boundary.json_schema import FILLED, by_name, document, list_schema, name_schema, object_schema
+from ...boundary.schema_check import check_content
 from ..declarations import Coefficient, Effect
 from ..detection import Detection
 from ..reserved import LONGEST_NAME, STATE_FORM, STATE_NAME

@@ -5,9 +5,8 @@ from __future__ import annotations
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 
-from tirefmu.boundary.errors import EffectError
-from tirefmu.boundary.plugins import described, loaded, plugins
-
+from ...boundary.errors import EffectError
+from ...boundary.plugins import described, loaded, plugins
 from ..declarations import Effect
 from .effect import AddedEffect
 from .file import read_declared

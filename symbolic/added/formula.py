@@ -19,9 +19,8 @@ from typing import Any
 import sympy as sp
 from sympy.printing.str import StrPrinter
 
-from tirefmu.boundary.errors import EffectError, nearest
-from tirefmu.boundary.escaping import quoted
-
+from ...boundary.errors import EffectError, nearest
+from ...boundary.escaping import quoted
 from ..functions import absolute, sgn, sgn1
 
 #: Limits of a formula: characters; nesting depth (n for a sum of n terms); names, numbers and operations.

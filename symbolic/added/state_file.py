@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from tirefmu.boundary.errors import EffectError, nearest
-from tirefmu.boundary.escaping import toml_string
-from tirefmu.boundary.json_schema import FILLED, list_schema, one_of
-
+from ...boundary.errors import EffectError, nearest
+from ...boundary.escaping import toml_string
+from ...boundary.json_schema import FILLED, list_schema, one_of
 from .state import FITTED, KINDS, PATHS, SPEED, WITH_FITTED_START, State, with_speeds
 
 _FORMULA: dict[str, Any] = {"anyOf": [FILLED, {"type": "number"}]}

@@ -1,7 +1,7 @@
 """Transient slip: relaxation over the rolled distance, d x/dt = |V| / sigma (u - x) on tan(alpha) and kappa.
 
 The lagged x replaces the slip in every other line. sigma is constant, changes with load, or is a length of the Magic
-Formula; 0 means without delay. The update over a step is in `tirefmu.tires.transient`.
+Formula; 0 means without delay. The update over a step is in `tirefmu.tires.states.transient`.
 """
 
 from __future__ import annotations

@@ -7,9 +7,8 @@ from dataclasses import replace
 
 import sympy as sp
 
-from tirefmu.boundary.errors import EffectError, nearest
-from tirefmu.boundary.escaping import quoted
-
+from ...boundary.errors import EffectError, nearest
+from ...boundary.escaping import quoted
 from ..added import AddedEffect
 from ..declarations import Effect
 from ..notation import Chapter, Equation, Variant

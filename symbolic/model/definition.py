@@ -13,8 +13,7 @@ from importlib import import_module
 from importlib.resources.abc import Traversable
 from typing import TYPE_CHECKING
 
-from tirefmu.boundary.errors import UnknownName, no_single_text
-
+from ...boundary.errors import UnknownName, no_single_text
 from ..added import AddedEffect
 from ..added.checks import check_effects
 from ..added.effect import sections_of

@@ -5,9 +5,8 @@ from __future__ import annotations
 from importlib import import_module
 from pkgutil import iter_modules
 
-from tirefmu.boundary.errors import ModelError
-from tirefmu.boundary.plugins import described, loaded, plugins
-
+from ...boundary.errors import ModelError
+from ...boundary.plugins import described, loaded, plugins
 from .definition import Model
 
 

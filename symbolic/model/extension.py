@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 
-from tirefmu.boundary.errors import EffectError
-
+from ...boundary.errors import EffectError
 from ..added import AddedEffect
 from ..added.state import SLIDING_POWER
 from ..declarations import Quantity

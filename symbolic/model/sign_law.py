@@ -14,8 +14,7 @@ import random
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from tirefmu.boundary.errors import ModelError
-
+from ...boundary.errors import ModelError
 from ..declarations import Coefficient, Quantity
 from ..options import signs
 from ..quantities import V

@@ -10,8 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 import sympy as sp
 
-from tirefmu.boundary.errors import EffectError, nearest
-
+from ...boundary.errors import EffectError, nearest
 from ..added.effect import AddedEffect, owners_of
 from ..added.formula import formula
 from ..added.state import SLIDING_POWER, SPEED, SPEED_ENDING, State, couplings, rate_unit

@@ -13,7 +13,7 @@ from functools import cached_property
 from importlib.resources.abc import Traversable
 from itertools import compress, product
 
-from tirefmu.boundary.errors import ModelError
+from ...boundary.errors import ModelError
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from tirefmu.boundary.errors import ModelError, nearest
-
+from ...boundary.errors import ModelError, nearest
 from ..contract import ROLES
 from ..quantities import BEYOND
 from .definition import INDISPENSABLE, Model

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
 
-from tirefmu.boundary.escaping import c_comment
+from ...boundary.escaping import c_comment
 
 INCLUDES = "#include <float.h>\n#include <math.h>\n#include <stdint.h>\n#include <string.h>"
 #: The headers, in the order in which they are printed.

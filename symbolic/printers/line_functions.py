@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from textwrap import fill, indent, wrap
 
-from tirefmu.boundary.escaping import python_comment
-
+from ...boundary.escaping import python_comment
 from ..laws import LAWS
 from ..line_function import LineFunction
 from ..notation import Equation

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from textwrap import fill, indent
 
-from tirefmu.boundary.escaping import python_comment
-
+from ...boundary.escaping import python_comment
 from ..model import Model
 from .expressions import NamespacePrinter
 from .routines import STRAIGHT, Routine, jacobians_of, values_of

@@ -11,8 +11,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from tirefmu.boundary.errors import TirefmuError
-
+from ...boundary.errors import TirefmuError
 from ..added.state import State, rate_unit
 from ..declarations import Quantity
 from ..functions import absolute, where

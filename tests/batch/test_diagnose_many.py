@@ -8,9 +8,9 @@ import shutil
 import pandas as pd
 import pytest
 
-from tirefmu.batch.diagnose_many import diagnose_many
+from tirefmu.applications.batch.diagnose_many import diagnose_many
 from tirefmu.boundary.errors import TirefmuError
-from tirefmu.cli import main
+from tirefmu.commands.cli import main
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, write_table
 from tirefmu.tires import published
 

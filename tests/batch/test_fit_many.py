@@ -11,11 +11,11 @@ import sys
 import pandas as pd
 import pytest
 
-from tirefmu.batch.fit_many import Batch, fit_many, run, task_of
-from tirefmu.batch.jobs import FitJob, read_jobs
-from tirefmu.batch.records import JobResult
+from tirefmu.applications.batch.fit_many import Batch, fit_many, run, task_of
+from tirefmu.applications.batch.jobs import FitJob, read_jobs
+from tirefmu.applications.batch.records import JobResult
 from tirefmu.boundary.errors import TirefmuError
-from tirefmu.cli import main
+from tirefmu.commands.cli import main
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, write_table
 from tirefmu.tires import published
 

@@ -6,8 +6,8 @@ import json
 
 import pytest
 
-from tirefmu.batch.intervals import bootstrap, profile
-from tirefmu.cli import main
+from tirefmu.applications.batch.intervals import bootstrap, profile
+from tirefmu.commands.cli import main
 from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, read_recording, write_table
 from tirefmu.tires import published

@@ -9,10 +9,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.batch.study import study
-from tirefmu.batch.study_file import read_study
+from tirefmu.applications.batch.study import study
+from tirefmu.applications.batch.study_file import read_study
 from tirefmu.boundary.errors import TirefmuError
-from tirefmu.cli import main
+from tirefmu.commands.cli import main
 from tirefmu.fmu import export
 from tirefmu.tires import published
 
@@ -52,7 +52,7 @@ def folder(manoeuvre, tmp_path_factory):
 
 
 def test_each_run_is_the_tire_with_its_values(tire, fmu, folder, manoeuvre, tmp_path, monkeypatch):
-    monkeypatch.setattr("tirefmu.batch.study.ROWS_OF_TASK", 4 * len(manoeuvre))  # two tasks
+    monkeypatch.setattr("tirefmu.applications.batch.study.ROWS_OF_TASK", 4 * len(manoeuvre))  # two tasks
     counts = []
     table = study(fmu, folder / "study.toml", tmp_path, workers=1, progress=lambda *report: counts.append(report))
     assert counts == [(4, 6), (6, 6)]

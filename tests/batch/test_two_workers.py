@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.batch.cross_validation import cross_validate
-from tirefmu.batch.diagnose_many import diagnose_many
-from tirefmu.batch.study import study
+from tirefmu.applications.batch.cross_validation import cross_validate
+from tirefmu.applications.batch.diagnose_many import diagnose_many
+from tirefmu.applications.batch.study import study
 from tirefmu.fitting import cross_validate as in_this_process
 from tirefmu.fmu import export
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps
@@ -27,7 +27,7 @@ def test_a_study_is_that_of_one_process(cluster, kill_once, tmp_path, monkeypatc
     values = "[parameters]\nUMAX = {from = 0.6, to = 1.2, count = 4}\n"
     (tmp_path / "study.toml").write_text(f'tables = ["steer.csv"]\nseries = true\n{values}')
     fmu = export(TIRE, tmp_path / "tire.fmu")
-    monkeypatch.setattr("tirefmu.batch.study.ROWS_OF_TASK", len(steer))  # a run in each task
+    monkeypatch.setattr("tirefmu.applications.batch.study.ROWS_OF_TASK", len(steer))  # a run in each task
     study(fmu, tmp_path / "study.toml", tmp_path / "one", workers=1)
     study(fmu, tmp_path / "study.toml", tmp_path / "two", scheduler=cluster.scheduler_address, progress=kill_once)
     files = sorted(path.name for path in (tmp_path / "one").iterdir())

@@ -8,9 +8,9 @@ import pandas as pd
 from scipy.interpolate import PchipInterpolator
 
 from tirefmu.diagnosis import Diagnosis
-from tirefmu.estimation.smoothing import smoothed
+from tirefmu.numerics.smoothing import smoothed
+from tirefmu.tires.states.simulation.transient import rolled_distance
 from tirefmu.tires.tire import Tire
-from tirefmu.tires.transient import rolled_distance
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -20,7 +20,7 @@ from tirefmu.diagnosis.verdict.delivery import density_gain, reasons_against
 from tirefmu.diagnosis.verdict.findings import Finding
 from tirefmu.diagnosis.verdict.fit_error import Residuals
 from tirefmu.diagnosis.verdict.verdict import verdict_text
-from tirefmu.estimation.noise_floor import NoiseFloor
+from tirefmu.numerics.noise_floor import NoiseFloor
 
 from .independent import kinds as independent
 from .recomputation import recomputed

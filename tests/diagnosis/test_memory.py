@@ -15,8 +15,8 @@ from tirefmu.diagnosis.recording.load_error import load_error_responses
 from tirefmu.diagnosis.recording.signals import FORMULA_SIGNS, signals_of
 from tirefmu.diagnosis.recording.simulation import Simulator
 from tirefmu.diagnosis.unexplained.features import features
-from tirefmu.estimation.turn_slip import with_turn_slip
 from tirefmu.measurements import Recording
+from tirefmu.measurements.turn_slip import with_turn_slip
 from tirefmu.symbolic.added import library
 from tirefmu.tires import Tire
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tirefmu.cli import main
+from tirefmu.commands.cli import main
 from tirefmu.fmu import check
 from tirefmu.symbolic.added import read_effect
 from tirefmu.tires import Tire, read_tir

@@ -10,7 +10,7 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from tirefmu.boundary.errors import DataError
-from tirefmu.cli import main
+from tirefmu.commands.cli import main
 from tirefmu.diagnosis import diagnose
 from tirefmu.diagnosis.recording.measurement_artefacts import ripple
 from tirefmu.diagnosis.recording.signals import signals_of

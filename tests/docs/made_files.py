@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from scipy.io import savemat
 
-from tirefmu.cli import main
+from tirefmu.commands.cli import main
 from tirefmu.measurements import Recording, VirtualBench, alpha_sweeps, concatenate, kappa_sweeps, write_table
 from tirefmu.tires import Tire
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tirefmu.cli import cli, main
+from tirefmu.commands.cli import cli, main
 
 from .made_files import MadeFiles
 from .page_blocks import REASONS, blocks_of

@@ -14,11 +14,11 @@ from pathlib import Path
 import pytest
 
 import tirefmu
+from tirefmu.applications.project.project_file import SECTIONS
 from tirefmu.boundary.errors import LISTED_BY
-from tirefmu.cli import cli
+from tirefmu.commands.cli import cli
+from tirefmu.commands.schemas import KINDS
 from tirefmu.measurements.units import UNITS
-from tirefmu.project.project_file import SECTIONS
-from tirefmu.schemas import KINDS
 from tirefmu.symbolic.models import MODELS
 
 from .page_blocks import blocks_of

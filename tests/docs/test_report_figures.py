@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tirefmu.cli import main
-from tirefmu.tires.drawing import files, page, picture
-from tirefmu.tires.drawing.style import CONTRAST, contrast
+from tirefmu.commands.cli import main
+from tirefmu.drawing import page, picture
+from tirefmu.drawing.style import CONTRAST, contrast
+from tirefmu.tires.drawing import files
 
 PAGE = (Path(__file__).parents[2] / "docs" / "report_figures.md").read_text(encoding="utf-8")
 COMMANDS = re.search(r"^```sh\n(.*?)^```$", PAGE, flags=re.MULTILINE | re.DOTALL)[1].splitlines()

@@ -11,7 +11,7 @@ sys.path.insert(0, str(Path(__file__).parent))  # the independent program is not
 import road
 
 import tirefmu
-from tirefmu.driving.inputs.car import Car
+from tirefmu.applications.driving.inputs.car import Car
 
 #: Friction and cornering stiffness of the drive, relative to the tire of the file.
 TRUE = {"LMUX": 0.8, "LMUY": 0.8, "LKX": 1.0, "LKY": 0.9}

@@ -10,11 +10,11 @@ import pytest
 import road
 from scipy.io import savemat
 
+from tirefmu.applications.driving.inputs.car import Car, read_car
+from tirefmu.applications.driving.inputs.car_entries import ENTRIES, car_schema
+from tirefmu.applications.driving.inputs.log import read_log
 from tirefmu.boundary.errors import TirefmuError
-from tirefmu.cli import main
-from tirefmu.driving.inputs.car import Car, read_car
-from tirefmu.driving.inputs.car_entries import ENTRIES, car_schema
-from tirefmu.driving.inputs.log import read_log
+from tirefmu.commands.cli import main
 
 
 def test_the_example_is_a_car_and_follows_the_schema(tmp_path, monkeypatch):

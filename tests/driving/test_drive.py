@@ -14,13 +14,13 @@ import road
 
 import tirefmu
 from tests.json_schemas import check_file, objections
+from tirefmu.applications.driving import simulation
+from tirefmu.applications.driving.effects import motion_of
+from tirefmu.applications.driving.inputs.car import Car
+from tirefmu.applications.driving.report import write_drive
 from tirefmu.boundary.errors import DataError
-from tirefmu.cli import main
+from tirefmu.commands.cli import main
 from tirefmu.diagnosis.diagnose import with_library
-from tirefmu.driving import simulation
-from tirefmu.driving.effects import motion_of
-from tirefmu.driving.inputs.car import Car
-from tirefmu.driving.report import write_drive
 from tirefmu.tires import read_tir
 
 

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import tirefmu
-from tirefmu.driving.inputs.car import read_car
+from tirefmu.applications.driving.inputs.car import read_car
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 import dart

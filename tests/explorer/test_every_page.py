@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tirefmu.cli import main
+from tirefmu.commands.cli import main
 
 from ..docs.made_files import MadeFiles
 

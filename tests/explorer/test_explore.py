@@ -11,10 +11,10 @@ from hashlib import sha256
 import pytest
 
 from tests.hostile import HOSTILE, Skeleton
+from tirefmu.applications.explorer.explore import page_text
+from tirefmu.applications.explorer.fit_intervals import fit_intervals
 from tirefmu.boundary.errors import TirefmuError, UnknownName
-from tirefmu.cli import main
-from tirefmu.explorer.explore import page_text
-from tirefmu.explorer.fit_intervals import fit_intervals
+from tirefmu.commands.cli import main
 from tirefmu.symbolic.added import AddedEffect
 from tirefmu.symbolic.added.effect import Act
 from tirefmu.symbolic.declarations import Coefficient
@@ -59,7 +59,7 @@ def test_sliders_have_the_ranges_of_the_tire_file():
 
 
 def test_a_missing_chart_library_is_an_error(monkeypatch):
-    monkeypatch.setattr("tirefmu.tires.drawing.chart_library.LIBRARY", "no_such_package")
+    monkeypatch.setattr("tirefmu.drawing.chart_library.LIBRARY", "no_such_package")
     with pytest.raises(TirefmuError, match="pip install uplot-python"):
         page_text("trento_hoosier", intervals={})
 

@@ -8,7 +8,7 @@ from math import radians
 import numpy as np
 import pytest
 
-from tirefmu.explorer.measured_rows import MIN_ROWS, measured_rows, rows_data
+from tirefmu.applications.explorer.measured_rows import MIN_ROWS, measured_rows, rows_data
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, exclude_rows
 from tirefmu.tires import published
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tirefmu.drawing.page import page_text
 from tirefmu.fitting.reporting.figures import figures_of
-from tirefmu.tires.drawing.page import page_text
 
 #: A report of figures only.
 TEMPLATE = """{% extends "page.html" %}{% from "parts.html" import figure %}{% block title %}charts{% endblock %}

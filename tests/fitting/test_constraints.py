@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tirefmu.boundary.errors import UnknownName
-from tirefmu.demo import bench_tire
+from tirefmu.commands.demo import bench_tire
 from tirefmu.fitting.constraints.constraint_functions import measured_values
 from tirefmu.fitting.constraints.physical import (
     KINDS,

@@ -9,8 +9,8 @@ import pandas as pd
 import pytest
 
 from tirefmu.boundary.errors import FitError
-from tirefmu.cli import main
-from tirefmu.demo import bench_tire
+from tirefmu.commands.cli import main
+from tirefmu.commands.demo import bench_tire
 from tirefmu.fitting import fit
 from tirefmu.fitting.family import Family
 from tirefmu.fitting.problem.prior import Prior

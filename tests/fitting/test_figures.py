@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tirefmu.boundary.errors import DataError, FitError
-from tirefmu.estimation.slip_slope import read_slope
 from tirefmu.fitting.evidence.curves import compare
 from tirefmu.fitting.reporting.figures import draw_figures, weighting_figure
 from tirefmu.fitting.reporting.load_figures import data_text, friction_over_load, largest_friction, stiffness_over_load
@@ -23,6 +22,7 @@ from tirefmu.measurements import (
     small_tire_program,
     trento_program,
 )
+from tirefmu.numerics.slip_slope import read_slope
 from tirefmu.tires import SIGNS, Tire, published
 from tirefmu.tires.code.modules import numpy_routine
 
@@ -58,7 +58,7 @@ def trento():
 @pytest.fixture
 def unrendered(monkeypatch):
     """Do not render the figures: which are drawn is the same."""
-    monkeypatch.setattr("tirefmu.tires.drawing.picture.png", lambda figure, dpi: b"")
+    monkeypatch.setattr("tirefmu.drawing.picture.png", lambda figure, dpi: b"")
 
 
 def test_every_figure_is_complete(bench, tmp_path):

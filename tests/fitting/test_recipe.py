@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.boundary.errors import FitError, TirefmuError, UnknownName
-from tirefmu.demo import SEED, bench_tire
+from tirefmu.commands.demo import SEED, bench_tire
 from tirefmu.fitting import RECIPES, fit, load_recipe
 from tirefmu.fitting.problem.recipe import Freed
 from tirefmu.measurements import Noise, VirtualBench, trento_program

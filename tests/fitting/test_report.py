@@ -10,6 +10,7 @@ import pytest
 
 from tirefmu.boundary.errors import FitError
 from tirefmu.boundary.escaping import figure_text, visible
+from tirefmu.drawing.figure import Figure, Panel
 from tirefmu.fitting.constraints.verification import Margin
 from tirefmu.fitting.data.fit_data import ExcludedRows
 from tirefmu.fitting.evidence.consistency import Disagreement
@@ -19,7 +20,6 @@ from tirefmu.fitting.evidence.undetermined import Undetermined
 from tirefmu.fitting.reporting.report import report_page, write_report
 from tirefmu.fitting.results.records import HeldOut
 from tirefmu.measurements.provenance import provenance, table_digest
-from tirefmu.tires.drawing.figure import Figure, Panel
 
 from ..hostile import HOSTILE, Skeleton, is_plain
 

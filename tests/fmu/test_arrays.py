@@ -12,7 +12,7 @@ from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
 from tirefmu.boundary.errors import FmuError
-from tirefmu.cli import main
+from tirefmu.commands.cli import main
 from tirefmu.fmu.packaging.export import export
 
 from .conftest import ERROR, OK

@@ -11,7 +11,7 @@ from fmpy.validation import validate_fmu
 from scipy.spatial.transform import Rotation
 
 from tirefmu.boundary.errors import FmuError
-from tirefmu.cli import main
+from tirefmu.commands.cli import main
 from tirefmu.fmu.description.interface import interface
 from tirefmu.fmu.packaging.export import export
 from tirefmu.fmu.packaging.road_file import ROAD_FILE

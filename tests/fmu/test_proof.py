@@ -19,7 +19,7 @@ from lxml import etree
 
 from tests.json_schemas import objections
 from tirefmu.boundary.errors import FmuError
-from tirefmu.cli import main
+from tirefmu.commands.cli import main
 from tirefmu.fmu import add_proof, check, export, repeat_proof
 
 from .programs import unzipped, zipped

@@ -10,7 +10,7 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from tirefmu.boundary.errors import FmuError
-from tirefmu.cli import main
+from tirefmu.commands.cli import main
 from tirefmu.fmu import check, export
 from tirefmu.fmu.packaging.binaries import host_platform
 from tirefmu.measurements import Recording

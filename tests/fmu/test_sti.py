@@ -11,7 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tirefmu.boundary.errors import FmuError
-from tirefmu.cli import main
+from tirefmu.commands.cli import main
 from tirefmu.fmu.packaging.sti import export_sti
 from tirefmu.symbolic.wheel.quantities import CARRIER, WRENCH
 from tirefmu.tires.code.compiler import suffix

@@ -15,7 +15,7 @@ from fmpy.ssp.ssd import read_ssd, read_ssm, read_ssv
 from lxml import etree
 
 from tirefmu.boundary.errors import FmuError
-from tirefmu.cli import main
+from tirefmu.commands.cli import main
 from tirefmu.fmu import export_parameters, export_system
 
 from .conftest import OK

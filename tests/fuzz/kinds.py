@@ -18,8 +18,10 @@ import pandas as pd
 import pytest
 from scipy.io import savemat
 
-from tirefmu.batch.jobs import read_jobs
-from tirefmu.batch.study_file import read_study
+from tirefmu.applications.batch.jobs import read_jobs
+from tirefmu.applications.batch.study_file import read_study
+from tirefmu.applications.project.project_file import read_project
+from tirefmu.applications.project.steps import steps_of
 from tirefmu.commands.diagnose_command import user_effect
 from tirefmu.fitting.problem.recipe import RECIPES, Freed, load_recipe
 from tirefmu.fitting.results.checkpoint import Checkpoint, Ended, FitState, Release
@@ -29,8 +31,6 @@ from tirefmu.fmu.packaging.export import contents
 from tirefmu.fmu.simulation.archive import unpacked
 from tirefmu.fmu.simulation.simulate import read_description
 from tirefmu.measurements import INPUTS, check_plausible, read_recording
-from tirefmu.project.project_file import read_project
-from tirefmu.project.steps import steps_of
 from tirefmu.symbolic.added import effect_text, library, read_effect
 from tirefmu.tires import published, read_tir, write_tir
 from tirefmu.tires.property_file.units import unit_factor

@@ -9,15 +9,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from missing_effects.generator.cases import TIRES, fitted_vector, made
+from missing_effects.generator.draws import Draws, low_pass
+from missing_effects.generator.effects import DECOYS, NAMES, UNKNOWN, true_forces
+from missing_effects.generator.files import PUBLISHED_SEEDS, commitment, texts_of
+from missing_effects.generator.formula import BASE, drawn_tire
+from missing_effects.generator.programs import other_maneuvers
+from missing_effects.generator.systems import SYSTEMS
 
 import tirefmu
-from tirefmu.missing_effects.generator.cases import TIRES, fitted_vector, made
-from tirefmu.missing_effects.generator.draws import Draws, low_pass
-from tirefmu.missing_effects.generator.effects import DECOYS, NAMES, UNKNOWN, true_forces
-from tirefmu.missing_effects.generator.files import PUBLISHED_SEEDS, commitment, texts_of
-from tirefmu.missing_effects.generator.formula import BASE, drawn_tire
-from tirefmu.missing_effects.generator.programs import other_maneuvers
-from tirefmu.missing_effects.generator.systems import SYSTEMS
 from tirefmu.symbolic.models import model_named
 
 FOLDER = Path(__file__).parents[2] / "benchmarks" / "missing_effects"

@@ -8,16 +8,16 @@ import sys
 import numpy as np
 import pandas as pd
 import pytest
+from missing_effects.answers import UNKNOWN, Answer, Case, read_answer, read_cases, write_answer
+from missing_effects.entries import ENTRIES, NEED_EXTRA, answer_of
+from missing_effects.entries.problem import channels_of
+from missing_effects.generator.cases import made
+from missing_effects.generator.draws import Draws
+from missing_effects.generator.systems import SYSTEMS
+from missing_effects.score import calibration_error, outcome, scores, summary
 
 from tirefmu.boundary.errors import DataError, TirefmuError
-from tirefmu.cli import main
-from tirefmu.missing_effects.answers import UNKNOWN, Answer, Case, read_answer, read_cases, write_answer
-from tirefmu.missing_effects.entries import ENTRIES, NEED_EXTRA, answer_of
-from tirefmu.missing_effects.entries.problem import channels_of
-from tirefmu.missing_effects.generator.cases import made
-from tirefmu.missing_effects.generator.draws import Draws
-from tirefmu.missing_effects.generator.systems import SYSTEMS
-from tirefmu.missing_effects.score import calibration_error, outcome, scores, summary
+from tirefmu.commands.cli import main
 
 
 @pytest.fixture(scope="module")
@@ -186,7 +186,7 @@ def test_projected_residual_and_features_have_nothing_that_the_base_explains(nam
 def test_an_entry_without_its_packages_names_the_extra(monkeypatch):
     case, _ = case_of("drive", {})
     monkeypatch.setitem(sys.modules, "sklearn.linear_model", None)
-    monkeypatch.delitem(sys.modules, "tirefmu.missing_effects.entries.stability", raising=False)
+    monkeypatch.delitem(sys.modules, "missing_effects.entries.stability", raising=False)
     with pytest.raises(TirefmuError, match=r"pip install 'tirefmu\[benchmark\]'"):
         answer_of("stability", case)
 

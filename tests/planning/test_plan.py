@@ -11,13 +11,13 @@ import pandas as pd
 import pytest
 
 from tests.json_schemas import check_file, objections
+from tirefmu.applications.planning.bench_file import Bench, Heat, Limits, PlanError, example_text, read_bench
+from tirefmu.applications.planning.plan import plan
+from tirefmu.applications.planning.program import change_time, program_from
 from tirefmu.boundary.errors import UnknownName
-from tirefmu.cli import main
-from tirefmu.demo import bench_tire
+from tirefmu.commands.cli import main
+from tirefmu.commands.demo import bench_tire
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, recording_from
-from tirefmu.planning.bench_file import Bench, Heat, Limits, PlanError, example_text, read_bench
-from tirefmu.planning.plan import plan
-from tirefmu.planning.program import change_time, program_from
 from tirefmu.tires import published
 
 LOADS = Limits(220.0, 1120.0, 4.0, levels=3)

@@ -8,11 +8,11 @@ from dataclasses import replace
 import pytest
 
 from tests.json_schemas import objections
+from tirefmu.applications.planning.bench_file import Bench, Limits, PlanError, example_text
+from tirefmu.applications.planning.separation import pairs_of, plan_between
 from tirefmu.boundary.errors import UnknownName
-from tirefmu.cli import main
+from tirefmu.commands.cli import main
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, concatenate, write_table
-from tirefmu.planning.bench_file import Bench, Limits, PlanError, example_text
-from tirefmu.planning.separation import pairs_of, plan_between
 from tirefmu.tires import published, read_tir
 
 BENCH = Bench(

@@ -35,7 +35,7 @@ def tirefmu(folder, *arguments, package=None):
 
 
 def test_what_packages_add_is_listed_and_absent_without_them(installed, tmp_path):
-    program = "from tirefmu.cli import main; main(['effects']), main(['models'])"
+    program = "from tirefmu.commands.cli import main; main(['effects']), main(['models'])"
     for package, listed in ((str(installed), True), ("", False)):
         run = subprocess.run([sys.executable, "-P", "-c", program], capture_output=True, text=True, cwd=tmp_path,
                              env={**os.environ, "PYTHONPATH": package})  # fmt: skip

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from tirefmu.applications.project.project_file import project_text
 from tirefmu.measurements import VirtualBench, alpha_sweeps, concatenate, kappa_sweeps, write_table
-from tirefmu.project.project_file import project_text
 from tirefmu.tires import published
 
 TOKEN, PORT = "token", 4567
@@ -65,8 +65,8 @@ class Page:
 def window(project):
     """Return a server over the project: `client`, `page`, `state`; its processes are not started."""
     client_of = pytest.importorskip("starlette.testclient", reason="the extra studio is not installed").TestClient
-    from tirefmu.studio.project_state import ProjectState
-    from tirefmu.studio.serve import Server
+    from tirefmu.applications.studio.project_state import ProjectState
+    from tirefmu.applications.studio.serve import Server
 
     state = ProjectState(project)
     server = Server(state, TOKEN, PORT)

@@ -12,7 +12,7 @@ import time
 
 import pytest
 
-from tirefmu.cli import main
+from tirefmu.commands.cli import main
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, kappa_sweeps, recording_from, write_table
 from tirefmu.tires import published
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from tirefmu.boundary.errors import TirefmuError
-from tirefmu.cli import main
+from tirefmu.commands.cli import main
 
 pytest.importorskip("tomlkit", reason="the extra studio is not installed")
-from tirefmu.studio.project_state import ProjectState, Stale
+from tirefmu.applications.studio.project_state import ProjectState, Stale
 
 
 @pytest.fixture
@@ -109,7 +109,7 @@ def test_tables_outside_the_folder_are_those_that_the_user_named(state, bench_fi
 def test_a_new_project_has_no_table_and_its_schema_beside_it(tmp_path, bench_file, monkeypatch):
     """The first line of the file, and the schema, are those that `tirefmu init` writes."""
     served = []
-    monkeypatch.setattr("tirefmu.studio.serve.serve", lambda state, opened: served.append(state))
+    monkeypatch.setattr("tirefmu.applications.studio.serve.serve", lambda state, opened: served.append(state))
     for name in ("window", "command"):
         (tmp_path / name).mkdir()
     monkeypatch.chdir(tmp_path / "window")

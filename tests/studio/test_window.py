@@ -8,18 +8,18 @@ import random
 import numpy as np
 import pytest
 
-from tirefmu.cli import main
-from tirefmu.evaluation import predicted_outputs
+from tirefmu.applications.project.records import Records
+from tirefmu.applications.project.steps import steps_of
+from tirefmu.commands.cli import main
 from tirefmu.fitting import fit
 from tirefmu.measurements import recording_from, write_table
-from tirefmu.project.records import Records
-from tirefmu.project.steps import steps_of
+from tirefmu.measurements.evaluation import predicted_outputs
 from tirefmu.tires import published, read_tir
 
 from .conftest import ORIGIN, SOCKET, TOKEN, Page
 
 pytest.importorskip("starlette", reason="the extra studio is not installed")
-from tirefmu.studio.data_view import recording_of
+from tirefmu.applications.studio.data_view import recording_of
 
 
 def test_the_tables_are_shown_with_the_state_of_each_row(window):
@@ -113,7 +113,7 @@ def test_uploads_are_new_files_of_known_kinds_in_the_folder(window):
 
 
 def test_an_upload_has_a_limit(window, monkeypatch):
-    monkeypatch.setattr("tirefmu.studio.serve.MAX_UPLOAD", 100)
+    monkeypatch.setattr("tirefmu.applications.studio.serve.MAX_UPLOAD", 100)
     answer = window.client.post(f"/{TOKEN}/upload/a.csv", content=b"1" * 101, headers={"origin": ORIGIN})
     assert (answer.status_code, "larger than" in answer.text) == (400, True)
     assert not (window.state.folder / "a.csv").exists()

@@ -8,8 +8,8 @@ import sys
 
 import pytest
 
+from tirefmu.applications.studio.work import Work
 from tirefmu.boundary.errors import TirefmuError
-from tirefmu.studio.work import Work
 
 
 def test_a_command_reports_its_end_and_can_be_stopped(tmp_path, monkeypatch):
@@ -46,6 +46,6 @@ def test_a_command_reports_its_end_and_can_be_stopped(tmp_path, monkeypatch):
 
 
 def test_a_waiting_process_ends_with_the_window(tmp_path):
-    line = [sys.executable, "-P", "-m", "tirefmu.studio.worker"]
+    line = [sys.executable, "-P", "-m", "tirefmu.applications.studio.worker"]
     found = subprocess.run(line, cwd=tmp_path, stdin=subprocess.DEVNULL, capture_output=True, timeout=120, check=False)
     assert (found.returncode, found.stdout, found.stderr) == (0, b"", b"")

@@ -198,7 +198,7 @@ def test_a_diagnosis_identifies_the_missing_effect(tire):
 
 
 #: The built-in demonstration uses one tire.
-OF_ONE_MODEL = {"tirefmu/demo.py"}
+OF_ONE_MODEL = {"commands/demo.py"}
 
 
 def written(path):

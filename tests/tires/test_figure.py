@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from tests.hostile import HOSTILE
-from tirefmu.tires.drawing.chart_data import MAX_POINTS, chart_data
-from tirefmu.tires.drawing.figure import Cells, Figure, Panel, Series, band, in_rows
-from tirefmu.tires.drawing.picture import picture, png
+from tirefmu.drawing.chart_data import MAX_POINTS, chart_data
+from tirefmu.drawing.figure import Cells, Figure, Panel, Series, band, in_rows
+from tirefmu.drawing.picture import picture, png
 
 X = np.linspace(-1.0, 1.0, 7)
 LINE = Series("line", X, -300.0 * X, "#123456", "tire", (4.0, 2.0))

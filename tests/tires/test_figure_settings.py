@@ -29,7 +29,9 @@ def drawn(folder, settings=None):
     folder.mkdir()
     if settings is not None:
         (folder / "matplotlibrc").write_bytes(settings)
-    main = "from tirefmu.cli import main; from tirefmu.tires.drawing import files; files.DPI = 40; exit(main())"
+    main = (
+        "from tirefmu.commands.cli import main; from tirefmu.tires.drawing import files; files.DPI = 40; exit(main())"
+    )
     command = [sys.executable, "-c", main, "draw", "trento_hoosier", "--loads", "900", "-o", "out"]
     subprocess.run(command, cwd=folder, env={**os.environ}, check=True, capture_output=True)
     return {path.name: path.read_bytes() for path in (folder / "out").iterdir()}

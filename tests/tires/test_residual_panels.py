@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.tires.drawing.residual_panels import residuals_over_inputs
+from tirefmu.drawing.residual_panels import residuals_over_inputs
 
 ROWS = 60
 SLIP = np.linspace(-0.1, 0.1, ROWS)

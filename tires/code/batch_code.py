@@ -7,8 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.model import Model
-
+from ...symbolic.model import Model
 from .c_code import c_code
 from .interface import Code, all_straight, slices, straight_rows
 from .kernel import ChosenDerivatives, Kernel

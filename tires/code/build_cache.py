@@ -25,7 +25,7 @@ from pathlib import Path
 import filelock
 import platformdirs
 
-from tirefmu.boundary.escaping import visible
+from ...boundary.escaping import visible
 
 #: The file of an entry that holds the digests of the others.
 RECORD = "sha256sums"

@@ -8,8 +8,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.model import Model
-
+from ...symbolic.model import Model
 from .compiler import CompilerError, instruction_set, loaded_library, processor
 from .interface import Code, slices
 from .printed import code_file

@@ -10,8 +10,7 @@ import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.model import Model
-
+from ...symbolic.model import Model
 from .interface import Code
 from .modules import numpy_routine
 

@@ -20,9 +20,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from tirefmu.boundary.errors import TirefmuError, writing
-from tirefmu.boundary.escaping import visible
-
+from ...boundary.errors import TirefmuError, writing
+from ...boundary.escaping import visible
 from .build_cache import cached
 
 #: Characters of a compiler's line that a message quotes.

@@ -9,8 +9,7 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.model import Model
-
+from ...symbolic.model import Model
 from .modules import numpy_module
 
 FloatArray = npt.NDArray[np.float64]

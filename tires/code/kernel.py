@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.model import Model
-
+from ...symbolic.model import Model
 from .compiler import CompilerError, instruction_set, loaded_library, processor
 from .printed import code_file
 from .result_memory import RESULTS

@@ -11,9 +11,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from tirefmu.boundary.errors import TirefmuError
-from tirefmu.symbolic.model import Model
-
+from ...boundary.errors import TirefmuError
+from ...symbolic.model import Model
 from .printed import packaged_file, printed_folder
 
 #: The laws of the states, equal for all models.

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.model import Model
-
+from ...symbolic.model import Model
 from .interface import Code
 from .kernel import loaded_kernel
 

@@ -19,11 +19,10 @@ from importlib.util import MAGIC_NUMBER
 from pathlib import Path
 from typing import Any
 
-from tirefmu.boundary.errors import TirefmuError
-from tirefmu.symbolic.added import AddedEffect, texts_digest
-from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.models import MODELS, WITH_EFFECTS, model_named
-
+from ...boundary.errors import TirefmuError
+from ...symbolic.added import AddedEffect, texts_digest
+from ...symbolic.model import Model
+from ...symbolic.models import MODELS, WITH_EFFECTS, model_named
 from .build_cache import cached, intact_entry
 
 #: Extensions of the files of `symbolic` that determine the printed code.
@@ -123,6 +122,6 @@ def _printed_structure(name: str, added: Sequence[AddedEffect]) -> Path | None:
 
 
 def _render() -> Callable[[Model], dict[str, str]]:
-    from tirefmu.symbolic.printers.generate import render_model  # SymPy's printers load slowly
+    from ...symbolic.printers.generate import render_model  # SymPy's printers load slowly
 
     return render_model

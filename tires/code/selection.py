@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import lru_cache
 
-from tirefmu.boundary.errors import UnknownName
-from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.models import model_named
-
+from ...boundary.errors import UnknownName
+from ...symbolic.model import Model
+from ...symbolic.models import model_named
 from .batch_code import batch_code
 from .c_code import c_code
 from .compiler import CompilerError

@@ -7,11 +7,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from tirefmu.boundary.errors import UnknownName, path_from, writing
-from tirefmu.boundary.whole_file import write_whole
-
+from ...boundary.errors import UnknownName, path_from, writing
+from ...boundary.whole_file import write_whole
+from ...drawing.picture import DPI, picture, rendered
 from ..tire_argument import TireLike, tire_from
-from .picture import DPI, picture, rendered
 from .surface_figure import surfaces
 from .tire_figures import combined, pure, sketched
 

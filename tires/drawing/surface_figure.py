@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.boundary.errors import UnknownName
-
-from ..definition import TireDefinition
-from .labels import axis_label, held_text, letter, note, per_si
-from .own_matplotlib import (
+from ...boundary.errors import UnknownName
+from ...drawing.labels import axis_label, held_text, letter, note, per_si
+from ...drawing.own_matplotlib import (
     Axes,
     LinearSegmentedColormap,
     MatplotlibFigure,
@@ -22,7 +20,8 @@ from .own_matplotlib import (
     colormaps,
     own_settings,
 )
-from .picture import picture, write_note
+from ...drawing.picture import picture, write_note
+from ..definition import TireDefinition
 from .tire_figures import Sketch, combined, pure, sketched
 
 FloatArray = npt.NDArray[np.float64]

@@ -12,15 +12,14 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.boundary.errors import TirefmuError, UnknownName
-from tirefmu.boundary.escaping import figure_text
-
+from ...boundary.errors import TirefmuError, UnknownName
+from ...boundary.escaping import figure_text
+from ...drawing.figure import Figure, Panel, Series, curve, in_rows
+from ...drawing.labels import axis_label, held_text, letter, level_text, note, per_si
+from ...drawing.style import BLACK, LIGHT_GRAY, level_styles, some_of
 from ..definition import TireDefinition
 from ..evaluation import Conventions, evaluate
 from ..signs import REVERSED, SIGNS, convert_signs
-from .figure import Figure, Panel, Series, curve, in_rows
-from .labels import axis_label, held_text, letter, level_text, note, per_si
-from .style import BLACK, LIGHT_GRAY, level_styles, some_of
 
 FloatArray = npt.NDArray[np.float64]
 

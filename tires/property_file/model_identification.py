@@ -6,10 +6,9 @@ import math
 from collections.abc import Mapping
 from pathlib import Path
 
-from tirefmu.boundary.errors import TirError, nearest
-from tirefmu.boundary.escaping import excerpt, quoted
-from tirefmu.symbolic.models import MODELS
-
+from ...boundary.errors import TirError, nearest
+from ...boundary.escaping import excerpt, quoted
+from ...symbolic.models import MODELS
 from .names import folded, model_by_coefficients
 from .text import Entry, number_and_rest, unquoted
 

@@ -9,9 +9,8 @@ from __future__ import annotations
 import difflib
 from collections.abc import Collection, Iterable
 
-from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.models import MODELS
-
+from ...symbolic.model import Model
+from ...symbolic.models import MODELS
 from ..definition import TireDefinition
 from .text import unquoted
 

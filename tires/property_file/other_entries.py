@@ -6,9 +6,8 @@ import math
 from collections.abc import Collection, Iterable
 from pathlib import Path
 
-from tirefmu.boundary.errors import LISTED_BY, TirError
-from tirefmu.symbolic.model import Model
-
+from ...boundary.errors import LISTED_BY, TirError
+from ...symbolic.model import Model
 from .names import HEADER, KEPT_UNITS, MAX_SEARCHED, OtherEntry, aliases, model_lines, near_miss, unit_of
 from .text import Entry, Row, number_and_rest
 from .unit_system import UnitSystem

@@ -17,12 +17,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from tirefmu.boundary.errors import LISTED_BY, TirefmuError, TirError, UnknownName, nearest, path_from
-from tirefmu.boundary.escaping import excerpt, quoted
-from tirefmu.symbolic.added import AddedEffect, library, read_effect
-from tirefmu.symbolic.model import INDISPENSABLE, Model
-from tirefmu.symbolic.models import with_library
-
+from ...boundary.errors import LISTED_BY, TirefmuError, TirError, UnknownName, nearest, path_from
+from ...boundary.escaping import excerpt, quoted
+from ...symbolic.added import AddedEffect, library, read_effect
+from ...symbolic.model import INDISPENSABLE, Model
+from ...symbolic.models import with_library
 from ..code.printed import model_with
 from ..definition import RANGES
 from ..tire import Tire

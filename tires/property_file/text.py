@@ -12,9 +12,9 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from tirefmu.boundary.bounded_file import read_bounded
-from tirefmu.boundary.errors import TirError, reading
-from tirefmu.boundary.escaping import excerpt, quoted
+from ...boundary.bounded_file import read_bounded
+from ...boundary.errors import TirError, reading
+from ...boundary.escaping import excerpt, quoted
 
 #: The largest file that is read, bytes, and the most lines; files in use have a few hundred lines, those with long
 #: tables about ten thousand. The longest line, characters: an added effect's file is one line.

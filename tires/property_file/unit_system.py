@@ -6,9 +6,8 @@ from collections.abc import Mapping, MutableMapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from tirefmu.boundary.errors import TirError, nearest
-from tirefmu.boundary.escaping import quoted
-
+from ...boundary.errors import TirError, nearest
+from ...boundary.escaping import quoted
 from .names import IDLE_UNITS
 from .text import Entry, unquoted
 from .units import UNITS, factor_of, unit_factor

@@ -6,11 +6,10 @@ import json
 from collections.abc import Iterable
 from pathlib import Path
 
-from tirefmu.boundary.errors import TirError, path_from, writing
-from tirefmu.boundary.escaping import visible
-from tirefmu.boundary.whole_file import write_whole
-from tirefmu.symbolic.added import effect_text, packaged_library
-
+from ...boundary.errors import TirError, path_from, writing
+from ...boundary.escaping import visible
+from ...boundary.whole_file import write_whole
+from ...symbolic.added import effect_text, packaged_library
 from ..definition import RANGES, TireDefinition
 from .names import (
     ADDED,

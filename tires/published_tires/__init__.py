@@ -5,8 +5,7 @@ from __future__ import annotations
 from importlib.resources import as_file, files
 from typing import overload
 
-from tirefmu.boundary.errors import UnknownName
-
+from ...boundary.errors import UnknownName
 from ..property_file.reading import read_tir
 from ..tire import Tire
 

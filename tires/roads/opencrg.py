@@ -10,10 +10,9 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.boundary.bounded_file import read_bounded
-from tirefmu.boundary.errors import DataError, nearest, path_from, reading
-from tirefmu.boundary.escaping import quoted
-
+from ...boundary.bounded_file import read_bounded
+from ...boundary.errors import DataError, nearest, path_from, reading
+from ...boundary.escaping import quoted
 from .road import Road
 
 FloatArray = npt.NDArray[np.float64]

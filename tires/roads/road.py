@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.typing import ArrayLike
 
-from tirefmu.boundary.errors import DataError
+from ...boundary.errors import DataError
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from tirefmu.boundary.errors import UnknownName
-from tirefmu.boundary.plugins import loaded, plugins
+from ....boundary.errors import UnknownName
+from ....boundary.plugins import loaded, plugins
 
 if TYPE_CHECKING:
     from .program import Program

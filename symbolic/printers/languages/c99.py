@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from tirefmu.boundary.escaping import c_comment
-
+from ....boundary.escaping import c_comment
 from .expressions import C99Printer
 from .layout import Layout
 from .program import Program

@@ -8,8 +8,7 @@ from itertools import groupby
 import sympy as sp
 from sympy.printing.latex import LatexPrinter
 
-from tirefmu.boundary.escaping import latex_text, line_comment
-
+from ....boundary.escaping import latex_text, line_comment
 from .layout import Layout
 from .program import Program
 from .rendering import render

@@ -10,8 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import product
 
-from tirefmu.boundary.escaping import line_comment
-
+from ....boundary.escaping import line_comment
 from ..routines import Routine, chosen_routines
 from .expressions import MatlabPrinter
 from .layout import Layout

@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from tirefmu.boundary.errors import TirefmuError
-from tirefmu.boundary.escaping import c_comment, python_comment
-
+from ....boundary.errors import TirefmuError
+from ....boundary.escaping import c_comment, python_comment
 from ...declarations import Quantity
 from ..states import ENDINGS
 from .expressions import ModelicaPrinter

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from tirefmu.boundary.errors import TirefmuError
-
+from ....boundary.errors import TirefmuError
 from ...declarations import Quantity
 from ...model import Model
 from ...model.lines import reaching, reduced

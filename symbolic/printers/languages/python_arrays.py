@@ -12,8 +12,7 @@ from collections.abc import Callable
 
 import sympy as sp
 
-from tirefmu.boundary.escaping import python_comment
-
+from ....boundary.escaping import python_comment
 from ..expressions import ArrayPrinter, NumpyPrinter
 from ..routines import chosen_routines
 from .layout import Layout

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.catalogue import published as names
 from tirefmu.measurements import Recording, check_columns
+from tirefmu.measurements.catalogue import published as names
 from tirefmu.tires import published
 from tirefmu.tires.signs import convert_signs
 

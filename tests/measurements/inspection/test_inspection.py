@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.drawing.style import LIGHT_GRAY
 from tirefmu.measurements import Recording
 from tirefmu.measurements.inspection.figures import inspection_figures
 from tirefmu.measurements.inspection.inspection import inspect
-from tirefmu.tires.drawing.style import LIGHT_GRAY
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,105 @@
+"""From tire bench data to a fitted Magic Formula tire, exported as an FMU and checked against the data.
+
+The names are loaded on first access: SymPy, pandas, CasADi and Matplotlib take seconds.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from .boundary.on_demand import on_demand
+from .tires.table_argument import read_tables_with
+
+if TYPE_CHECKING:
+    from .applications.batch.diagnose_many import diagnose_many
+    from .applications.batch.fit_many import fit_many
+    from .applications.batch.intervals import bootstrap, profile
+    from .applications.batch.study import study
+    from .applications.driving.drive import drive
+    from .applications.driving.result import Drive
+    from .boundary.errors import TirefmuError
+    from .diagnosis import Diagnosis, diagnose
+    from .fitting import FitResult, fit
+    from .fmu import CheckResult, ProofResult, add_proof, check, export, repeat_proof
+    from .measurements import Recording, VirtualBench, read_recording
+    from .measurements.evaluation import evaluate
+    from .tires import Tire, published
+    from .tires import read_tir as load
+    from .tires.drawing.files import draw
+
+    __version__: str
+
+#: The names of each package or module; `load` is a name of this one.
+_NAMES = {
+    "batch.diagnose_many": ("diagnose_many",),
+    "batch.fit_many": ("fit_many",),
+    "batch.intervals": ("bootstrap", "profile"),
+    "batch.study": ("study",),
+    "boundary.errors": ("TirefmuError",),
+    "diagnosis": ("Diagnosis", "diagnose"),
+    "driving.drive": ("drive",),
+    "driving.result": ("Drive",),
+    "evaluation": ("evaluate",),
+    "fitting": ("FitResult", "fit"),
+    "fmu": ("CheckResult", "ProofResult", "add_proof", "check", "export", "repeat_proof"),
+    "measurements": ("Recording", "VirtualBench", "read_recording"),
+    "tires": ("Tire", "published"),
+    "tires.drawing.files": ("draw",),
+}
+
+__all__ = [
+    "CheckResult",
+    "Diagnosis",
+    "Drive",
+    "FitResult",
+    "ProofResult",
+    "Recording",
+    "Tire",
+    "TirefmuError",
+    "VirtualBench",
+    "add_proof",
+    "bootstrap",
+    "check",
+    "diagnose",
+    "diagnose_many",
+    "draw",
+    "drive",
+    "evaluate",
+    "export",
+    "fit",
+    "fit_many",
+    "load",
+    "profile",
+    "published",
+    "read_recording",
+    "repeat_proof",
+    "study",
+]
+
+
+_get, _ = on_demand(__name__, {name: module for module, names in _NAMES.items() for name in names})
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version  # takes as long as the rest of the import
+
+        return version("tirefmu")
+    if name == "load":
+        from .tires import read_tir
+
+        return read_tir
+    return _get(name)
+
+
+def __dir__() -> list[str]:
+    return list(__all__)
+
+
+def _recording(table: Any, signs: str | None) -> Recording:
+    from .measurements import recording_from
+
+    return recording_from(table, signs=signs)
+
+
+read_tables_with(_recording)

@@ -1,0 +1,182 @@
+"""What differs between two tires, such as an old and a new fit of the same recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ...measurements import Recording, exclude_rows
+from ...tires import Tire
+
+#: Quantities over load, by role, and what they are.
+ROLES = {
+    "stiffness_x": "longitudinal slip stiffness", "stiffness_y": "cornering stiffness",
+    "friction_x": "longitudinal friction", "friction_y": "lateral friction",
+}  # fmt: skip
+#: Root mean square errors that differ by a smaller share are equal.
+EQUAL = 0.01
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A coefficient with different values in two tires; None where the model of a tire lacks it.
+
+    - `first`, `second`: in ISO-W.
+    """
+
+    name: str
+    unit: str
+    description: str
+    first: float | None
+    second: float | None
+
+
+@dataclass(frozen=True)
+class ComparedChannel:
+    """The errors of both tires in a channel of a recording.
+
+    - `rows`: those that a fit would use.
+    - `rmse`, `r2`: of the first and the second tire; R2 is NaN if the measured values are constant.
+    """
+
+    recording: str
+    channel: str
+    unit: str
+    rows: int
+    rmse: tuple[float, float]
+    r2: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class ComparedCharacteristic:
+    """A quantity over load of both tires at one load, without slip.
+
+    - `load`: N.
+    """
+
+    title: str
+    unit: str
+    load: float
+    first: float
+    second: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two tires and what differs.
+
+    - `tires`: in ISO-W.
+    - `names`: different ones.
+    - `effects`: effects of the first tire that the second lacks, and the reverse.
+    - `differences`: those of effects that a tire lacks are among them.
+    - `characteristics`: at the nominal load of the first tire.
+    """
+
+    tires: tuple[Tire, Tire]
+    names: tuple[str, str]
+    effects: tuple[tuple[str, ...], tuple[str, ...]]
+    differences: tuple[Difference, ...]
+    characteristics: tuple[ComparedCharacteristic, ...]
+    errors: tuple[ComparedChannel, ...]
+
+    @property
+    def verdict(self) -> str:
+        """Which tire is closer to the recordings, by channel; without recordings how many coefficients differ."""
+        if not self.errors:
+            count = len(self.differences)
+            return f"{count or 'no'} coefficient{'s'[: count != 1]} differ{'s'[: count == 1]}"
+        closer: dict[str, list[str]] = {}
+        for channel in dict.fromkeys(error.channel for error in self.errors):
+            closer.setdefault(self._closer(channel), []).append(channel)
+        return "closer to the data: " + "; ".join(f"{who} in {', '.join(which)}" for who, which in closer.items())
+
+    def _closer(self, channel: str) -> str:
+        squares = [
+            sum(error.rows * error.rmse[i] ** 2 for error in self.errors if error.channel == channel) for i in (0, 1)
+        ]
+        if abs(squares[0] - squares[1]) <= 2.0 * EQUAL * max(squares):
+            return "both equally"
+        return self.names[int(squares[1] < squares[0])]
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the comparison as JSON values."""
+        return {
+            "ok": True,
+            "verdict": self.verdict,
+            "tires": [{"name": n, "model": t.model} for n, t in zip(self.names, self.tires, strict=True)],
+            "effects_of_one": [list(names) for names in self.effects],
+            "coefficients": [vars(difference) for difference in self.differences],
+            "characteristics": [vars(characteristic) for characteristic in self.characteristics],
+            "channels": [
+                {**vars(error), "r2": [value if np.isfinite(value) else None for value in error.r2]}
+                for error in self.errors
+            ],
+        }
+
+
+def compare(first: Tire, second: Tire, recordings: Sequence[Recording] = (), *, names: tuple[str, str]) -> Comparison:
+    """Compare two tires of any models.
+
+    `recordings`: both tires are evaluated over their rows. `names`: shown for the tires; numbered if they are the same.
+    Raises `DataError` if a recording has no measured output, or an input is not finite.
+
+    >>> from tirefmu.tires import published
+    >>> old = published("trento_hoosier")
+    >>> [difference.name for difference in compare(old, old.with_values(PDY1=2.5), names=("old", "new")).differences]
+    ['PDY1']
+    """
+    tires = (first.in_signs("iso"), second.in_signs("iso"))
+    if names[0] == names[1]:
+        names = (f"{names[0]} (1)", f"{names[1]} (2)")
+    errors = tuple(error for recording in recordings for error in _errors(tires, recording))
+    effects = (
+        tuple(sorted(first.has - second.has)),
+        tuple(sorted(second.has - first.has)),
+    )
+    return Comparison(tires, names, effects, tuple(_differences(*tires)), tuple(_characteristics(*tires)), errors)
+
+
+def _characteristics(first: Tire, second: Tire) -> Iterator[ComparedCharacteristic]:
+    load = first.values["FNOMIN"]
+    tables = [tire.evaluate(pd.DataFrame({"Fz": [load]}), signs="iso", steady=True) for tire in (first, second)]
+    for role, title in ROLES.items():
+        names = [tire.symbolic_model.quantity(role) for tire in (first, second)]
+        if all(names):
+            values = [float(table[name].iloc[0]) for table, name in zip(tables, names, strict=True)]
+            yield ComparedCharacteristic(
+                title, first.symbolic_model.structure.quantities[names[0]][0], load, values[0], values[1]
+            )
+
+
+def _differences(first: Tire, second: Tire) -> list[Difference]:
+    declared = {**second.symbolic_model.coefficients, **first.symbolic_model.coefficients}
+    errors = []
+    for name, coefficient in declared.items():
+        values = (first.values.get(name), second.values.get(name))
+        if values[0] != values[1]:
+            errors.append(Difference(name, coefficient.unit, coefficient.description, *values))
+    return errors
+
+
+def _errors(tires: tuple[Tire, Tire], recording: Recording) -> list[ComparedChannel]:
+    included = exclude_rows(recording).included
+    predicted = [tire.evaluate(recording.table, signs=recording.signs) for tire in tires]
+    errors = []
+    for channel in recording.measured():
+        if not all(channel in table for table in predicted):
+            continue
+        measured = recording.table[channel].to_numpy(dtype=np.float64)
+        rows = included & np.isfinite(measured)
+        if not rows.any():
+            continue
+        squares = [float(np.mean((table[channel].to_numpy()[rows] - measured[rows]) ** 2)) for table in predicted]
+        variance = float(np.var(measured[rows]))
+        r2 = [1.0 - square / variance if variance > 0.0 else np.nan for square in squares]
+        unit = next(quantity.unit for quantity in tires[0].symbolic_model.outputs if quantity.name == channel)
+        rmse = (squares[0] ** 0.5, squares[1] ** 0.5)
+        errors.append(ComparedChannel(recording.source, channel, unit, int(rows.sum()), rmse, (r2[0], r2[1])))
+    return errors

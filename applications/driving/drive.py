@@ -1,0 +1,168 @@
+"""From a log to an answer: the estimate of a drive, the tires that it implies, and the simulated vehicle."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from ...boundary.errors import DataError
+from ...tires import Tire, tire_from
+from ...tires.tire_argument import TireLike
+from .disagreement import disagreement
+from .effects import factor_values, motion_of, scaled
+from .estimate import Estimate, Forces, estimated
+from .factors import factors_of, scaled_tires
+from .inputs.car import Car, read_car
+from .inputs.grid import Grid, forward_speed, gridded, spinning, unwrapped
+from .inputs.log import Log, LogLike, read_log
+from .inputs.plausibility import check_log
+from .inputs.unknowns import Unknowns, check_factors, unknowns_of
+from .interval import BALANCE, POSE, interval_of
+from .result import Drive, wheel_table
+from .rivals import Explanation, answer_of, explanations, probabilities_of
+from .simulation import simulated
+from .verdict import verdict_on
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def drive(
+    log: LogLike,
+    *,
+    vehicle: Car | str | Path,
+    tire: TireLike,
+    rear: TireLike | None = None,
+    columns: dict[str, str] | None = None,
+    fmus: bool = False,
+) -> Drive:
+    """Compare a drive with the tires of the car: forces of the axles, scaling factors, simulated motion.
+
+    Parameters
+    ----------
+    log : pandas.DataFrame, str or path-like
+        A log: channels ``t``, ``steer``, and ``speed``, ``yaw_rate``, ``ay`` or ``x``, ``y``, ``heading``; see
+        `read_log`.
+    vehicle : Car, str or Path
+        The car, or its file (``tirefmu drive --example``).
+    tire, rear : Tire, path or published name
+        The tires of the front and of the rear axle; the rear tire is the front one by default. Their model needs the
+        factors LMUX, LMUY, LKX and LKY.
+    columns : dict of str to str, optional
+        Header of a channel that has another name in the log; beyond those of the car file.
+    fmus : bool
+        Whether the vehicle is simulated on four tire FMUs, whose states lag, in place of the generated code in steady
+        state; `Drive.save` writes the FMUs of the scaled tires.
+
+    Returns
+    -------
+    Drive
+        The answer; it is one also where the drive determines nothing.
+
+    Raises
+    ------
+    DataError
+        If the log cannot be used, or contradicts the car: signs, units, no steering, no motion.
+    TirefmuError
+        If the car file is invalid, or a tire lacks a factor.
+
+    References
+    ----------
+    Two-track model: Schramm, Hiller, Bardini, Vehicle Dynamics (2018), chapters 10 and 11.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> from tirefmu.applications.driving.inputs.car_entries import ENTRIES
+    >>> body = {entry.name: entry.example for entry in ENTRIES.values() if entry.section == "body"}
+    >>> t = [0.01 * i for i in range(1000)]
+    >>> still = pd.DataFrame({"t": t, "steer": 0.0, "speed": 0.0, "yaw_rate": 0.0, "ay": 0.0})
+    >>> drive(still, vehicle=Car.from_content({"body": body}, "car"), tire=Tire("mf61", {"FNOMIN": 4e3,
+    ...       "UNLOADED_RADIUS": 0.3}))
+    Traceback (most recent call last):
+    ...
+    tirefmu.boundary.errors.DataError: log: the speed is 0 m/s or less: the car does not move forward
+    """
+    car = vehicle if isinstance(vehicle, Car) else read_car(vehicle)
+    front = tire_from(tire).in_signs("iso")
+    tires = {"front": front, "rear": front if rear is None else tire_from(rear).in_signs("iso")}
+    check_factors(tires)
+    recorded = read_log(log, {**car.columns, **(columns or {})})
+    speed = forward_speed(recorded, car)
+    grid = gridded(recorded, car, speed)
+    check_log(recorded, car, grid, np.interp(grid.t, *speed))
+    return _answer(car, tires, recorded, grid, speed, fmus)
+
+
+def _answer(
+    car: Car, tires: dict[str, Tire], log: Log, grid: Grid, speed: tuple[FloatArray, FloatArray], fmus: bool
+) -> Drive:
+    unknowns = unknowns_of(car, log)
+    interval = interval_of(car, tires, unknowns, pose=log.has_pose(), spins=spinning(log, car), step=grid.step)
+    start = _start(grid, interval.states, log, car, speed)
+    try:
+        grid, estimate = estimated(grid, interval, unknowns, start, log, car)
+    except np.linalg.LinAlgError:
+        raise DataError(f"{log.source}: no motion of {car.source} on these tires explains the log") from None
+
+    def refit(forces: Forces) -> tuple[Grid, Estimate]:
+        return estimated(grid, interval, unknowns, start, log, car, forces, estimate)
+
+    ranked = explanations(Explanation(None, grid, estimate), unknowns, car, tires, refit)
+    best = answer_of(ranked, unknowns)
+    delivered = best.missing.delivered(best.estimate.z[len(unknowns) :]) if best.missing else tires
+    probable = probabilities_of(best.grid, best.estimate, unknowns)
+    factors = factors_of(best.estimate, unknowns, delivered, best.grid.step, probable.factors)
+    new = scaled_tires(delivered, factors)
+    common = best.grid, best.estimate, unknowns, car
+    before = simulated(*common, tires, known_car=False, fmus=fmus)
+    after = simulated(*common, new, known_car=True, fmus=fmus)
+    gap = _lacking(best, unknowns, car, tires, (tires, new))
+    where = disagreement(best.grid, best.estimate, gap[0], car)
+    verdict = verdict_on(best, ranked, unknowns, car, factors, probable.car, where)
+    wheels = wheel_table(best.grid, best.estimate)
+    return Drive(log, car, best.grid, unknowns, best.estimate, tires, new, factors, wheels, before, after, gap, verdict)
+
+
+def _lacking(
+    best: Explanation, unknowns: Unknowns, car: Car, tires: Mapping[str, Tire], compared: Iterable[Mapping[str, Tire]]
+) -> FloatArray:
+    """Return the side force of each axle that the motion requires beyond pairs of tires, shape (n_pairs, n, 2), N."""
+    motion, factors = motion_of(best.grid, best.estimate, unknowns, car), factor_values(unknowns, best.estimate.z)
+    if best.missing:
+        whole = best.missing.on(best.estimate.z[len(unknowns) :], factors)
+    else:
+        whole = {axle: scaled(tire, factors[axle]) for axle, tire in tires.items()}
+    rest = best.estimate.residuals.values[:, -len(BALANCE) :] / best.estimate.weights
+    required = motion.side_forces(whole) + rest
+    return np.stack([(required - motion.side_forces(pair)) * motion.loads for pair in compared])
+
+
+def _start(grid: Grid, states: tuple[str, ...], log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> FloatArray:
+    """Return initial states of the nodes, shape (n_nodes, n_states): as logged, without lateral speed."""
+    t = np.empty(grid.n_nodes)
+    t[grid.left], t[grid.right] = grid.t - grid.step / 2, grid.t + grid.step / 2
+    start = np.zeros((grid.n_nodes, len(states)))
+    start[:, 0] = np.interp(t, *speed)
+    if "yaw_rate" in log.channels:
+        start[:, 2] = np.interp(t, *log.channels["yaw_rate"])
+    if "heading" in states:
+        channels = unwrapped(log)
+        (x, x_rate), (y, y_rate), (heading, yaw_rate) = (_course(channels[name], t) for name in POSE)
+        heading = heading - car.values["heading_offset"]
+        start[:, 1] = y_rate * np.cos(heading) - x_rate * np.sin(heading) - yaw_rate * car.values["reference_x"]
+        start[:, 2] = yaw_rate
+        along, left = car.values["reference_x"], car.values["reference_y"]
+        start[:, 3] = x - along * np.cos(heading) + left * np.sin(heading)
+        start[:, 4] = y - along * np.sin(heading) - left * np.cos(heading)
+        start[:, 5] = heading
+    return start
+
+
+def _course(samples: tuple[FloatArray, FloatArray], t: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return a channel and its smoothed rate at given times."""
+    times, values = samples
+    ahead, behind = np.interp(t + 0.1, times, values), np.interp(t - 0.1, times, values)
+    return np.interp(t, times, values), (ahead - behind) / 0.2

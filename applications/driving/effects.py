@@ -1,0 +1,187 @@
+"""An effect of the library that the tires of a drive lack: its side forces over the estimated motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+from scipy.integrate import cumulative_trapezoid
+
+from ...diagnosis.diagnose import with_library
+from ...diagnosis.probing.candidates import candidates_for, counts_from_neutral
+from ...symbolic.detection import Form
+from ...tires import Tire
+from ...tires.code.modules import two_track
+from .estimate import Estimate
+from .inputs.car import Car, loads_of
+from .inputs.grid import Grid
+from .inputs.unknowns import AXLES, FACTORS, Unknowns
+from .interval import BODY, OUTPUTS
+
+FloatArray = npt.NDArray[np.float64]
+
+#: What a drive has of the inputs of an effect.
+INPUTS = frozenset({"kappa", "alpha", "Fz", "V", "t", "Fy", "distance"})
+#: Prior standard deviation of the logarithm of a coefficient without a declared spread.
+SCALE_SPREAD = 0.7
+#: Smallest change of a force, per static load, that is a change: that of rounding is none.
+MIN_CHANGE = 1e-5
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What the forces of the tires follow from.
+
+    - `t`, shape (n,), s.
+    - `inputs`: kappa, alpha, Fz and V, shape (4, n) each: of the corners, ISO-W signs. `loads`: of the axles, N.
+    """
+
+    t: FloatArray
+    inputs: Mapping[str, FloatArray]
+    loads: tuple[float, float]
+
+    def evaluated(self, tires: Mapping[str, Tire]) -> list[pd.DataFrame]:
+        """Return forces and states of each axle: rows of its left wheel, then of its right wheel."""
+        tables = []
+        distance = cumulative_trapezoid(self.inputs["V"], self.t, initial=0)
+        for i, axle in enumerate(AXLES):
+            inputs = {**self.inputs, "distance": distance}
+            wheels = {name: values[2 * i : 2 * i + 2].ravel() for name, values in inputs.items()}
+            table = tires[axle].evaluate(pd.DataFrame({"t": np.tile(self.t, 2), **wheels}), signs="iso")
+            tables.append(table.assign(distance=wheels["distance"]))
+        return tables
+
+    def side_forces(self, tires: Mapping[str, Tire]) -> FloatArray:
+        """Return the side force of each axle per static load, shape (n, 2)."""
+        forces = [table["Fy"].to_numpy().reshape(2, -1).sum(axis=0) for table in self.evaluated(tires)]
+        return np.stack(forces, axis=1) / self.loads
+
+
+def motion_of(grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> Motion:
+    """Return the motion of the wheels in the middle of the intervals."""
+    p = unknowns.car_values(car, estimate.z)
+    middle = (estimate.states[grid.left] + estimate.states[grid.right])[:, :3].T / 2
+    rate = (estimate.states[grid.right] - estimate.states[grid.left])[:, :3].T / grid.step
+    more = p["delay"] - grid.used[0], p["lag"] - grid.used[1]
+    ends = grid.steer + grid.steer_slopes[:2] * more[0] + grid.steer_slopes[2:] * more[1]
+    steer = p["offset"] + car.values["ratio"] / p["ratio"] * ends.mean(axis=0)
+    wheels = np.array(two_track.wheels(*middle, *rate, steer, *(p[entry] for entry in BODY.values())))
+    kappa = np.stack([estimate.outputs.values[:, OUTPUTS.index(f"kappa_{axle}")] for axle in AXLES])
+    inputs = dict(zip(("alpha", "V", "Fz"), wheels.reshape(3, 4, -1), strict=True))
+    return Motion(grid.t, {"kappa": kappa.repeat(2, axis=0), **inputs}, loads_of(p))
+
+
+@dataclass(frozen=True)
+class Missing:
+    """An effect that both tires lack, with coefficients from standardized deviations u.
+
+    - `tires`: with the library, switched off. `name`: of the effect.
+    - `center`, `spread`: of each coefficient; `logarithmic`: those whose logarithm has the spread.
+    """
+
+    name: str
+    tires: Mapping[str, Tire]
+    center: Mapping[str, float]
+    spread: Mapping[str, float]
+    logarithmic: frozenset[str]
+
+    def values(self, u: FloatArray) -> dict[str, float]:
+        """Return the coefficients, within their bounds."""
+        declared, values = self.tires["front"].symbolic_model.coefficients, dict[str, float]()
+        for (name, center), deviation in zip(self.center.items(), u, strict=True):
+            step = self.spread[name] * deviation
+            value = center * np.exp(step) if name in self.logarithmic else center + step
+            values[name] = float(np.clip(value, declared[name].lower, declared[name].upper))
+        return values
+
+    def on(self, u: FloatArray, factors: Mapping[str, Mapping[str, float]]) -> dict[str, Tire]:
+        """Return the tires with the effect and with scaling factors by axle and name."""
+        return {
+            axle: scaled(replace(tire, effects=tire.has | {self.name}).with_values(**self.values(u)), factors[axle])
+            for axle, tire in self.tires.items()
+        }
+
+    def delivered(self, u: FloatArray) -> dict[str, Tire]:
+        """Return the tires with the effect and nothing else of the library, ISO-W signs."""
+        result = {}
+        for axle, tire in self.on(u, {axle: {} for axle in AXLES}).items():
+            unused = [effect for effect in tire.added if effect.name not in tire.has]
+            names = {declaration.name for effect in unused for declaration in effect.declarations}
+            names -= {
+                declaration.name for effect in tire.added if effect not in unused for declaration in effect.declarations
+            }
+            values = {name: value for name, value in tire.values.items() if name not in names}
+            added = tuple(effect for effect in tire.added if effect not in unused)
+            result[axle] = replace(tire, added=added, values=values).in_signs("iso")
+        return result
+
+    def side_forces(self, motion: Motion, u: FloatArray, factors: Mapping[str, Mapping[str, float]]) -> FloatArray:
+        """Return the side forces that the effect adds, per static load, shape (n, 2)."""
+        without = motion.side_forces({axle: scaled(tire, factors[axle]) for axle, tire in self.tires.items()})
+        return np.nan_to_num(motion.side_forces(self.on(u, factors)) - without)
+
+
+def scaled(tire: Tire, factors: Mapping[str, float]) -> Tire:
+    """Return a tire with its scaling coefficients multiplied by factors."""
+    return tire.with_values(**{name: tire.values[name] * value for name, value in factors.items()})
+
+
+def factor_values(unknowns: Unknowns, z: FloatArray) -> dict[str, dict[str, float]]:
+    """Return the factors by axle and name."""
+    places = {axle: {name: unknowns.factor(axle, name) for name in FACTORS} for axle in AXLES}
+    return {
+        axle: {name: float(np.exp(unknowns.spread[i] * z[i])) for name, i in row.items()}
+        for axle, row in places.items()
+    }
+
+
+def effect_columns(
+    motion: Motion, tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, float]]
+) -> list[tuple[Missing, FloatArray]]:
+    """Return the effects that a drive can show, each with its side force at a typical size, shape (n, 2).
+
+    An effect occurs once for each form and probe.
+    """
+    library = {axle: with_library(tire) for axle, tire in tires.items()}
+    without = motion.side_forces({axle: scaled(tire, factors[axle]) for axle, tire in library.items()})
+    columns = []
+    candidates = candidates_for(library["front"])
+    for name, candidate in candidates.items():
+        # Where the simpler effect is a candidate, the more general one is a refinement of it.
+        simpler, slow = candidate.contains in candidates, candidate.rate > 1.0 / np.median(np.diff(motion.t))
+        if simpler or slow or "Fy" not in candidate.channels or not set(candidate.requires) <= INPUTS:
+            continue
+        for missing, size in (pair for form in candidate.forms for pair in _of_form(name, form, library)):
+            added = motion.side_forces(missing.on(size, factors)) - without
+            if np.isfinite(added).all() and np.abs(added).max() > MIN_CHANGE:
+                columns.append((missing, added))
+    return columns
+
+
+def _of_form(name: str, form: Form, library: Mapping[str, Tire]) -> list[tuple[Missing, FloatArray]]:
+    """Return an effect with the coefficients of a form that change the side force, and u at each typical size."""
+    model = library["front"].symbolic_model
+    result = []
+    for probe in form.probes:
+        center, spread, logarithmic, u = dict[str, float](), dict[str, float](), set[str](), dict[str, float]()
+        for key in form.free:
+            declared, declared_spread = model.coefficients[key], model.prior_spread.get(key)
+            if declared.channels and "Fy" not in declared.channels:
+                continue
+            u[key] = 0.0
+            if key in form.grid:
+                center[key], spread[key] = float(np.median(form.grid[key])), float(np.std(np.log(form.grid[key])))
+                logarithmic.add(key)
+            elif form.scalable:
+                neutral = declared.neutral if counts_from_neutral(declared) else 0.0
+                center[key], spread[key] = neutral or 0.0, declared_spread or abs(probe.get(key, 1.0))
+                u[key] = probe.get(key, 0.0) / spread[key]
+            else:
+                center[key], spread[key] = probe.get(key, declared.default), declared_spread or SCALE_SPREAD
+                logarithmic |= set() if declared_spread else {key}
+        if any(u.values()) or (u and not form.scalable):
+            result.append((Missing(name, library, center, spread, frozenset(logarithmic)), np.array(list(u.values()))))
+    return result

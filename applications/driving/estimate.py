@@ -1,0 +1,374 @@
+"""The estimate over a whole drive: motion, longitudinal slips, car and factors of the tires that explain the log best.
+
+A least-squares problem in the states of all nodes and the unknowns. Its Jacobian is exact (CasADi). The Gauss-Newton
+matrix is block tridiagonal in the nodes with a border of the unknowns; its banded Cholesky factor also gives the
+covariance. The unknowns maximize the posterior integrated over the states: the optimum in both together would have too
+low a stiffness, as fits to noisy slip angles have, or, where accelerations are not logged, no force at all. The
+deviations of the sensors and of the balance of forces (how much the motion requires beyond the tires) maximize it, too;
+their steps are those of MacKay, Bayesian interpolation, Neural Computation 4 (1992).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import cho_factor, cho_solve, cho_solve_banded, cholesky_banded
+
+from ...numerics.correlation import correlation_length
+from .evaluation import curved, evaluated, interval_data
+from .inputs.car import Car
+from .inputs.grid import MEASURED, Grid, with_steering
+from .inputs.log import Log
+from .inputs.unknowns import Unknowns
+from .interval import BALANCE, MOTION, Added, Interval, Linear
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Deviations of the balance, per load: at the start, and the smallest one (the error of the integration).
+START_DEVIATION, MIN_DEVIATION = 0.02, 1e-3
+#: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
+LONGEST_STEP = 1.0
+#: Largest deviation of an unknown: one that reaches it contradicts the car file.
+LARGEST = 10.0
+#: Residual in standard deviations beyond which it has less weight, as that of Huber.
+OUTLYING = 3.0
+#: Most steps of the unknowns, and from an estimate that is near; most steps of the states for given unknowns, predicted
+#: relative decrease that ends the latter, smallest part of a step that is tried.
+ROUNDS, NEAR_ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 60, 20, 50, 1e-7, 1e-2
+#: The estimate ends at a step of an unknown in its standard deviations and of the logarithm of a deviation below the
+#: first number, or at a step below 1 that gains less than the second one in the logarithm of the posterior.
+SETTLED, FLAT = 0.1, 0.05
+
+
+#: Added forces from the grid, states and unknowns.
+Forces = Callable[[Grid, FloatArray, FloatArray], Added]
+
+
+def no_forces(grid: Grid, states: FloatArray, z: FloatArray) -> Added:
+    """Return no added forces."""
+    shape = len(grid.t), len(BALANCE)
+    return Added(np.zeros(shape), np.zeros((*shape, 0)), np.zeros((*shape, len(MOTION))))
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """A linearized posterior.
+
+    - `covariance`, shape (n_z, n_z). `pairs`, shape (n, 2 n_states, 2 n_states): covariance of the nodes of an interval
+      for given unknowns; `slopes`, shape (n, 2 n_states, n_z): their change with the unknowns.
+    """
+
+    covariance: FloatArray
+    pairs: FloatArray
+    slopes: FloatArray
+
+    def variances(self, J: FloatArray) -> FloatArray:
+        """Return the variances of functions with the Jacobian J, shape (n, n_functions, 2 n_states + n_z)."""
+        n = self.pairs.shape[1]
+        by_z = J[:, :, n:] + J[:, :, :n] @ self.slopes
+        return np.asarray(
+            np.einsum("kri,kij,krj->kr", J[:, :, :n], self.pairs, J[:, :, :n], optimize=True)
+            + np.einsum("kri,ij,krj->kr", by_z, self.covariance, by_z, optimize=True)
+        )
+
+
+@dataclass(frozen=True)
+class Estimate(Posterior):
+    """An estimate.
+
+    - `states`, shape (n_nodes, n_states). `z`, shape (n_z,). `deviations`, shape (n_residuals,): those of `BALANCE` are
+      the last ones.
+    - `residuals`, `outputs`: of the intervals at the solution.
+    - `weights`, shape (n, 2): by which the residuals of the balance, per static load, are multiplied.
+    - `evidence`: logarithm of the probability of the log, integrated over states and unknowns (Laplace), up to a
+      constant of the log.
+    - `converged`: whether the last step was shorter than its tolerance.
+    """
+
+    states: FloatArray
+    z: FloatArray
+    deviations: FloatArray
+    residuals: Linear
+    outputs: Linear
+    weights: FloatArray
+    evidence: float
+    converged: bool
+
+    @property
+    def unexplained(self) -> FloatArray:
+        """Deviation of what the motion requires of each axle beyond its tires, per static load, shape (2,)."""
+        return self.deviations[-len(BALANCE) :]
+
+    def information(self, grid: Grid, added: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the information of the log on the unknowns and on coefficients of added forces, and its score at 0.
+
+        `added`, shape (n, 2, n_added): side force per static load for a coefficient of 1. Priors are not included.
+        Returns matrix and vector of n_z + n_added.
+        """
+        J, r, n = self.residuals.jacobian, self.residuals.values, self.states.shape[1]
+        factor, columns = _Factor(grid, self.residuals, n, 1e-9), -added * self.weights[:, :, None]
+        balance = J[:, -len(BALANCE) :]
+        border = factor.at_nodes(np.einsum("kri,krj->kij", balance[:, :, : 2 * n], columns))
+        solved = cho_solve_banded((factor.band, True), border, check_finite=False) if border.size else border
+        cross = np.einsum("kri,krj->ij", balance[:, :, 2 * n :], columns) - factor.solved_border.T @ border
+        corner = np.einsum("kri,krj->ij", columns, columns) - border.T @ solved
+        slope = np.einsum("krj,kr->j", columns, r[:, -len(BALANCE) :]) - solved.T @ factor.gradient
+        precision = np.linalg.inv(self.covariance)
+        both = np.block([[precision - np.eye(len(self.z)), cross], [cross.T, corner]])
+        # The unknowns are at their optimum; the score is that at 0, for a quadratic cost.
+        return both, np.concatenate([precision @ self.z, cross.T @ self.z - slope])
+
+
+def estimated(
+    grid: Grid, interval: Interval, unknowns: Unknowns, start: FloatArray, log: Log, car: Car,
+    forces: Forces = no_forces, near: Estimate | None = None,
+) -> tuple[Grid, Estimate]:  # fmt: skip
+    """Return the grid with the estimated steering, and the estimate from initial states, shape (n_nodes, n_states).
+
+    Steps of the unknowns and of the deviations of all residuals decrease one criterion: minus the logarithm of the
+    posterior, integrated over the states. The deviations wait until a step of the unknowns is not shortened: far from
+    the optimum, the errors of the unknowns are none of the forces, and a long log would never leave a large deviation.
+
+    `forces`: added to those of the tires, for a fixed motion in each round. `near`: an estimate without them, from
+    which this one starts.
+    """
+    n_balance = len(BALANCE)
+    z, floor = np.zeros(len(unknowns)), np.ones(len(interval.residuals))
+    floor[-n_balance:] = MIN_DEVIATION
+    deviations = np.concatenate([floor[:-n_balance], np.full(n_balance, START_DEVIATION)])
+    if near:
+        start, z, deviations = near.states, near.z, near.deviations
+    added = forces(grid, start, z)
+    z = np.concatenate([z, np.zeros(added.further)])
+    at = _solved(grid, interval, added, start, z, deviations, np.ones((len(grid.t), len(floor))))
+    converged, arrived, part, last = False, False, 1.0, np.zeros(len(z))
+    for _ in range(NEAR_ROUNDS if near else ROUNDS):
+        slope = _volume_slope(grid, interval, at, added.tires(z))
+        change, change_z = at.factor.step(z + slope, z)
+        widening = np.maximum(np.clip(at.excess(), -LONGEST_STEP, LONGEST_STEP), np.log(floor / at.deviations))
+        widening[len(MEASURED) : -n_balance] = 0.0  # errors of the integration
+        arrived = arrived or bool(np.abs(change_z).max() < (1.0 - 1e-9) * LONGEST_STEP)
+        widening *= arrived
+        step = change_z / np.sqrt(np.diag(at.posterior.covariance))
+        size = max(np.abs(step).max(), np.abs(widening).max())
+        if size < SETTLED:
+            converged = True
+            break
+        part, last = _part(part, last, step), step
+        share, gain = 3.0 * part, -np.inf
+        while not gain > 0.0 and share > SHORTEST:
+            share /= 3.0
+            to = at.deviations * np.exp(share * widening)
+            moved = at.states + share * change, z + share * change_z
+            try:
+                tried = _solved(grid, interval, added, *moved, to, at.weights)
+            except np.linalg.LinAlgError:  # a motion that the model does not have
+                continue
+            gain = at.criterion - tried.criterion
+        converged = bool(gain < FLAT and size < 1.0)
+        if converged or not gain > 0.0:
+            break
+        z = z + share * change_z
+        grid = with_steering(grid, log, car, unknowns.car_values(car, z))
+        weights = _weights(tried.linear.values / at.weights)
+        added = curved(grid, interval, forces(grid, tried.states, z), tried.states, z)
+        at = _solved(grid, interval, added, tried.states, z, tried.deviations, weights)
+    return grid, _estimate(at, interval, added, z, converged)
+
+
+def _estimate(at: _Point, interval: Interval, added: Added, z: FloatArray, converged: bool) -> Estimate:
+    """Return the estimate at a point; a residual that is correlated over time has the information of fewer ones."""
+    grid, n_balance = at.grid, len(BALANCE)
+    lengths = [correlation_length(at.linear.values[:, i], grid.segment) for i in range(-n_balance, 0)]
+    scale = np.concatenate([np.ones(len(at.deviations) - n_balance), np.sqrt(lengths)])
+    linear = at.linear.weighted(np.tile(1.0 / scale, (len(grid.t), 1)))
+    factor = _Factor(grid, linear, at.states.shape[1], 1e-9)
+    outputs = evaluated(interval.output_chunk, grid, at.states, added.tires(z), interval_data(grid))
+    weights = (at.weights / at.deviations / scale)[:, -n_balance:]
+    parts, evidence = vars(_posterior(grid, factor)), -at.criterion - np.linalg.slogdet(at.factor.schur)[1] / 2
+    return Estimate(**parts, states=at.states, z=z, deviations=at.deviations, residuals=linear,
+                    outputs=outputs.with_columns(added.further), weights=weights, evidence=float(evidence),
+                    converged=converged)  # fmt: skip
+
+
+def _part(part: float, last: FloatArray, step: FloatArray) -> float:
+    """Return the part of a step to be taken, from that of the last one.
+
+    A step that reverses the last one shows by how much that was too long (Aitken's relaxation, as in Kuettler and Wall,
+    Computational Mechanics 43, 2008): what is linearized in each round, steering, weights and curvature, would else
+    make the steps alternate.
+    """
+    turn = step - last
+    return min(1.0, 2.0 * part) if last @ step >= 0.0 else -part * float(last @ turn / (turn @ turn))
+
+
+def _weights(residual: FloatArray) -> FloatArray:
+    """Return the square roots of the weights of residuals, shape (n, n_residuals)."""
+    scaled = np.abs(residual) / np.maximum(np.sqrt(np.mean(residual**2, axis=0)), 1e-12)
+    return np.asarray(np.sqrt(np.minimum(1.0, OUTLYING / np.maximum(scaled, OUTLYING))))
+
+
+@dataclass(frozen=True)
+class _Point:
+    """States that explain the log best for given unknowns, deviations and weights of the residuals.
+
+    `linear`: the problem there; `factor`: of it; `criterion`: minus the logarithm of the posterior,
+    integrated over the states.
+    """
+
+    states: FloatArray
+    deviations: FloatArray
+    weights: FloatArray
+    linear: Linear
+    factor: _Factor
+    criterion: float
+    grid: Grid
+
+    @cached_property
+    def posterior(self) -> Posterior:
+        """The linearized posterior."""
+        return _posterior(self.grid, self.factor)
+
+    def excess(self) -> FloatArray:
+        """Return by how much the logarithms of residuals exceed their deviations: 0 at MacKay's fixed point."""
+        squares = np.sum(self.linear.values**2, axis=0)
+        sampled = np.sum(self.linear.values != 0.0, axis=0)
+        determined = np.maximum(sampled - self.posterior.variances(self.linear.jacobian).sum(axis=0), 1.0)
+        return np.asarray(np.log(np.maximum(squares, 1e-12) / determined) / 2)
+
+
+def _solved(
+    grid: Grid, interval: Interval, added: Added, states: FloatArray, z: FloatArray, deviations: FloatArray,
+    weights: FloatArray,
+) -> _Point:  # fmt: skip
+    """Return the point for given unknowns from initial states (Gauss-Newton steps, damped as Levenberg's)."""
+    data, n, of_tires = interval_data(grid), states.shape[1], added.tires(z)
+
+    def at(states: FloatArray) -> Linear:
+        linear = evaluated(interval.residual_chunk, grid, states, of_tires, data)
+        ends = states[grid.left], states[grid.right]
+        return added.residuals(linear, z, *ends).weighted(weights / deviations)
+
+    linear, damping = at(states), 1e-9
+    for _ in range(MAX_STEPS):
+        try:
+            factor = _Factor(grid, linear, n, damping)
+        except np.linalg.LinAlgError:  # rounding made the matrix indefinite
+            damping = 100.0 * damping
+            continue
+        if factor.gradient @ factor.solved_gradient < 2.0 * TOLERANCE * linear.cost(z):
+            break
+        moved = states - factor.solved_gradient.reshape(states.shape)
+        tried = at(moved)
+        if tried.cost(z) <= linear.cost(z):
+            states, linear, damping = moved, tried, max(damping / 10, 1e-9)
+        else:
+            damping = max(damping, 1e-6) * 30
+    factor = _Factor(grid, linear, n, 1e-9)  # the determinant of a damped matrix would be none of the posterior
+    # The density of the next motion that the balance gives, and those of the sensors, have the deviations as scales.
+    density = np.log(np.abs(np.linalg.det(linear.jacobian[:, -len(BALANCE) :, n + 1 : n + 3]))).sum()
+    density -= np.sum((linear.values != 0.0) * np.log(deviations), axis=0)[: -len(BALANCE)].sum()
+    criterion = linear.cost(z) + float(np.log(factor.band[0]).sum() - density)
+    return _Point(states, deviations, weights, linear, factor, criterion, grid)
+
+
+class _Factor:
+    """The Gauss-Newton matrix, factored: a band of the nodes and, when it is used, a border of the unknowns."""
+
+    def __init__(self, grid: Grid, linear: Linear, n: int, damping: float) -> None:
+        self.n, self._J, self._size = n, linear.jacobian, grid.n_nodes * n
+        self._slopes = np.einsum("kri,kr->ki", linear.jacobian, linear.values)
+        nodes = linear.jacobian[:, :, : 2 * n]
+        blocks = np.matmul(nodes.transpose(0, 2, 1), nodes)
+        at = np.stack([grid.left, grid.right], axis=1)
+        self._rows = (at[:, :, None] * n + np.arange(n)).reshape(len(at), 2 * n)
+        band = np.zeros((2 * n, self._size))
+        for i in range(2 * n):
+            for j in range(i + 1):
+                band[i - j, self._rows[:, j]] += blocks[:, i, j]  # no node is twice at the same end of intervals
+        band[0] = band[0] * (1.0 + damping) + 1e-12
+        self.band = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
+        self.gradient = self.at_nodes(self._slopes[:, : 2 * n, None])[:, 0]
+        self.solved_gradient = cho_solve_banded((self.band, True), self.gradient, check_finite=False)
+
+    def at_nodes(self, parts: FloatArray) -> FloatArray:
+        """Return the sums at the nodes of parts at both ends of the intervals, shape (n_nodes n, n_columns)."""
+        sums = np.zeros((self._size, parts.shape[2]))
+        for end in (slice(0, self.n), slice(self.n, 2 * self.n)):
+            sums[self._rows[:, end]] += parts[:, end]
+        return sums
+
+    @cached_property
+    def _border(self) -> FloatArray:
+        n, J = self.n, self._J
+        blocks = np.matmul(J[:, :, : 2 * n].transpose(0, 2, 1), J[:, :, 2 * n :])
+        return self.at_nodes(blocks)
+
+    @cached_property
+    def solved_border(self) -> FloatArray:
+        """The change of the states with the unknowns, negative."""
+        return np.asarray(cho_solve_banded((self.band, True), self._border, check_finite=False))
+
+    @cached_property
+    def schur(self) -> FloatArray:
+        """The precision of the unknowns, their prior included."""
+        by_z = self._J[:, :, 2 * self.n :].reshape(-1, self._border.shape[1])
+        return np.asarray(by_z.T @ by_z + np.eye(by_z.shape[1]) - self._border.T @ self.solved_border)
+
+    def step(self, slope: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the step of the states and of the unknowns."""
+        gradient = self._slopes[:, 2 * self.n :].sum(axis=0) + slope - self._border.T @ self.solved_gradient
+        change_z = -cho_solve(cho_factor(self.schur), gradient)
+        change_z *= min(1.0, LONGEST_STEP / max(float(np.abs(change_z).max()), 1e-12))
+        change_z = np.clip(z + change_z, -LARGEST, LARGEST) - z
+        return (-self.solved_gradient - self.solved_border @ change_z).reshape(-1, self.n), change_z
+
+
+def _volume_slope(grid: Grid, interval: Interval, at: _Point, z: FloatArray) -> FloatArray:
+    """Return the derivatives by all unknowns of what the integral over the states adds to the cost (Laplace).
+
+    `z`: the unknowns of tires and car. Without it, forces that depend on estimated slip angles have too low a
+    stiffness.
+    """
+    pairs = at.posterior.pairs
+    n = pairs.shape[1]
+    shares = (at.linear.jacobian[:, :, :n] @ pairs) * (at.weights / at.deviations)[:, :, None]
+    more = shares.transpose(0, 2, 1).reshape(len(shares), -1)
+    slopes = evaluated(interval.volume_chunk, grid, at.states, z, interval_data(grid), more).jacobian[:, 0]
+    result = np.einsum("ki,kij->j", slopes[:, :n], at.posterior.slopes)
+    result[: len(z)] += slopes[:, n:].sum(axis=0)
+    return np.asarray(result)
+
+
+def _posterior(grid: Grid, factor: _Factor) -> Posterior:
+    n = factor.n
+    slopes = -factor.solved_border.reshape(grid.n_nodes, n, -1)
+    of_pairs = np.concatenate([slopes[grid.left], slopes[grid.right]], axis=1)
+    covariance = np.asarray(np.linalg.inv(factor.schur), dtype=np.float64)
+    return Posterior(covariance, _pair_covariances(factor.band, grid, n), of_pairs)
+
+
+def _pair_covariances(band: FloatArray, grid: Grid, n: int) -> FloatArray:
+    """Return the covariances of neighboring nodes from the banded Cholesky factor (Takahashi's recursion by blocks)."""
+    size = grid.n_nodes
+    diagonal, below = np.zeros((2, size, n, n))
+    for i in range(n):
+        for j in range(n):
+            if i >= j:
+                diagonal[:, i, j] = band[i - j, j::n]
+            if n + i - j < len(band):
+                below[:, i, j] = band[n + i - j, j::n]  # row of the next node, column of this one
+    inverse = np.linalg.inv(diagonal)
+    local = np.matmul(inverse.transpose(0, 2, 1), inverse)
+    gain = np.matmul(below, inverse)  # L21 L11^-1
+    node, cross = np.empty((size, n, n)), np.zeros((size, n, n))
+    node[-1] = local[-1]
+    for k in range(size - 2, -1, -1):
+        cross[k] = -node[k + 1] @ gain[k]
+        node[k] = local[k] - gain[k].T @ cross[k]
+    left = grid.left
+    return np.block([[node[left], cross[left].transpose(0, 2, 1)], [cross[left], node[left + 1]]])

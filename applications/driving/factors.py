@@ -1,0 +1,92 @@
+"""Scaling factors with intervals, whether the drive determines them, and the tires that have them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from ...tires import Tire
+from .estimate import Estimate
+from .inputs.unknowns import AXLES, CHANGED, FACTORS, LATERAL, Unknowns
+from .interval import OUTPUTS
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Normal deviate of 95 %.
+WIDTH = 1.96
+#: A factor is determined if the standard deviation of its logarithm is at most this, and a friction factor only if the
+#: side force exceeds this share of the peak (at the upper limit of the factor) for this time, s.
+MAX_SPREAD, PEAK_SHARE, PEAK_TIME = 0.1, 0.9, 0.5
+#: Slip angles at which a peak is sought, rad.
+_SLIPS = np.linspace(-0.6, 0.6, 241)
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A factor of an axle, relative to the tire of the file.
+
+    `value`, `low`, `high`: estimate and 95 % interval. `determined`: whether the drive determines it; `reason`: why
+    not. `changed`: the probability that it differs from 1.
+    """
+
+    value: float
+    low: float
+    high: float
+    determined: bool
+    reason: str
+    changed: float
+
+    @property
+    def informed(self) -> bool:
+        """Whether the drive has information on it: it gives the forces over the slip that was reached."""
+        return bool(np.log(self.high / self.low) <= 2.0 * WIDTH * MAX_SPREAD)
+
+
+def factors_of(
+    estimate: Estimate, unknowns: Unknowns, tires: Mapping[str, Tire], step: float,
+    changed: Mapping[tuple[str, str], float],
+) -> dict[str, dict[str, Factor]]:  # fmt: skip
+    """Return the factors by axle and name.
+
+    `step`: length of an interval, s. `changed`: probabilities of changes, by default `CHANGED`.
+    """
+    deviation = np.sqrt(np.diag(estimate.covariance))
+    result: dict[str, dict[str, Factor]] = {axle: {} for axle in AXLES}
+    for axle in AXLES:
+        for name in FACTORS:
+            i = unknowns.factor(axle, name)
+            center, spread = unknowns.spread[i] * estimate.z[i], unknowns.spread[i] * deviation[i]
+            low, value, high = (float(np.exp(center + k * WIDTH * spread)) for k in (-1, 0, 1))
+            reason = "" if spread <= MAX_SPREAD else "the drive has too little information on it"
+            if name not in LATERAL:
+                reason = "the log has no longitudinal force of a wheel"
+            if not reason and name == "LMUY":
+                time = step * np.sum(used_share(estimate, axle, tires[axle], high) > PEAK_SHARE)
+                reason = "" if time >= PEAK_TIME else "the side force never comes near its peak"
+            result[axle][name] = Factor(value, low, high, not reason, reason, changed.get((axle, name), CHANGED))
+    return result
+
+
+def used_share(estimate: Estimate, axle: str, tire: Tire, friction: float) -> FloatArray:
+    """Return the side force over its peak for a friction factor, shape (n,)."""
+    Fy, Fz = (estimate.outputs.values[:, OUTPUTS.index(f"{name}_{axle}")] for name in ("Fy", "Fz"))
+    scaled = tire.with_values(LMUY=tire.values["LMUY"] * friction)
+    loads = np.linspace(max(Fz.min(), 0.05 * Fz.max()), Fz.max() * 1.001, 9)
+    curves = scaled.forces(alpha=_SLIPS[:, None], Fz=loads[None, :], code="numpy")["Fy"]
+    return np.asarray(np.abs(Fy) / np.interp(Fz, loads, np.abs(curves).max(axis=0)))
+
+
+def scaled_tires(tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, Factor]]) -> dict[str, Tire]:
+    """Return the tires with the factors on which the drive has information in their scaling coefficients.
+
+    LMUY that is not determined for want of a peak is one: LKY without it would not give the forces of the drive.
+    """
+    return {
+        axle: tire.with_values(
+            **{name: tire.values[name] * factors[axle][name].value for name in LATERAL if factors[axle][name].informed}
+        )
+        for axle, tire in tires.items()
+    }

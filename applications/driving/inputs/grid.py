@@ -1,0 +1,262 @@
+"""The log on a grid: means of each channel over short intervals, which follow each other in chains without gaps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from ....boundary.errors import DataError
+from ....symbolic.vehicle.quantities import CORNERS
+from .car import Car
+from .log import Log
+from .log_channels import LOG_CHANNELS
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
+
+#: Lengths of an interval, s: the longest one is used for which the error of the midpoint rule, relative to the signal,
+#: is below a share for the steering, which excites the motion. A slalom of 0.45 Hz has 0.7 % at 0.1 s.
+STEPS, STEP_ERROR = (0.1, 0.05, 0.025), 0.01
+#: The slowest part of a drive is not used: a share of the speed that 5 % exceed, and m/s.
+SLOW_SHARE, SLOWEST = 0.1, 0.3
+#: Longitudinal slip beyond which a wheel locks or spins: its inertia and its forces are not those of the model.
+LARGEST_SLIP = 0.2
+#: Shortest chain, s; longest gap in a channel that is bridged, s.
+SHORTEST_CHAIN, LONGEST_GAP = 1.0, 0.25
+#: Time at both ends of a log within which a delayed steering is unknown, s.
+MARGIN = 0.2
+#: Times over which the steering and the spins are averaged, s: their noise is not a motion.
+STEERING_WINDOW, SPIN_WINDOW = 0.02, 0.1
+#: Accelerations below which a wheel rolls freely, m/s^2: there its rolling radius is calibrated.
+FREE_ROLLING = 0.5
+#: The channels of a grid, in the order of the residuals of the estimate.
+MEASURED = ("yaw_rate", "ax", "ay", "speed", "beta", "vy", "x", "y", "heading", "speed_rate")
+#: Without ax, the rate of the speed is that of the logged one, averaged over this time, s; its smallest standard
+#: deviation, m/s^2.
+RATE_WINDOW, RATE_DEVIATION = 0.3, 0.1
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A log on a grid of n intervals in chains.
+
+    - `step`: length of an interval, s. `t`, shape (n,): middle of each, s.
+    - `left`, `right`, shape (n,): numbers of the nodes at its ends; intervals of a chain share nodes.
+    - `means`, `noise`, shape (n_measured, n): mean of each of `MEASURED`, NaN if not sampled, and its
+      standard deviation.
+    - `steer`, shape (2, n): angle of the front wheels, without offset: a line over the interval with the mean of the
+      channel, at both ends.
+    - `steer_slopes`, shape (4, n): its derivatives by delay and lag, at both ends.
+    - `used`: delay and lag with which the steering was computed, s.
+    - `rims`, shape (4, n): spin times rolling radius of each of `CORNERS`, m/s; 0 if not logged.
+    """
+
+    step: float
+    t: FloatArray
+    left: IntArray
+    right: IntArray
+    means: FloatArray
+    noise: FloatArray
+    steer: FloatArray
+    steer_slopes: FloatArray
+    rims: FloatArray
+    used: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def n_nodes(self) -> int:
+        """Number of nodes."""
+        return int(self.right[-1]) + 1
+
+    @property
+    def segment(self) -> IntArray:
+        """Number of the chain of each interval."""
+        return np.asarray(self.left - np.arange(len(self.left)), dtype=np.intp)
+
+
+def unwrapped(log: Log) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """Return the channels of a log, the heading without jumps."""
+    channels = dict(log.channels)
+    if "heading" in channels:
+        t, heading = channels["heading"]
+        channels["heading"] = t, np.unwrap(heading)
+    return channels
+
+
+def spinning(log: Log, car: Car) -> tuple[str, ...]:
+    """Return the wheels with a logged speed, if both axles have one and their radii are given."""
+    if not (log.has_wheel_speeds() and all(_radius(car, corner) > 0.0 for corner in CORNERS)):
+        return ()
+    return tuple(corner for corner in CORNERS if f"omega_{corner}" in log.channels)
+
+
+def _radius(car: Car, corner: str) -> float:
+    return car.values["radius_front" if corner[0] == "f" else "radius_rear"]
+
+
+def forward_speed(log: Log, car: Car) -> tuple[FloatArray, FloatArray]:
+    """Return times and a rough forward speed: as logged, of the wheels, or from the position."""
+    channels, wheels = unwrapped(log), spinning(log, car)
+    if "speed" in channels:
+        return channels["speed"]
+    if wheels:
+        t = channels[f"omega_{wheels[0]}"][0]
+        rims = [_radius(car, corner) * np.interp(t, *channels[f"omega_{corner}"]) for corner in wheels]
+        return t, np.mean(rims, axis=0)
+    t = channels["x"][0]
+    even = np.arange(t[0], t[-1], 0.1)
+    velocity = [np.gradient(np.interp(even, *channels[name]), even) for name in ("x", "y")]
+    heading = np.interp(even, *channels["heading"]) - car.values["heading_offset"]
+    return even, velocity[0] * np.cos(heading) + velocity[1] * np.sin(heading)
+
+
+def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
+    """Return a log on a grid.
+
+    Raises `DataError` if the car never moves, or moves too briefly for an estimate.
+    """
+    channels = unwrapped(log)
+    start = max(channels[name][0][0] for name in ("steer",))
+    end = channels["steer"][0][-1]
+    step = _step(log, car)
+    edges = start + step * np.arange(int((end - start) / step) + 1)
+    middle = (edges[:-1] + edges[1:]) / 2
+    v = np.interp(middle, *speed)
+    fast = float(np.quantile(v, 0.95))
+    if fast <= SLOWEST:
+        raise DataError(f"{log.source}: the speed is {fast:.2g} m/s or less: the car does not move forward")
+    usable = (v > max(SLOWEST, SLOW_SHARE * fast)) & (middle > start + MARGIN) & (middle < end - MARGIN)
+    for name in ("steer", "yaw_rate" if "yaw_rate" in channels else "heading"):
+        usable &= _near_samples(channels[name][0], middle)
+    rims = _rims(log, car, middle, speed)
+    usable &= (np.abs(np.where(rims, rims, v) / v - 1.0) < LARGEST_SLIP).all(axis=0)
+    usable = _long_runs(usable, round(SHORTEST_CHAIN / step))
+    if not usable.any():
+        raise DataError(f"{log.source}: no {SHORTEST_CHAIN:g} s without a gap in which the car moves")
+    chosen = np.flatnonzero(usable)
+    chain = np.cumsum(np.diff(chosen, prepend=chosen[0]) > 1)
+    left = np.arange(len(chosen)) + chain
+    means, noise = np.full((2, len(MEASURED), len(chosen)), np.nan)
+    for row, name in enumerate(MEASURED):
+        if name in channels:
+            means[row], noise[row] = _averaged(channels[name], edges, usable, name)
+    if "ax" not in channels:
+        means[-1] = np.gradient(_windowed(*speed, middle, RATE_WINDOW), middle)[chosen]
+        noise[-1] = RATE_DEVIATION
+    empty = np.zeros((4, len(chosen)))
+    grid = Grid(step, middle[chosen], left, left + 1, means, noise, empty[:2], empty, rims[:, chosen])
+    return with_steering(grid, log, car, car.values)
+
+
+def with_steering(grid: Grid, log: Log, car: Car, entries: Mapping[str, float]) -> Grid:
+    """Return a grid with the steering angle at the delay and the lag of entries of the car."""
+    t, angle = _wheel_angle(log, car)
+    delay, lag = entries["delay"], max(entries["lag"], 0.0)
+    ends = grid.t + np.array([[-0.5], [0.5]]) * grid.step
+
+    def at(delay: float, lag: float) -> FloatArray:
+        behind = _lagged(t, angle, lag)
+        line = _windowed(t, behind, ends - delay, STEERING_WINDOW)
+        return np.asarray(line - line.mean(axis=0) + _windowed(t, behind, grid.t - delay, grid.step))
+
+    change = grid.step / 4
+    by_delay = (at(delay + change, lag) - at(delay - change, lag)) / (2 * change)
+    by_lag = (at(delay, lag * 1.05) - at(delay, lag * 0.95)) / (0.1 * lag) if lag else np.zeros_like(by_delay)
+    return replace(grid, steer=at(delay, lag), steer_slopes=np.concatenate([by_delay, by_lag]), used=(delay, lag))
+
+
+def _wheel_angle(log: Log, car: Car) -> tuple[FloatArray, FloatArray]:
+    t, channel = log.channels["steer"]
+    return t, np.interp(channel, *car.steering_map.T) if car.steering_map is not None else channel / car.values["ratio"]
+
+
+def _step(log: Log, car: Car) -> float:
+    """Return the length of an interval: see `STEPS`."""
+    t, angle = _wheel_angle(log, car)
+    lagged = _lagged(t, angle, car.values["lag"])
+    for step in STEPS:
+        means = _windowed(t, lagged, np.arange(t[0] + step, t[-1] - step, step), step)
+        if np.sum(np.diff(means, 2) ** 2) < (12 * STEP_ERROR) ** 2 * np.sum(means**2):
+            break
+    return step
+
+
+def _rims(log: Log, car: Car, middle: FloatArray, speed: tuple[FloatArray, FloatArray]) -> FloatArray:
+    """Return the speeds of the rims, shape (4, n); the radius is such that a freely rolling axle has no slip."""
+    logged, channels = spinning(log, car), log.channels
+    if not logged:
+        return np.zeros((len(CORNERS), len(middle)))
+    v = np.interp(middle, *speed)
+    ax = np.gradient(_windowed(*speed, middle, 1.0), middle)
+    turning = np.interp(middle, *channels["yaw_rate"]) * v if "yaw_rate" in channels else np.zeros_like(v)
+    free = (np.abs(ax) < FREE_ROLLING) & (np.abs(turning) < FREE_ROLLING * 4.0) & (v > 0.3 * v.max())
+    rims = np.zeros((len(CORNERS), len(middle)))
+    for axle in "fr":
+        wheels = [i for i, corner in enumerate(CORNERS) if corner in logged and corner[0] == axle]
+        for i in wheels:
+            rims[i] = _radius(car, CORNERS[i]) * _windowed(*channels[f"omega_{CORNERS[i]}"], middle, SPIN_WINDOW)
+        if free.any():
+            rims[wheels] *= np.median(v[free] / rims[wheels][:, free].mean(axis=0))
+    return rims
+
+
+def _windowed(t: FloatArray, values: FloatArray, at: FloatArray, width: float) -> FloatArray:
+    """Return the means of a channel over windows around given times."""
+    integral = np.concatenate([[0.0], np.cumsum(np.diff(t) * (values[1:] + values[:-1]) / 2)])
+    around = np.clip(at[..., None] + np.array([-0.5, 0.5]) * width, t[0], t[-1])
+    ends = np.interp(around, t, integral)
+    return np.asarray((ends[..., 1] - ends[..., 0]) / np.maximum(around[..., 1] - around[..., 0], 1e-9))
+
+
+def _lagged(t: FloatArray, values: FloatArray, lag: float) -> FloatArray:
+    """Return values behind a first-order lag, exact for values that are linear between samples."""
+    if not lag:
+        return values
+    result, state = np.empty_like(values), values[0]
+    for i, (ahead, now) in enumerate(zip(values, np.diff(t, prepend=t[0]), strict=True)):
+        before = values[i - 1] if i else ahead
+        slope = (ahead - before) / now if now else 0.0
+        state = ahead - slope * lag + (state - before + slope * lag) * np.exp(-now / lag)
+        result[i] = state
+    return result
+
+
+def _near_samples(t: FloatArray, middle: FloatArray) -> npt.NDArray[np.bool_]:
+    after = np.clip(np.searchsorted(t, middle), 1, len(t) - 1)
+    near: npt.NDArray[np.bool_] = (t[after] - t[after - 1] < LONGEST_GAP) & (middle > t[0]) & (middle < t[-1])
+    return near
+
+
+def _long_runs(usable: npt.NDArray[np.bool_], shortest: int) -> npt.NDArray[np.bool_]:
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], usable.astype(int), [0]])))
+    kept = np.zeros_like(usable)
+    for first, last in edges.reshape(-1, 2):
+        kept[first:last] = last - first >= shortest
+    return kept
+
+
+def _averaged(
+    samples: tuple[FloatArray, FloatArray], edges: FloatArray, usable: npt.NDArray[np.bool_], name: str
+) -> tuple[FloatArray, FloatArray]:
+    """Return means over the usable intervals, and the standard deviation of their noise.
+
+    The noise of a sample is that of fourth differences, which a motion of a few Hz hardly reaches.
+    """
+    t, values = samples
+    number = np.searchsorted(edges, t, side="right") - 1
+    inside = (number >= 0) & (number < len(edges) - 1)
+    counts = np.bincount(number[inside], minlength=len(edges) - 1)
+    middle = (edges[:-1] + edges[1:]) / 2
+    # A mean of samples belongs to their mean time: the slope of the channel moves it to the middle.
+    sums, times = (np.bincount(number[inside], part[inside], len(edges) - 1) for part in (values, t))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        means, shift = sums / counts, times / counts - middle
+    step = edges[1] - edges[0]
+    slope = np.diff(_windowed(t, values, middle[:, None] + np.array([-step, step]), step))[:, 0] / (2 * step)
+    differences = np.diff(values, 4)
+    scatter = 1.4826 * float(np.median(np.abs(differences - np.median(differences)))) / np.sqrt(70.0)
+    deviation = max(scatter, LOG_CHANNELS[name].precision)
+    noise = deviation / np.sqrt(np.maximum(counts, 1))
+    return (means - shift * slope)[usable], noise[usable]

@@ -1,0 +1,316 @@
+"""One interval of the grid as a CasADi function: residuals of sensors and of the balance of forces, with derivatives.
+
+The implicit midpoint rule joins the nodes: rates are differences over the interval, which are the exact means of the
+rates, as the logged channels are means of samples. `evaluation.curved` adds what the curvature of the motion changes.
+Residuals are divided by their standard deviations. `Linear` has the values and derivatives of all intervals, `Added`
+what an effect adds to the forces of the tires.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import numpy.typing as npt
+
+from ...symbolic.vehicle import quantities as vehicle
+from ...symbolic.vehicle.quantities import CORNERS
+from ...tires import Tire
+from ...tires.code.casadi_code import ARRAYS, casadi_expression
+from ...tires.code.modules import two_track
+from .inputs.car import Car, loads_of
+from .inputs.grid import MEASURED
+from .inputs.unknowns import AXLES, FACTORS, Unknowns
+
+FloatArray = npt.NDArray[np.float64]
+
+MOTION = ("v_x", "v_y", "yaw_rate")
+POSE = ("x", "y", "heading")
+#: Residuals of the balance of forces, per static load.
+BALANCE = ("e_front", "e_rear")
+#: Further results of an interval for each axle: the inputs of a wheel that is the mean of both, its forces, W axes, and
+#: the side force of the tire alone. Fy is the tire's and half of what the motion requires beyond it.
+OUTPUTS = tuple(f"{name}_{axle}" for name in ("alpha", "kappa", "V", "Fz", "Fy", "Fy_tire") for axle in AXLES)
+#: Intervals that are evaluated at a time.
+CHUNK = 500
+#: Error of the integration of a pose, m/s and rad/s.
+POSE_ERROR = 3e-3
+#: Share of the mean load of an axle below which the load of a wheel changes smoothly to 0: a road cannot pull.
+LIFTED = 0.02
+#: Force per mass within which driving changes into braking, m/s^2.
+COASTING = 0.2
+#: Names of the arguments of `two_track` that describe the car, and the entries that they are.
+BODY = {
+    "m": "mass", "I_z": "yaw_inertia", "l_f": "cg_to_front", "l_r": "cg_to_rear", "w_f": "track_front",
+    "w_r": "track_rear", "h": "cg_height", "roll_front": "front_roll_share", "drag": "drag",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Interval:
+    """The function of an interval.
+
+    - `states`: names of the states of a node.
+    - `residuals`: names; `MEASURED` are first, `BALANCE` last.
+    - `residual_chunk`, `output_chunk`: functions of `CHUNK` columns of left node, right node, data
+      (`evaluation.interval_data`), and unknowns followed by the delay and lag of the steering in the data. They give
+      the residuals or `OUTPUTS`, and their Jacobian by left node, right node, unknowns.
+    - `volume_chunk`: of the same and a matrix for the Jacobian of the residuals by both nodes: the derivatives of their
+      product minus the logarithm of the density that the balance gives the next motion.
+    """
+
+    states: tuple[str, ...]
+    residuals: tuple[str, ...]
+    residual_chunk: Any
+    output_chunk: Any
+    volume_chunk: Any
+
+
+def interval_of(
+    car: Car, tires: Mapping[str, Tire], unknowns: Unknowns, *, pose: bool, spins: tuple[str, ...], step: float
+) -> Interval:
+    """Return the function of the intervals of a drive.
+
+    `pose`: whether position and heading are logged. `spins`: the wheels whose spin is. `step`: s.
+    """
+    states, n = MOTION + POSE * pose, len(MEASURED)
+    left, right = ca.SX.sym("left", len(states)), ca.SX.sym("right", len(states))
+    data, z = ca.SX.sym("data", 2 * n + 10), ca.SX.sym("z", len(unknowns))
+    used = ca.SX.sym("used", 2)
+    p = _entries(car, unknowns, z)
+    middle, rate = ca.vertsplit((left + right) / 2), ca.vertsplit((right - left) / step)
+    more = p["delay"] - used[0], p["lag"] - used[1]
+    ends = [data[2 * n + i] + data[2 * n + 2 + i] * more[0] + data[2 * n + 4 + i] * more[1] for i in (0, 1)]
+    scale = car.values["ratio"] / p["ratio"]
+    steer, turning = p["offset"] + scale * (ends[0] + ends[1]) / 2, scale * (ends[1] - ends[0]) / step
+    wheels = _wheels(middle, rate, steer, turning, p, tires)
+    pulls = _pulls(middle, rate, steer, car, p)
+    rims = dict(zip(CORNERS, ca.vertsplit(data[2 * n + 6 :]), strict=True))
+    kappa = _kappa_of_spins(rims, wheels, spins) if spins else _kappa_of_pulls(pulls, p, tires)
+    factors = {axle: {name: _factor(unknowns, axle, name, z) for name in FACTORS} for axle in AXLES}
+    forces = {axle: _forces(tires[axle], axle, wheels, kappa[i], factors[axle]) for i, axle in enumerate(AXLES)}
+    body, motion = [p[entry] for entry in BODY.values()], (*middle[:3], *rate[:3])
+    # A differential gives both wheels of an axle the same torque: their longitudinal forces are equal.
+    order = [*(pull / 2 for pull in pulls for _ in "lr"), *(forces[axle][1][side] for axle in AXLES for side in (0, 1))]
+    balance = dict(zip(_RESULTS, two_track.balance(*motion, steer, *body, *order, xp=ARRAYS), strict=True))
+    measured = _readings(p, middle, rate, pose)
+    parts = {name: (data[i] - measured.get(name, 0)) * data[n + i] for i, name in enumerate(MEASURED)}
+    parts |= _kinematics(middle, rate) if pose else {}
+    parts |= {name: balance[name] / load for name, load in zip(BALANCE, loads_of(p), strict=True)}
+    residual = ca.vertcat(*parts.values())
+    required_forces = [balance[f"e_{axle}"] / ca.cos(steer if axle == "front" else 0) / 2 for axle in AXLES]
+    outputs = ca.vertcat(*_outputs(wheels, forces, kappa, required_forces))
+    arguments = [left, right, data, ca.vertcat(z, used)]
+    chunks = []
+    for results in (residual, outputs):
+        by = ca.densify(ca.jacobian(results, ca.vertcat(left, right, z)))
+        chunks.append(ca.Function("interval", arguments, [results, ca.vec(by)], {"cse": True}).map(CHUNK))
+    point, next_motion = ca.vertcat(left, right, z), right[1:3]
+    by_nodes = ca.densify(ca.jacobian(residual, ca.vertcat(left, right)))
+    shares = ca.SX.sym("shares", by_nodes.numel())
+    density = ca.log(ca.fabs(ca.det(ca.jacobian(residual[-len(BALANCE) :], next_motion))))
+    volume = ca.dot(ca.vec(by_nodes), shares) - density
+    by = ca.densify(ca.gradient(volume, point))
+    chunks.append(ca.Function("volume", [*arguments, shares], [volume, by], {"cse": True}).map(CHUNK))
+    return Interval(states, tuple(parts), *chunks)
+
+
+_RESULTS = tuple(quantity.name for quantity in vehicle.BALANCE)
+
+
+def _entries(car: Car, unknowns: Unknowns, z: Any) -> dict[str, Any]:
+    """Return the entries of the car, those that are unknown as functions of z, and what follows from them."""
+    p: dict[str, Any] = dict(car.values)
+    for i, name in enumerate(unknowns.car):
+        p[name] = unknowns.entry(i, z[i], ca.exp)
+    p["cg_to_rear"] = p["wheelbase"] - p["cg_to_front"]
+    return p
+
+
+def _wheels(
+    middle: list[Any], rate: list[Any], steer: Any, turning: Any, p: Mapping[str, Any], tires: Mapping[str, Tire]
+) -> dict[str, Any]:
+    """Return slip angle, speed and load of each wheel; slip angles lag by the relaxation length of the tire."""
+    symbols = [ca.SX.sym(f"s{i}") for i in range(4)]
+    body = [p[entry] for entry in BODY.values()]
+    names = [f"{name}_{corner}" for name in ("alpha", "V", "Fz") for corner in CORNERS]
+    values = (*middle[:3], *rate[:3], steer)
+    wheels = dict(zip(names, two_track.wheels(*values, *body, xp=ARRAYS), strict=True))
+    of_symbols = two_track.wheels(*symbols[:3], *rate[:3], symbols[3], *body, xp=ARRAYS)[: len(CORNERS)]
+    point, change = ca.vertcat(*middle[:3], steer), ca.vertcat(*rate[:3], turning)
+    slopes = ca.substitute(ca.jacobian(ca.vertcat(*of_symbols), ca.vertcat(*symbols)), ca.vertcat(*symbols), point)
+    for i, corner in enumerate(CORNERS):
+        length = relaxation_length(tires[AXLES[i // 2]])
+        wheels[f"alpha_{corner}"] -= length / wheels[f"V_{corner}"] * (slopes[i, :] @ change)
+    return wheels
+
+
+def relaxation_length(tire: Tire) -> float:
+    """Return the lateral relaxation length at the nominal load, m; 0 for a tire without relaxation."""
+    quantity = tire.symbolic_model.quantity("relaxation_y")
+    if not tire.lags or not quantity:
+        return 0.0
+    import pandas as pd
+
+    return float(tire.evaluate(pd.DataFrame({"alpha": [0.0]}), steady=True)[quantity].iloc[0])
+
+
+def _forces(
+    tire: Tire, axle: str, wheels: Mapping[str, Any], kappa: list[Any], factors: Mapping[str, Any]
+) -> tuple[list[Any], list[Any], list[Any]]:
+    """Return Fx and Fy of the left and of the right wheel, and of a wheel that is the mean of both."""
+    model = tire.symbolic_model
+    parameters = ca.SX(ca.DM(tire.parameters()))
+    for name in FACTORS:
+        parameters[list(model.coefficients).index(name)] *= factors[name]
+    results = []
+    pair = [
+        {"kappa": slip, **{name: wheels[f"{name}_{axle[0]}{side}"] for name in ("alpha", "V", "Fz")}}
+        for slip, side in zip(kappa, "lr", strict=True)
+    ]
+    mean = (pair[0]["Fz"] + pair[1]["Fz"]) / 2
+    for wheel in pair:
+        wheel["Fz"] = (wheel["Fz"] + ca.sqrt(wheel["Fz"] ** 2 + (LIFTED * mean) ** 2)) / 2
+    for given in (*pair, {name: (pair[0][name] + pair[1][name]) / 2 for name in pair[0]}):
+        inputs = ca.vertcat(*(given[name] if name in given else tire.nominal(name) for name in tire.inputs))
+        results.append(casadi_expression(model, "forces", inputs, parameters, straight=True)[:2])
+    return [result[0] for result in results], [result[1] for result in results], pair
+
+
+def _readings(p: Mapping[str, Any], middle: list[Any], rate: list[Any], pose: bool) -> dict[str, Any]:
+    """Return what the sensors measure."""
+    motion = (*middle[:3], *rate[:3])
+    ax, ay, _, _ = two_track.sensor(*motion, p["x"], p["y"], p["roll_gradient"], xp=ARRAYS)
+    delay = p["motion_delay"]
+    late = [value - delay * slope for value, slope in zip(middle, rate, strict=True)]
+    *_, vx, vy = two_track.sensor(*late[:3], *rate[:3], p["reference_x"], p["reference_y"], 0.0, xp=ARRAYS)
+    readings = {
+        "yaw_rate": middle[2] + p["yaw_rate_offset"],
+        "ax": ax + p["ax_offset"],
+        "ay": ay + p["ay_offset"],
+        "speed": vx,
+        "beta": ca.atan(vy / vx) + p["heading_offset"],
+        "vy": vy + vx * p["heading_offset"],
+        "speed_rate": rate[0],
+    }
+    if pose:
+        x, y, heading = late[3:]
+        along, left = p["reference_x"], p["reference_y"]
+        readings["x"] = x + along * ca.cos(heading) - left * ca.sin(heading)
+        readings["y"] = y + along * ca.sin(heading) + left * ca.cos(heading)
+        readings["heading"] = heading + p["heading_offset"]
+    return readings
+
+
+def _factor(unknowns: Unknowns, axle: str, name: str, z: Any) -> Any:
+    i = unknowns.factor(axle, name)
+    return ca.exp(unknowns.spread[i] * z[i])
+
+
+def _pulls(middle: list[Any], rate: list[Any], steer: Any, car: Car, p: Mapping[str, Any]) -> list[Any]:
+    """Return the longitudinal force of each axle: the driven axle drives, the brakes act on both."""
+    # The side force of a steered axle has a component against the motion.
+    cornering = (rate[1] + middle[0] * middle[2]) * p["cg_to_rear"] / p["wheelbase"] * ca.sin(steer)
+    required = rate[0] - middle[1] * middle[2] + p["drag"] / p["mass"] * middle[0] ** 2 + cornering
+    force = p["mass"] * required
+    driving = {"front": 1.0, "rear": 0.0, "all": 0.5}[car.driven]
+    share = p["brake_front"] + (driving - p["brake_front"]) * (1 + ca.tanh(required / COASTING)) / 2
+    return [share * force, (1 - share) * force]
+
+
+def _kappa_of_spins(rims: Mapping[str, Any], wheels: Mapping[str, Any], spins: tuple[str, ...]) -> list[list[Any]]:
+    """Return the longitudinal slip of both wheels of each axle from the speed of rims (spin times rolling radius)."""
+    slips = {corner: rims[corner] / wheels[f"V_{corner}"] - 1 for corner in spins}
+    pairs = [(f"{axle[0]}l", f"{axle[0]}r") for axle in AXLES]
+    # A wheel without a logged spin has the slip of the other one.
+    return [[slips[a if a in spins else b] for a, b in (pair, pair[::-1])] for pair in pairs]
+
+
+def _kappa_of_pulls(pulls: list[Any], p: Mapping[str, Any], tires: Mapping[str, Tire]) -> list[list[Any]]:
+    """Return the longitudinal slip of each axle that gives its longitudinal force, to first order in the slip."""
+    loads = loads_of(p)
+    return [[pulls[i] / (loads[i] * slip_stiffness(tires[axle]))] * 2 for i, axle in enumerate(AXLES)]
+
+
+def slip_stiffness(tire: Tire) -> float:
+    """Return the slope of Fx over kappa per load, at the nominal load."""
+    ends = tire.forces(kappa=[-1e-3, 1e-3], Fz=tire.nominal("Fz"), code="numpy")["Fx"]
+    return float(ends[1] - ends[0]) / 2e-3 / tire.nominal("Fz")
+
+
+def _kinematics(middle: list[Any], rate: list[Any]) -> dict[str, Any]:
+    vx, vy, yaw_rate, heading = (*middle[:3], middle[5])
+    return {
+        "x_rate": (rate[3] - vx * ca.cos(heading) + vy * ca.sin(heading)) / POSE_ERROR,
+        "y_rate": (rate[4] - vx * ca.sin(heading) - vy * ca.cos(heading)) / POSE_ERROR,
+        "heading_rate": (rate[5] - yaw_rate) / POSE_ERROR,
+    }
+
+
+def _outputs(
+    wheels: Mapping[str, Any], forces: Mapping[str, Any], kappa: list[list[Any]], required: list[Any]
+) -> list[Any]:
+    means = {
+        name: [(wheels[f"{name}_{axle[0]}l"] + wheels[f"{name}_{axle[0]}r"]) / 2 for axle in AXLES]
+        for name in ("alpha", "V", "Fz")
+    }
+    Fy = [forces[axle][1][2] for axle in AXLES]
+    whole = [Fy[i] + required[i] for i in (0, 1)]
+    slips = [(left + right) / 2 for left, right in kappa]
+    return [*means["alpha"], *slips, *means["V"], *means["Fz"], *whole, *Fy]
+
+
+@dataclass(frozen=True)
+class Linear:
+    """Functions of all intervals at a point, shape (n, n_functions), and their Jacobian by left node, right node, z."""
+
+    values: FloatArray
+    jacobian: FloatArray
+
+    def weighted(self, weights: FloatArray) -> Linear:
+        """Return the functions times weights, shape (n, n_functions)."""
+        return Linear(self.values * weights, self.jacobian * weights[:, :, None])
+
+    def with_columns(self, n: int) -> Linear:
+        """Return the functions with n further unknowns, on which they do not depend."""
+        return Linear(self.values, np.concatenate([self.jacobian, np.zeros((*self.values.shape, n))], axis=2))
+
+    def cost(self, z: FloatArray) -> float:
+        """Return half the sum of squares, priors included."""
+        return 0.5 * float(np.sum(self.values**2) + z @ z)
+
+
+@dataclass(frozen=True)
+class Added:
+    """Side forces per static load beyond the tires', linear in the last unknowns and in the motion.
+
+    `offset`, shape (n, 2). `columns`, shape (n, 2, n_last): by the last unknowns, of which `further` are none of tires
+    and car; their prior is the standard normal distribution. `slopes`, shape (n, 2, 3): by `MOTION` in the middle of an
+    interval. `correction`, shape (n, n_residuals): added to all residuals.
+    """
+
+    offset: FloatArray
+    columns: FloatArray
+    slopes: FloatArray
+    further: int = 0
+    correction: FloatArray | float = 0.0
+
+    def tires(self, z: FloatArray) -> FloatArray:
+        """Return the unknowns of tires and car."""
+        return z[: len(z) - self.further]
+
+    def residuals(self, of_tires: Linear, z: FloatArray, left: FloatArray, right: FloatArray) -> Linear:
+        """Return residuals, per static load, with these forces, from those without them."""
+        linear, n, last, moving = of_tires.with_columns(self.further), left.shape[1], self.columns.shape[2], len(MOTION)
+        middle = (left + right)[:, :moving] / 2
+        linear.values[:] += self.correction
+        forces = self.offset + self.columns @ z[len(z) - last :] + np.einsum("kim,km->ki", self.slopes, middle)
+        balance = slice(-len(BALANCE), None)
+        linear.values[:, balance] -= forces
+        linear.jacobian[:, balance, linear.jacobian.shape[2] - last :] -= self.columns
+        for first in (0, n):
+            linear.jacobian[:, balance, first : first + moving] -= self.slopes / 2
+        return linear

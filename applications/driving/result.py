@@ -1,0 +1,191 @@
+"""The answer to a drive: numbers for machines, tires and tables as files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from ...boundary.errors import TirefmuError, path_from
+from ...boundary.json_schema import json_value
+from ...fmu.packaging.export import export
+from ...measurements import Recording, write_table
+from ...tires import Tire
+from .drive_content import VERSION, CarEntry, DriveContent
+from .estimate import Estimate
+from .factors import Factor
+from .inputs.car import Car
+from .inputs.grid import Grid
+from .inputs.log import Log
+from .inputs.unknowns import AXLES, Unknowns
+from .interval import OUTPUTS
+from .simulation import VehicleSimulation
+from .verdict import DriveVerdict
+
+FloatArray = npt.NDArray[np.float64]
+
+#: An entry of the car this many standard deviations from its file: the log is not one of this car, no tire is written.
+OTHER_CAR = 8.0
+#: Time between the last row of the front axle and the first one of the rear axle, s: a gap, so that they are segments.
+GAP = 10.0
+
+
+@dataclass(frozen=True, repr=False)
+class Drive:
+    """The answer to a drive.
+
+    Parameters
+    ----------
+    log, car, grid, unknowns, estimate
+        What was estimated from what.
+    tires, scaled : mapping of str to Tire
+        The tires of the axles "front" and "rear" as given, and with the determined factors and the effect that they
+        lacked.
+    factors : mapping of str to mapping of str to Factor
+        By axle and name.
+    wheels : pandas.DataFrame
+        The forces at the wheels, ISO-W signs: `wheel_table`.
+    before, after : Simulation
+        The vehicle as given, and with the estimated car on the scaled tires.
+    lacking : ndarray, shape (2, n, 2)
+        Side force of each axle (last index) that the motion requires beyond the tires, as given and new, N.
+    verdict : Verdict
+        Findings and sentences.
+    """
+
+    log: Log
+    car: Car
+    grid: Grid
+    unknowns: Unknowns
+    estimate: Estimate
+    tires: Mapping[str, Tire]
+    scaled: Mapping[str, Tire]
+    factors: Mapping[str, Mapping[str, Factor]]
+    wheels: pd.DataFrame
+    before: VehicleSimulation
+    after: VehicleSimulation
+    lacking: FloatArray
+    verdict: DriveVerdict
+
+    @property
+    def ok(self) -> bool:
+        """Whether the numbers can be used: the estimate converged, and the log is one of this car."""
+        deviations = np.abs(self.estimate.z[: len(self.unknowns.car)])
+        return self.estimate.converged and bool((deviations < OTHER_CAR).all())
+
+    def __repr__(self) -> str:
+        """Return the verdict."""
+        return "\n".join(
+            [f"Drive {self.log.source}: {len(self.grid.t)} intervals of {self.grid.step:g} s", *self.verdict.lines]
+        )
+
+    def recording(self) -> Recording:
+        """Return the forces at the wheels as a recording, which `fit`, `inspect`, `diagnose` and `draw` accept."""
+        return Recording(self.wheels, "iso", f"drive {Path(self.log.source).name}")
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the contents of drive.json; a number that does not exist is null."""
+        deviation = np.sqrt(np.diag(self.estimate.covariance))
+        values = self.unknowns.car_values(self.car, self.estimate.z)
+        entries: dict[str, CarEntry] = {
+            name: {
+                "value": values[name], "uncertainty": float(self.unknowns.spread[i] * deviation[i]),
+                "given": self.car.values[name], "given_uncertainty": self.car.uncertainties[name],
+            }
+            for i, name in enumerate(self.unknowns.car)
+        }  # fmt: skip
+        content: DriveContent = {
+            "version": VERSION,
+            "ok": self.ok,
+            "verdict": list(self.verdict.lines),
+            "log": self.log.source,
+            "duration": len(self.grid.t) * self.grid.step,
+            "factors": self.factors,
+            "found": self.verdict.tires,
+            "unknown": bool(self.verdict.unknown),
+            "unexplained": {axle: float(self.estimate.unexplained[i]) for i, axle in enumerate(AXLES)},
+            "effect": self.verdict.effect,
+            "effects": self.verdict.effects,
+            "lacking": self.verdict.lacking,
+            "car": {"found": self.verdict.car, "entries": entries},
+            "axle_forces": {
+                name: dict(zip(AXLES, np.sqrt(np.mean(lacking**2, axis=0)).tolist(), strict=True))
+                for name, lacking in zip(("before", "after"), self.lacking, strict=True)
+            },
+            "correlations": self._correlations(),
+            "simulation": {"before": self.before.rms, "after": self.after.rms, "fmus": self.after.fmus},
+            "converged": self.estimate.converged,
+        }
+        return dict(json_value(content))
+
+    def _correlations(self) -> dict[str, dict[str, float]]:
+        """Return the correlation of each determined factor with the entries of the car, where it exceeds 0.3."""
+        deviation = np.sqrt(np.diag(self.estimate.covariance))
+        correlation = self.estimate.covariance / np.outer(deviation, deviation)
+        strong: dict[str, dict[str, float]] = {}
+        for axle, name in self.unknowns.factors:
+            if self.factors[axle][name].determined:
+                row = correlation[self.unknowns.factor(axle, name)]
+                pairs = zip(self.unknowns.car, row.tolist(), strict=False)
+                strong[f"{name} {axle}"] = {entry: value for entry, value in pairs if abs(value) > 0.3}
+        return strong
+
+    def save(self, folder: str | Path) -> list[Path]:
+        """Write the recording and, if the numbers can be used, the tires into a folder.
+
+        Parameters
+        ----------
+        folder : str or Path
+            Created if it does not exist.
+
+        Returns
+        -------
+        list of Path
+            ``wheels.csv``, then ``front.tir`` and ``rear.tir``, each with its FMU if the vehicle was simulated on FMUs.
+
+        Raises
+        ------
+        TirefmuError
+            If a file cannot be written.
+        """
+        folder = path_from(folder, "folder")
+        written = [folder / "wheels.csv"]
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            write_table(self.wheels, written[0])
+            for axle in AXLES if self.ok else ():
+                path = folder / f"{axle}.tir"
+                note = "; ".join(line for line in self.verdict.lines if line.startswith((axle, "the tires lack")))
+                replace(self.scaled[axle], about={**self.scaled[axle].about, "drive": note}).save(path)
+                written += [path, *([export(path, path.with_suffix(".fmu"))] if self.after.fmus else [])]
+        except OSError as error:
+            raise TirefmuError(f"{folder}: cannot be written ({error.strerror or error})") from error
+        return written
+
+
+def wheel_table(grid: Grid, estimate: Estimate) -> pd.DataFrame:
+    """Return the recording in ISO-W signs: rows of the front axle, then of the rear axle, whose time goes on.
+
+    Columns: ``t kappa alpha gamma Fz V Fy``; the standard deviations ``Fy_sd`` (N) and ``alpha_sd`` (rad); ``axle`` 1
+    for front and 2 for rear; ``t_log``, the time in the log, s. There is no Fx: kappa is the slip at which the tire has
+    the force that the motion requires.
+    """
+    deviation = np.sqrt(np.maximum(estimate.variances(estimate.outputs.jacobian), 0.0))
+    parts = []
+    for number, axle in enumerate(AXLES):
+        columns = {
+            name: estimate.outputs.values[:, OUTPUTS.index(f"{name}_{axle}")]
+            for name in ("kappa", "alpha", "Fz", "V", "Fy")
+        }
+        spread = {f"{name}_sd": deviation[:, OUTPUTS.index(f"{name}_{axle}")] for name in ("Fy", "alpha")}
+        start = number * (grid.t[-1] - grid.t[0] + GAP)
+        table = pd.DataFrame(
+            {"t": grid.t + start, **columns, "gamma": 0.0, **spread, "axle": number + 1, "t_log": grid.t}
+        )
+        parts.append(table[["t", "kappa", "alpha", "gamma", "Fz", "V", "Fy", "Fy_sd", "alpha_sd", "axle", "t_log"]])
+    return pd.concat(parts, ignore_index=True)

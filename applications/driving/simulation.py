@@ -1,0 +1,199 @@
+"""The simulated vehicle over the recorded steering and speed, in pieces of a few seconds, against the log.
+
+The four tires are generated code, or FMUs. The code has the states of effects (lagged slips, heat) from the recorded
+motion; an FMU has states of its own, which begin with each piece.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import numpy.typing as npt
+
+from ...fmu.packaging.export import export
+from ...fmu.simulation.coupled import Coupled
+from ...fmu.simulation.simulate import instances
+from ...symbolic.vehicle.quantities import CORNERS
+from ...tires import Tire
+from ...tires.code import code_for
+from ...tires.code.modules import two_track
+from .effects import Motion, motion_of
+from .estimate import Estimate
+from .inputs.car import Car, loads_of
+from .inputs.grid import MEASURED, Grid
+from .inputs.unknowns import AXLES, Unknowns
+from .interval import BODY, OUTPUTS
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Length of a piece, s; longest Heun step, s, and in the shorter time constant of lateral speed and yaw rate.
+HORIZON, MAX_STEP, MAX_SHARE = 2.0, 0.01, 0.5
+#: kappa, alpha, Fz, V and states of effects, shape (4, n) each, and the length of the step that follows with these
+#: inputs, s (0: none); the answer is Fx and Fy, shape (2, 4, n).
+TireForces = Callable[[Mapping[str, FloatArray], float], FloatArray]
+
+
+@dataclass(frozen=True)
+class VehicleSimulation:
+    """Motion simulated from the estimated state at the start of each piece, NaN outside of pieces.
+
+    `motion`, shape (n, 3): yaw rate, ay and lateral speed at the intervals. `rms`: of their errors, by name. `fmus`:
+    whether the tires were FMUs.
+    """
+
+    motion: FloatArray
+    rms: Mapping[str, float]
+    fmus: bool = False
+
+
+def simulated(
+    grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car, tires: Mapping[str, Tire], *, known_car: bool,
+    fmus: bool = False,
+) -> VehicleSimulation:  # fmt: skip
+    """Simulate a car on its tires.
+
+    `known_car`: with the estimated entries of the car, not those of its file. `fmus`: the tires are four FMUs.
+    """
+    estimated = unknowns.car_values(car, estimate.z)
+    p = estimated if known_car else unknowns.car_values(car, 0.0 * estimate.z)
+    body = [p[entry] for entry in BODY.values()]
+    length = round(HORIZON / grid.step)
+    starts = [
+        first
+        for first in range(0, len(grid.t) - length + 1, length)
+        if grid.segment[first] == grid.segment[first + length - 1]
+    ]
+    motion = np.full((len(grid.t), 3), np.nan)
+    if not starts:
+        return VehicleSimulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
+    rows = np.array(starts)[:, None] + np.arange(length)
+    # The offset of the steering is one of the log: both cars drive with it.
+    steer = grid.steer[:, rows] * car.values["ratio"] / p["ratio"] + estimated["offset"]
+    speed = estimate.states[:, 0]
+    kappa = estimate.outputs.values[:, [OUTPUTS.index(f"kappa_{axle}") for axle in AXLES]][rows].repeat(2, axis=2)
+    state = estimate.states[grid.left[rows[:, 0]], 1:3].T
+    acceleration = np.zeros((2, len(rows)))
+    longest = min(MAX_STEP, MAX_SHARE * _shortest_time(p, tires, float(speed[grid.left[rows]].min())))
+    substeps = int(np.ceil(grid.step / longest - 1e-9))
+    h = grid.step / substeps
+    past = {} if fmus else states_of(motion_of(grid, estimate, unknowns, car), tires)
+    with fmu_forces(tires, len(rows)) if fmus else nullcontext(code_forces(tires)) as forces:
+        for k in range(length):
+            at = rows[:, k]
+            ends = speed[grid.left[at]], speed[grid.right[at]]
+            held = {name: values[:, at] for name, values in past.items()}
+            given = kappa[:, k].T, held, (ends[1] - ends[0]) / grid.step, body, forces
+            before = state
+            for i in range(substeps):
+                share = (i + 0.5) / substeps
+                vx = ends[0] + share * (ends[1] - ends[0])
+                angle = steer[0, :, k] + share * (steer[1, :, k] - steer[0, :, k])
+                first = acceleration = _rates(vx, state, angle, acceleration, 0.0, *given)
+                second = acceleration = _rates(vx, state + h * first, angle, acceleration, h, *given)
+                state = state + h / 2 * (first + second)
+            mean = (before + state) / 2
+            motion[at] = np.stack(
+                [mean[1], (state[0] - before[0]) / grid.step + mean[1] * (ends[0] + ends[1]) / 2, mean[0]], axis=1
+            )
+    return VehicleSimulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
+
+
+def _shortest_time(p: Mapping[str, float], tires: Mapping[str, Tire], speed: float) -> float:
+    """Return the shorter time constant of lateral speed and yaw rate on the cornering stiffness of the tires, s."""
+    arms = p["cg_to_front"], p["cg_to_rear"]
+    slopes = [
+        tires[axle].forces(alpha=[-1e-3, 1e-3], Fz=load / 2, code="numpy")["Fy"]
+        for axle, load in zip(AXLES, loads_of(p), strict=True)
+    ]
+    stiffness = [abs(float(Fy[1] - Fy[0])) / 1e-3 for Fy in slopes]  # of both wheels
+    turning = sum(C * arm**2 for C, arm in zip(stiffness, arms, strict=True)) / p["yaw_inertia"]
+    return speed / max(sum(stiffness) / p["mass"], turning)
+
+
+def _rates(
+    vx: FloatArray, state: FloatArray, steer: FloatArray, last: FloatArray, step: float, kappa: FloatArray,
+    held: Mapping[str, FloatArray], along: FloatArray, body: list[float], forces: TireForces,
+) -> FloatArray:  # fmt: skip
+    """Return the rates of lateral speed and yaw rate; loads follow from the `last` ones. `step`: see `TireForces`.
+
+    `held`: `states_of` the tires.
+    """
+    wheels = np.array(two_track.wheels(vx, *state, along, *last, steer, *body))
+    alpha, V, Fz = wheels.reshape(3, len(CORNERS), -1)
+    inputs = {**held, "kappa": kappa, "alpha": alpha + held.get("alpha", 0.0), "Fz": Fz, "V": V}
+    Fx, Fy = forces(inputs, step)
+    # The wheels of an axle have the same torque.
+    Fx = Fx.reshape(2, 2, -1).mean(axis=1).repeat(2, axis=0)
+    return np.array(two_track.accelerations(vx, *state, steer, *body, *Fx, *Fy)[1:])
+
+
+def states_of(motion: Motion, tires: Mapping[str, Tire]) -> dict[str, FloatArray]:
+    """Return the states of effects over a recorded motion, and as "alpha" by how much the slip angle lags: (4, n)."""
+    states: dict[str, FloatArray] = {}
+    for i, (axle, table) in enumerate(zip(AXLES, motion.evaluated(tires), strict=True)):
+        columns = {name: table[name] for name in (*tires[axle].symbolic_model.states, "distance") if name in table}
+        if "alpha_lagged" in table:
+            columns["alpha"] = table["alpha_lagged"] - table["alpha"]
+        for name, column in columns.items():
+            values = states.setdefault(name, np.zeros((len(CORNERS), len(motion.t))))
+            values[2 * i : 2 * i + 2] = column.to_numpy().reshape(2, -1)
+    return states
+
+
+def estimated_motion(grid: Grid, estimate: Estimate) -> FloatArray:
+    """Return yaw rate, ay and lateral speed of the center of gravity as estimated, shape (n, 3)."""
+    middle = (estimate.states[grid.left] + estimate.states[grid.right]) / 2
+    rate = (estimate.states[grid.right] - estimate.states[grid.left]) / grid.step
+    return np.stack([middle[:, 2], rate[:, 1] + middle[:, 2] * middle[:, 0], middle[:, 1]], axis=1)
+
+
+def _errors(motion: FloatArray, grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> dict[str, float]:
+    """Return the rms of simulated minus estimated motion, and minus the measured yaw rate, its offset removed."""
+    reference = estimated_motion(grid, estimate)
+    yaw_rate = grid.means[MEASURED.index("yaw_rate")] - unknowns.car_values(car, estimate.z)["yaw_rate_offset"]
+    reference[:, 0] = np.where(np.isfinite(yaw_rate), yaw_rate, reference[:, 0])
+    squares = ((motion - reference) ** 2)[np.isfinite(motion[:, 0])]
+    rms = np.sqrt(squares.mean(axis=0)) if len(squares) else np.full(3, np.nan)
+    return dict(zip(("yaw_rate", "ay", "vy"), rms.tolist(), strict=True))
+
+
+def code_forces(tires: Mapping[str, Tire]) -> TireForces:
+    """Return the forces of the tires for given states, from their generated code."""
+
+    def forces(inputs: Mapping[str, FloatArray], step: float) -> FloatArray:
+        parts = []
+        for i, axle in enumerate(AXLES):
+            tire = tires[axle]
+            some = [inputs[name][2 * i : 2 * i + 2] if name in inputs else tire.nominal(name) for name in tire.inputs]
+            rows = np.stack(np.broadcast_arrays(*some)).reshape(len(some), -1)
+            outputs = code_for(tire.symbolic_model, "numpy").forces(tire.effective_inputs(rows), tire.parameters())
+            parts.append(outputs[:2].reshape(2, 2, -1))
+        return np.concatenate(parts, axis=1)
+
+    return forces
+
+
+@contextmanager
+def fmu_forces(tires: Mapping[str, Tire], n: int) -> Iterator[TireForces]:
+    """Export the tires, and yield the forces of an FMU at each wheel of `n` vehicles."""
+    with TemporaryDirectory(prefix="tirefmu-", ignore_cleanup_errors=True) as folder, ExitStack() as stack:
+        axles = []
+        for axle in AXLES:
+            path = export(tires[axle], Path(folder) / f"{axle}.fmu")
+            slaves = stack.enter_context(instances(path, 2 * n))
+            read = [name for name in ("kappa", "alpha", "Fz", "V") if name in tires[axle].inputs]
+            axles.append(Coupled(slaves, read, ("Fx", "Fy")))
+
+        def forces(inputs: Mapping[str, FloatArray], step: float) -> FloatArray:
+            parts = []
+            for i, coupled in enumerate(axles):
+                rows = [inputs[name][2 * i : 2 * i + 2].ravel() for name in coupled.inputs]
+                parts.append(coupled.exchange(np.stack(rows, axis=1), step).T.reshape(2, 2, n))
+            return np.concatenate(parts, axis=1)
+
+        yield forces

@@ -1,0 +1,189 @@
+"""A tire as plain values for the page: coefficients, effects, inputs, outputs, and which coefficient acts when."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import degrees, isfinite
+from typing import Any
+
+from ...boundary.escaping import excerpt, file_name
+from ...symbolic.declarations import Coefficient, Quantity
+from ...tires import Tire
+from ...tires.definition import RANGES as RANGE_KEYS
+from .property_file_template import property_file_template
+
+#: Units of the sliders, and the factors from SI values; all other units are SI units.
+_SHOWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3), "1": ("", 1.0), "-": ("", 1.0), "degC": ("deg C", 1.0)}
+#: Ranges of the sliders of inputs, in SI units, where neither the tire nor a recording has a range.
+RANGES = {
+    "kappa": (-0.3, 0.3), "alpha": (-0.25, 0.25), "gamma": (-0.15, 0.15), "V": (0.0, 60.0), "phit": (-0.2, 0.2),
+    "T": (0.0, 120.0), "T_ambient": (253.15, 333.15), "T_road": (253.15, 353.15), "t": (0.0, 600.0),
+    "distance": (0.0, 5000.0),
+}  # fmt: skip
+#: Range of a temperature of the tire, K.
+NODE_RANGE = (253.15, 423.15)
+#: Range of an input that is positive, as shares of its nominal value.
+SHARES = (0.1, 2.5)
+#: Room of a slider on each side of a fitted value, as a multiple of the 95 % interval.
+SLIDER = 3.0
+#: Roles of quantities that are drawn.
+ROLES = ("friction_x", "friction_y", "stiffness_x", "stiffness_y", "weighting_x", "weighting_y")
+#: Groups of coefficients that no effect owns.
+CORE = "core"
+
+
+def shown(unit: str) -> tuple[str, float]:
+    """Return the unit in which an input is shown, and the factor from its SI value.
+
+    >>> shown("Pa"), shown("N")
+    (('kPa', 0.001), ('N', 1.0))
+    """
+    return _SHOWN.get(unit, (unit, 1.0))
+
+
+def switchable(tire: Tire) -> Tire:
+    """Return a tire with the effects that can be switched: its own and all that a tire of its model has by default.
+
+    Its forces are the same: coefficients of effects that were absent have their neutral values.
+
+    `tire`: in ISO-W.
+    """
+    effects = tire.symbolic_model.default_effects | tire.has
+    absent = tire.symbolic_model.owned(*sorted(tire.symbolic_model.effects.keys() - tire.has))
+    given = {name: value for name, value in tire.values.items() if name not in tire.defaulted or name in absent}
+    return replace(tire, values=given, effects=effects)
+
+
+def tire_data(
+    tire: Tire,
+    name: str,
+    read: Mapping[str, float],
+    intervals: Mapping[str, tuple[float, float]],
+    lags: Sequence[Quantity],
+) -> dict[str, Any]:
+    """Return what the page shows of a tire.
+
+    `tire`: in ISO-W. `name`: shown where the tire has no name. `read`: the coefficients that the page's code reads:
+    they have sliders, except the ends of ranges of inputs. `intervals`: 95 % intervals of coefficients in ISO-W.
+    `lags`: the lagged slips of the page's code. Returns: JSON values.
+    """
+    whole = switchable(tire)
+    model = whole.symbolic_model
+    effects = {name: effect for name, effect in model.effects.items() if name in whole.has}
+    # The ends of a range are not properties that a slider could change independently; start temperatures are inputs.
+    ends = {name for pair in RANGE_KEYS.values() for name in pair} | _starts(whole).keys()
+    adjustable = read.keys() - ends
+    owners = {name: _owner(whole, name) for name in model.coefficients}
+    return {
+        "name": excerpt(tire.name or name, 80),
+        "file_name": file_name(tire.name or name, "tire"),
+        "model": model.name,
+        "title": model.title,
+        "inputs": _inputs(whole),
+        "outputs": [{"name": q.name, "unit": q.unit, "text": q.description} for q in model.outputs],
+        "roles": {role: _quantity(tire, model.quantity(role)) for role in ROLES if model.quantity(role)},
+        "states": [_state(whole, name) for name in model.states],
+        "lags": [{"name": lag.name, "text": lag.description, "unit": ""} for lag in lags],
+        "coefficients": [
+            _coefficient(declared, whole.values[key], owners[key], key in adjustable, intervals.get(key))
+            for key, declared in model.coefficients.items()
+        ],
+        "effects": [
+            {"name": key, "text": excerpt(effect.physics), "on": key in tire.has, "rescales": list(effect.rescales),
+             "added": key in {added.name for added in model.added},
+             "input": dict(model.on_demand).get(key, "")}
+            for key, effect in effects.items()
+        ],
+        "targets": sorted({q.name for q in model.outputs} | set(model.results)),
+        "lines": [
+            [line.name, line.effects, [*line.earlier],
+             [[*condition, c.number, c.reads] for condition, c in zip(line.conditions(), line.cases, strict=True)]]
+            for line in model.structure.lines
+        ],
+        "file": property_file_template(whole),
+    }  # fmt: skip
+
+
+def _quantity(tire: Tire, name: str) -> dict[str, str]:
+    unit, text = tire.symbolic_model.structure.quantities[name]
+    return {"name": name, "unit": "" if unit == "1" else unit, "text": excerpt(text)}
+
+
+def _state(tire: Tire, name: str) -> dict[str, Any]:
+    state = tire.symbolic_model.states[name]
+    target, _, start, _ = state.line_names
+    effects = [
+        effect
+        for effect in tire.symbolic_model.effects
+        if effect in tire.has and name in tire.symbolic_model.states_of([effect])
+    ]
+    return {
+        "name": name, "text": excerpt(state.description or name), "unit": "" if state.unit == "1" else state.unit,
+        "settles": state.settles, "declares_start": state.has_start_value, "temperature": state.is_temperature,
+        "target": target, "start": start,
+        "lines": state.line_names, "effects": effects,
+    }  # fmt: skip
+
+
+def _owner(tire: Tire, name: str) -> str:
+    """Return the effect under which a coefficient is listed: of several owners the one with the fewest coefficients."""
+    owned = {effect: tire.symbolic_model.owned(effect) for effect in tire.symbolic_model.effects if effect in tire.has}
+    owners = [effect for effect, names in owned.items() if name in names]
+    return min(owners, key=lambda effect: len(owned[effect]), default=CORE)
+
+
+def _coefficient(
+    declared: Coefficient, value: float, owner: str, read: bool, interval: tuple[float, float] | None
+) -> dict[str, Any]:
+    """Return a coefficient; the bounds are those of its slider and contain its value."""
+    lower, upper = declared.lower, declared.upper
+    if declared.flips:
+        lower, upper = -upper, -lower
+    room = abs(value) or 1.0
+    lower = lower if isfinite(lower) else min(value, 0.0) - room
+    upper = upper if isfinite(upper) else max(value, 0.0) + room
+    ends = [end for end in interval or () if isfinite(end)]
+    if len(ends) == 2 and ends[0] < ends[1]:  # the slider has room for what the data allow, not for all tires
+        lower, upper = (min(max(value + side * SLIDER * (ends[1] - ends[0]), lower), upper) for side in (-1.0, 1.0))
+    fitted = declared.fitted
+    return {
+        "name": declared.name,
+        "value": value,
+        "neutral": declared.neutral,
+        "unit": "" if declared.unit == "1" else declared.unit,
+        "text": excerpt(declared.description),
+        "lower": min(lower, value, *ends),
+        "upper": max(upper, value, *ends),
+        "owner": owner,
+        "group": declared.channels[0] if fitted and declared.channels else declared.section,
+        "read": read,
+        "interval": ends,
+    }
+
+
+def _starts(tire: Tire) -> dict[str, str]:
+    """Return the temperature that each coefficient is the start of."""
+    states = tire.symbolic_model.states
+    return {state.start: name for name, state in states.items() if state.is_temperature and state.start in tire.values}
+
+
+def _inputs(tire: Tire) -> list[dict[str, Any]]:
+    """Return the inputs of the page: those of the tire, and the temperatures of its parts."""
+    model, nodes = tire.symbolic_model, _starts(tire).items()
+    given = [quantity for quantity in model.inputs if quantity.name not in model.states]
+    listed = [
+        (quantity.name, quantity.description, quantity.unit, tire.nominal(quantity.name),
+         tire.ranges.get(quantity.name) or RANGES.get(quantity.name)) for quantity in given
+    ]  # fmt: skip
+    for start, name in nodes:
+        listed.append((name, model.states[name].description, model.states[name].unit, tire.values[start], NODE_RANGE))
+    inputs = []
+    for name, text, of, nominal, ends in listed:
+        unit, scale = shown(of)
+        low, high = ends or (SHARES[0] * nominal, SHARES[1] * nominal)
+        inputs.append(
+            {"name": name, "text": text, "unit": unit, "scale": scale, "nominal": nominal,
+             "low": min(low, nominal), "high": max(high, nominal)}
+        )  # fmt: skip
+    return inputs

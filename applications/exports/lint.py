@@ -1,0 +1,189 @@
+"""Whether a program accepts a property file, and which parts of the tire it does not evaluate."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+from dataclasses import dataclass
+from pathlib import Path
+
+from ...boundary.errors import UnknownName
+from ...boundary.escaping import quoted
+from ...tires import Tire
+from ...tires.property_file.reading import read_tir
+from .dialects import HOSTS, Dialect, Host
+from .lacking import acting
+
+#: Sections that other readers skip.
+OWN = "TIREFMU"
+
+
+@dataclass(frozen=True)
+class LintMessage:
+    """What a check found.
+
+    Attributes
+    ----------
+    severity : str
+        "error": the host refuses or misreads the file. "note": it accepts the file, but something differs.
+    line : int
+        Of the file; 0: the file as a whole.
+    text : str
+    """
+
+    severity: str
+    line: int
+    text: str
+
+
+@dataclass(frozen=True)
+class _Entry:
+    line: int
+    section: str
+    key: str
+    value: str
+
+
+def host_named(name: str) -> Host:
+    """Return a host by name, or raise `UnknownName` with the nearest."""
+    if name not in HOSTS:
+        raise UnknownName("host", name, HOSTS)
+    return HOSTS[name]
+
+
+def lint(path: str | Path, host: str) -> list[LintMessage]:
+    """Check a property file for a host.
+
+    `host`: one of `HOSTS`. Returns: errors first. Raises `UnknownName` if there is no such host. Raises `TirError` if
+    the file is no property file that tirefmu can read.
+
+    >>> from importlib.resources import files
+    >>> path = files("tirefmu.tires.published_tires") / "trento_hoosier.tir"
+    >>> [finding.text for finding in lint(path, "chrono")]
+    ['Project Chrono (ChPac02Tire, ChFialaTire) has no mf96: convert with --model mf52']
+    """
+    rules, tire = host_named(host), read_tir(path)
+    if tire.model not in rules.dialects:
+        model = next(iter(rules.dialects))
+        return [LintMessage("error", 0, f"{rules.title} has no {tire.model}: convert with --model {model}")]
+    text = Path(path).read_text(encoding="utf-8", errors="replace")
+    entries = _entries(text)
+    errors = [*_model_errors(entries, rules.dialects[tire.model]), *_unit_errors(entries, rules)]
+    errors += [*_layout_errors(text, rules), *_number_errors(tire)]
+    errors += _lacking_errors(entries, tire, rules.dialects[tire.model].lacking)
+    return errors + [LintMessage("note", 0, note) for note in (*lost_effects(tire, rules), *rules.notes)]
+
+
+def lost_effects(tire: Tire, rules: Host, folded: Collection[str] = ()) -> list[str]:
+    """Return a sentence for each effect of a tire that a host does not evaluate.
+
+    Added effects in `folded` change coefficients that it evaluates.
+    """
+    added = {effect.name for effect in tire.symbolic_model.added}
+    lost = []
+    for name in sorted(tire.has):
+        if name in folded:
+            lost.append(f"the added effect {name} is folded into the coefficients: its forces at nominal conditions")
+        elif name in added:
+            lost.append(f"the added effect {name} is not evaluated: the forces are those without it")
+        elif name in rules.ignored and any(tire.values[key] != tire.symbolic_model.coefficients[key].neutral
+                                           for key in tire.symbolic_model.owned(name)):  # fmt: skip
+            lost.append(f"{name} is not evaluated")
+    return lost
+
+
+def _entries(text: str) -> list[_Entry]:
+    """Return the entries of a file, without those of tirefmu's own sections."""
+    entries, section = [], ""
+    for number, line in enumerate(text.splitlines(), 1):
+        plain = re.split(r"[$!]", line, maxsplit=1)[0].strip()
+        if plain.startswith("["):
+            section = plain.strip("[] ").upper()
+        elif "=" in plain and not section.startswith(OWN):
+            key, _, value = plain.partition("=")
+            entries.append(_Entry(number, section, key.strip(), value.strip()))
+    return entries
+
+
+def _model_errors(entries: list[_Entry], dialect: Dialect) -> list[LintMessage]:
+    """Check [MODEL] and the required keys."""
+    by_key = {entry.key.upper(): entry for entry in entries}
+    values = {
+        "PROPERTY_FILE_FORMAT": dialect.formats,
+        "FITTYP": tuple(map(str, dialect.fittyp)),
+        "USE_MODE": tuple(map(str, dialect.use_modes)),
+        "FE_METHOD": dialect.fe_methods,
+    }
+    expected = {key: f": {' or '.join(accepted)} expected" for key, accepted in values.items() if accepted}
+    messages = [
+        LintMessage("error", 0, f"{key} is missing{expected.get(key, '')}")
+        for key in dialect.required
+        if key not in by_key
+    ]
+    for key in [key for key in expected if key in by_key]:
+        entry = by_key[key]
+        value = entry.value.strip("'\" ").upper()
+        number = str(abs(int(float(value)))) if re.fullmatch(r"-?\d+(\.0*)?", value) else value
+        if number not in values[key]:
+            messages.append(LintMessage("error", entry.line, f"{key} is {quoted(value)}{expected[key]}"))
+    return messages
+
+
+def _lacking_errors(entries: list[_Entry], tire: Tire, lacking: Collection[str]) -> list[LintMessage]:
+    """Check coefficients that the host ignores."""
+    lines = {entry.key.upper(): entry.line for entry in entries}
+    neutral = {key: tire.symbolic_model.coefficients[key].neutral for key in acting(tire, lacking)}
+    return [
+        LintMessage(
+            "error", lines.get(key, 0), f"{key} is {tire.values[key]:g}: the host lacks it, as if it were {value:g}"
+        )
+        for key, value in neutral.items()
+    ]
+
+
+def _unit_errors(entries: list[_Entry], rules: Host) -> list[LintMessage]:
+    messages = []
+    for entry in entries:
+        accepted = rules.units.get(entry.key.upper()) if entry.section == "UNITS" else None
+        value = entry.value.strip("'\" ").upper()
+        if accepted and value not in accepted:
+            text = f"{entry.key} is {quoted(value)}: {' or '.join(accepted)} expected"
+            messages.append(LintMessage("error", entry.line, text))
+    return messages
+
+
+def _layout_errors(text: str, rules: Host) -> list[LintMessage]:
+    """Check what simple readers stumble over: long lines, keys in lower case, several entries with one key."""
+    messages: list[LintMessage] = []
+    seen: dict[tuple[str, str], int] = {}
+    # A cut line of tirefmu's own sections, which are last, only adds lines to sections that the host skips.
+    begin = text.find(f"\n[{OWN}")
+    for number, line in enumerate(text[: begin if begin >= 0 else None].splitlines(), 1):
+        if rules.longest_line and len(line) > rules.longest_line:
+            messages.append(
+                LintMessage("error", number, f"the line has {len(line)} characters: {rules.longest_line} at most")
+            )
+        if re.search(r"[^\s=]\$", line) and not line.lstrip().startswith(("$", "!")):
+            messages.append(LintMessage("error", number, "a comment needs a blank before $"))
+    for entry in _entries(text):
+        if entry.key != entry.key.upper():
+            messages.append(LintMessage("error", entry.line, f"{quoted(entry.key)} is not in capital letters"))
+        if not re.match(r"[A-Z_0-9]+$", entry.key.upper()):
+            messages.append(LintMessage("error", entry.line, f"{quoted(entry.key)} is no key"))
+        first = seen.setdefault((entry.section, entry.key), entry.line)
+        if first != entry.line:
+            messages.append(LintMessage("error", entry.line, f"{entry.key} is in line {first} already"))
+    return messages
+
+
+def _number_errors(tire: Tire) -> list[LintMessage]:
+    """Check values that every host uses as a divisor or as the limit of a range."""
+    messages = [
+        LintMessage("error", 0, f"{key} is {tire.values[key]:g}: a positive value expected")
+        for key in ("FNOMIN", "UNLOADED_RADIUS", "VERTICAL_STIFFNESS", "LONGVL", "NOMPRES")
+        if key in tire.values and not tire.values[key] > 0
+    ]
+    for name, (low, high) in tire.ranges.items():
+        if not low < high:
+            messages.append(LintMessage("error", 0, f"the range of {name} is empty: {low:g} to {high:g}"))
+    return messages

@@ -1,0 +1,44 @@
+"""The process of long work: loaded before it is needed, it waits for one command line, runs it, and ends.
+
+Its standard input has the arguments as one line of JSON. It ends when its standard input is closed: with the window.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+import threading
+from importlib import import_module
+
+#: What a fit imports; loading it takes longer than its first stage.
+LOADED = (
+    "tirefmu.commands.cli", "tirefmu.applications.batch.cross_validation", "tirefmu.applications.batch.intervals", "tirefmu.fitting.reporting.report",
+    "tirefmu.diagnosis.diagnose", "tirefmu.applications.project.run",
+)  # fmt: skip
+
+
+def run() -> int:
+    """Wait for a command line, run it and return its exit code."""
+    for name in LOADED:
+        import_module(name)
+    from ...tires.code.printed import sources_digest
+
+    sources_digest()
+    line = sys.stdin.readline()
+    if not line:
+        return 0
+    threading.Thread(target=_end_with_the_window, daemon=True).start()
+    return int(import_module("tirefmu.commands.cli").main(json.loads(line)))
+
+
+def _end_with_the_window() -> None:
+    sys.stdin.read()
+    if hasattr(os, "killpg"):
+        os.killpg(os.getpid(), signal.SIGKILL)  # also processes that it has started: it leads their group
+    os._exit(130)
+
+
+if __name__ == "__main__":
+    sys.exit(run())

@@ -1,0 +1,192 @@
+"""Output of the command line: progress, tables, results."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
+from shutil import get_terminal_size
+from textwrap import wrap
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from ..boundary.escaping import visible
+from ..fitting.reporting.text_tables import fit_lines, plain_table, verdict_lines
+from ..tires import Tire
+from . import progress
+
+if TYPE_CHECKING:
+    from ..fitting import FitResult
+    from ..measurements import Finding, Recording
+
+#: Columns of the output.
+LINE = 100
+#: A command to enter, with the words that introduce it.
+COMMAND = re.compile(r"(?:[\w ]{1,40}: |\()?tirefmu [a-z-]+ .*")
+
+
+def wrapped(text: str) -> list[str]:
+    """Return the lines of a printable text, of at most `LINE` columns; a word and a command to enter remain whole.
+
+    >>> [len(line) for line in wrapped("  - " + 40 * "word ")]
+    [98, 98, 13]
+    """
+    if len(text) <= LINE:
+        return [text]
+    command = COMMAND.search(text)
+    begin, end = (text[: command.start()], [command[0].lstrip()]) if command else (text, [])
+    later = " " * (len(text) - len(text.lstrip()) + 2)
+    lines = wrap(begin, LINE, subsequent_indent=later, break_long_words=False, break_on_hyphens=False)
+    return lines + [later * bool(lines) + line for line in end]
+
+
+class Terminal:
+    r"""Standard output for results, standard error for progress; both silent when quiet.
+
+    Text may come from a file: markup and emoji codes are printed literally, and characters that are not printable as
+    escape sequences, so that a line remains one line.
+
+    >>> Terminal().print("[bold]\x1b[2J run :bomb:.csv")
+    [bold]\x1b[2J run :bomb:.csv
+    >>> Terminal(quiet=True).print("no output")
+    """
+
+    def __init__(self, quiet: bool = False) -> None:
+        width = min(get_terminal_size().columns, LINE) if sys.stdout.isatty() else LINE
+        console = partial(Console, quiet=quiet, highlight=False, markup=False, emoji=False)
+        self._out = console(soft_wrap=True, width=width)
+        self._status = console(stderr=True, soft_wrap=True)
+        # Each shows progress until the end of its with block.
+        self.working = partial(progress.showing, self._status)
+        self.counting = partial(progress.counting, self._status)
+        self.fitting = partial(progress.fitting, self._status)
+        self.stages = partial(progress.showing_stages, self._status)
+
+    def print(self, *lines: str) -> None:
+        """Print lines literally."""
+        for line in lines:
+            self._styled("", line)
+
+    def heading(self, title: str, text: str) -> None:
+        """Print the heading of a part of the output."""
+        self._styled(visible(title), f" {text}", "bold")
+
+    def _styled(self, begin: str, text: str, style: str = "") -> None:
+        """Print a wrapped text; its printable begin has a style."""
+        for number, line in enumerate(wrapped(begin + visible(text))):
+            self._out.print(Text.assemble((line[: len(begin)], style), line[len(begin) :]) if number == 0 else line)
+
+    def begin(self, line: str) -> None:
+        """Print a line of progress."""
+        self._status.print(visible(line))
+
+    def selection(self, *recordings: Recording) -> None:
+        """Print how many rows of each recording were selected, if rows were selected."""
+        for recording in recordings:
+            if count := recording.about.get("selected"):
+                self.print(f"{recording.source}: {count}")
+
+    def table(self, title: str, content: tuple[Sequence[str], Sequence[Sequence[str]]], *, most: int = 1000) -> None:
+        """Print a table of texts; rows beyond the limit are counted."""
+        if self._out.quiet:
+            return  # rendering takes longer than an inspection
+        header, rows = content
+        table = plain_table(*header, title=title)
+        for row in rows[:most]:
+            table.add_row(*row)
+        self._out.print(table)
+        if len(rows) > most:
+            self.print(f"and {len(rows) - most} more (--all lists them)")
+
+    def findings(self, findings: Iterable[Finding]) -> None:
+        """Print findings about the data: a serious one as a warning, any other as a note."""
+        for finding in findings:
+            if finding.serious:
+                self._styled("warning: ", str(finding), "bold red")
+            else:
+                self.print(f"note: {finding}")
+
+    def fit_result(self, result: FitResult, every: bool = False) -> None:
+        """Print a fit: verdict, findings about the data, goodness of fit, what is not determined, and status.
+
+        With `every` also all coefficients, constraints and stages.
+        """
+        self.print(*verdict_lines(result.verdict))
+        self.findings(result.data_findings)
+        for line in fit_lines(result, every):
+            if isinstance(line, Table):
+                self._out.print(line)
+            else:
+                self.print(line)
+
+    def tire(self, tire: Tire, summary: Mapping[str, Any], every: bool = False) -> None:
+        """Print the summary of a tire from `describe`; with `every` all coefficients and unused keys."""
+        side = f", {summary['side']} side" if summary["side"] else ""
+        lines = [
+            f"{summary['name']}: {summary['title']} ({summary['model']}), coefficients in {summary['signs']}{side}"
+        ]
+        lines += [f"  {key}: {text}" for key, text in summary["about"].items()]
+        for name, value in summary["nominal"].items():
+            low, high = summary["ranges"].get(name, (None, None))
+            valid = f", valid from {low:g} to {high:g}" if low is not None else ""
+            unit = _unit(tire, name)
+            lines.append(f"  {name}: nominal {value:g}{'' if unit == '1' else ' ' + unit}{valid}")
+        for key, title in (
+            ("effects", "effects"),
+            ("effects_at_neutral", "effects with all coefficients neutral"),
+            ("effects_absent", "absent effects"),
+        ):
+            if summary[key]:
+                lines.append(f"  {title}: {', '.join(summary[key])}")
+        lines += _about_the_file(summary, every)
+        self.print(*lines)
+        if summary["implausible"]:
+            self._out.print(_doubts(summary))
+        self._out.print(_values(tire, summary, every))
+        if not every:
+            self.print("--all lists every coefficient, assumed values, and other contents of the file")
+
+
+def _unit(tire: Tire, name: str) -> str:
+    return next(quantity.unit for quantity in tire.symbolic_model.inputs if quantity.name == name)
+
+
+def _about_the_file(summary: Mapping[str, Any], every: bool) -> list[str]:
+    lines = [f"  {note}" for note in summary["notes"]]
+    names = ", ".join(summary["missing"]) if every else f"{len(summary['missing'])} coefficients"
+    lines += [f"  missing in the file, default values assumed: {names}"] if summary["missing"] else []
+    assumed = ", ".join(f"{name} = {value:g}" for name, value in summary["assumed"].items())
+    lines += [f"  assumed, not measured: {assumed}"] if assumed else []
+    unknown = [f"{e['key']} (near {e['near']})" if e["near"] else e["key"] for e in summary["unknown"]]
+    lines += [f"  unknown keys: {', '.join(unknown)}"] if unknown else []
+    ignored = ", ".join(f"{entry['key']} = {entry['value']}" for entry in summary["ignored"])
+    lines += [f"  given but ignored by {summary['model']}: {ignored}"] if ignored else []
+    if every:
+        unused = ", ".join(f"{entry['key']} = {entry['value']}" for entry in summary["unused"])
+        lines += [f"  known keys that this model does not read: {unused}"] if unused else []
+        lines += [f"  other tables: {', '.join(summary['tables'])}"] if summary["tables"] else []
+    return lines
+
+
+def _doubts(summary: Mapping[str, Any]) -> Table:
+    table = plain_table("", "value", "problem", title="Implausible values")
+    for doubt in summary["implausible"]:
+        value = "nan" if doubt["value"] is None else f"{doubt['value']:.6g}"
+        table.add_row(doubt["name"], value, doubt["reason"])
+    return table
+
+
+def _values(tire: Tire, summary: Mapping[str, Any], every: bool) -> Table:
+    """Return the coefficients: those that are given and not neutral, or all."""
+    table = plain_table("coefficient", "value", "unit", "", "description")
+    for name, declared in tire.symbolic_model.coefficients.items():
+        origin = "missing" if name in summary["missing"] else ""
+        if name in summary["coefficients_at_neutral"]:
+            origin = " ".join([origin, "neutral"]).strip()
+        if every or not origin:
+            table.add_row(name, f"{tire.values[name]:.6g}", declared.unit, origin, declared.description)
+    return table

@@ -1,0 +1,1 @@
+"""Figures as data, the frame and style of pages, charts."""

@@ -1,0 +1,86 @@
+"""Words and units of figures, tables and messages: SI units, but degrees for angles and kPa for pressures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import degrees
+
+from ..symbolic import quantities
+from ..symbolic.declarations import Quantity
+
+_UNITS = {"t": "s"} | {
+    quantity.name: quantity.unit for quantity in vars(quantities).values() if isinstance(quantity, Quantity)
+}
+_WRITTEN = {"1": "-", "degC": "deg C"}
+_DRAWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3)}
+_GREEK = {"kappa": "κ", "alpha": "α", "gamma": "γ", "phit": "φt"}
+#: The name of the levels of a channel.
+LEVEL = {"Fz": "load", "gamma": "camber", "p": "pressure", "V": "speed"}
+LEVEL |= {"alpha": "slip angle", "kappa": "longitudinal slip"}
+_CONVENTION = {
+    "iso": "ISO-W signs (Fz > 0; Fy < 0 at α > 0)",
+    "adapted-sae": "adapted SAE signs (Fz > 0; Fy > 0 at α > 0)",
+    "sae": "SAE signs (Fz < 0; Fy < 0 at α > 0)",
+}
+
+
+def drawn_unit(channel: str) -> str:
+    """Return the unit in which a channel is drawn: its SI unit, but degrees and kPa."""
+    unit = _UNITS[channel]
+    return _DRAWN[unit][0] if unit in _DRAWN else _WRITTEN.get(unit, unit)
+
+
+def per_si(channel: str) -> float:
+    """Return the factor from a channel's SI value to the drawn value."""
+    unit = _UNITS[channel]
+    return _DRAWN[unit][1] if unit in _DRAWN else 1.0
+
+
+def stiffness_unit(slip: str) -> str:
+    """Return the unit of a force's slope over a slip, as drawn."""
+    return "N/deg" if drawn_unit(slip) == "deg" else "N"
+
+
+def letter(channel: str, signs: str = "iso") -> str:
+    """Return a channel's letter; the sign of a load is such that a loaded tire has a positive value.
+
+    >>> letter("Fy"), letter("alpha"), letter("Fz", "sae")
+    ('Fy', 'α', '-Fz')
+    """
+    return "-Fz" if channel == "Fz" and signs == "sae" else _GREEK.get(channel, channel)
+
+
+def axis_label(channel: str, signs: str = "iso") -> str:
+    """Return a channel's letter and the unit in which it is drawn.
+
+    >>> axis_label("alpha"), axis_label("kappa"), axis_label("Fy")
+    ('α (deg)', 'κ (-)', 'Fy (N)')
+    """
+    return f"{letter(channel, signs)} ({drawn_unit(channel)})"
+
+
+def level_text(channel: str, level: float) -> str:
+    """Return a level in its drawn unit; loads by magnitude.
+
+    >>> level_text("Fz", -220.4), level_text("gamma", 0.0349), level_text("kappa", -0.2251)
+    ('220 N', '2 deg', '-0.225')
+    """
+    if channel == "Fz":
+        return f"{abs(level):.0f} N"
+    if drawn_unit(channel) == "-":
+        return f"{round(level, 3) + 0.0:g}"
+    return f"{round(level * per_si(channel), 1) + 0.0:.3g} {drawn_unit(channel)}"  # + 0.0: no -0
+
+
+def held_text(signs: str, held: Mapping[str, float]) -> str:
+    """Return the constant channels and their levels."""
+    return ", ".join(f"{letter(name, signs)} = {level_text(name, level)}" for name, level in held.items())
+
+
+def note(signs: str, *parts: str) -> str:
+    """Return the note below a figure: the sign convention and further parts.
+
+    >>> note("iso", "points: data")
+    'ISO-W signs (Fz > 0; Fy < 0 at α > 0); points: data'
+    """
+    return "; ".join([_CONVENTION[signs], *parts])

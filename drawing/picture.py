@@ -1,0 +1,167 @@
+"""Figures drawn by matplotlib: files, notebooks, and the picture that a page shows in print and without scripts."""
+
+from __future__ import annotations
+
+import textwrap
+import warnings
+from collections.abc import Sequence
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..boundary.whole_file import write_whole
+from .figure import Cells, Figure, Panel, Series
+from .own_matplotlib import (
+    Axes,
+    FigureCanvasAgg,
+    MatplotlibFigure,
+    Normal,
+    Normalize,
+    ScalarMappable,
+    Stroke,
+    colormaps,
+    own_settings,
+)
+
+DPI = 120
+#: Of the picture of a page.
+PAGE_DPI = 90
+#: Sizes of texts in points, readable where a page shows a figure of two panels a third smaller than drawn.
+LEGEND_SIZE, TITLE_SIZE, NOTE_SIZE = 10.0, 10.5, 9.0
+HANDLE = 3.2  # length of a legend's lines: every dash is visible
+MARKERS = {"ring": "o"}
+
+
+@own_settings()
+def picture(figure: Figure) -> MatplotlibFigure:
+    """Return a figure drawn by matplotlib.
+
+    >>> force = Panel("α (deg)", "Fy (N)", (Series("line", [0.0, 1.0], [0.0, 5.0], label="tire"),))
+    >>> [ax.get_ylabel() for ax in picture(Figure("force", "Side force", ((force,),))).axes]
+    ['Fy (N)']
+    """
+    full = [row for row in figure.rows if len(row) == max(map(len, figure.rows))]
+    widths = [max(panel.width for panel in column if panel) for column in zip(*full, strict=True)]
+    heights = [max(panel.height for panel in row if panel) for row in figure.rows]
+    made = MatplotlibFigure(figsize=(sum(widths) + 1.0, sum(heights) + 0.9), layout="constrained")
+    made.suptitle(figure.title, fontweight="bold", parse_math=False)
+    grid = made.add_gridspec(len(heights), len(widths), width_ratios=widths, height_ratios=heights)
+    for i, row in enumerate(figure.rows):
+        for j, panel in enumerate(row):
+            if panel:
+                ax = made.add_subplot(grid[i, :] if len(row) == 1 else grid[i, j])
+                repeated = j + 1 < len(row) and _looks(panel) == _looks(row[j + 1])
+                _draw(ax, panel, figure, with_legend=not repeated)
+    write_note(made, figure.note)
+    return made
+
+
+def write_note(figure: MatplotlibFigure, note: str) -> None:
+    """Write the note below the axes."""
+    lines = textwrap.wrap(note, int(14 * figure.get_figwidth()))
+    figure.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize=NOTE_SIZE, color="0.3", parse_math=False)
+
+
+def png(figure: Figure, dpi: float) -> bytes:
+    """Return a figure as PNG."""
+    made = picture(figure)
+    FigureCanvasAgg(made)
+    return rendered(made, "png", dpi)
+
+
+@own_settings()
+def rendered(figure: MatplotlibFigure, suffix: str, dpi: float, **options: Any) -> bytes:
+    """Return a drawn figure as a file's bytes; a letter that the font lacks is drawn as a box, without a warning."""
+    buffer = BytesIO()
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font", category=UserWarning)
+        figure.savefig(buffer, format=suffix, dpi=dpi, **options)
+    return buffer.getvalue()
+
+
+def write_figures(figures: Sequence[Figure], folder: Path, prefix: str = "") -> list[Path]:
+    """Write figures as PNG files; all are drawn before the first is written.
+
+    `folder`: created if it does not exist. `prefix`: of the file names. Raises `OSError` if a file cannot be written.
+    """
+    images = [(folder / f"{prefix}{figure.name}.png", png(figure, DPI)) for figure in figures]
+    folder.mkdir(parents=True, exist_ok=True)
+    return [write_whole(path, image) for path, image in images]
+
+
+def _looks(panel: Panel | None) -> dict[str, tuple[str, tuple[float, ...]]]:
+    """Return the style of each name in the legend: the next panel of a row may repeat it."""
+    return {drawn.label: (drawn.color, drawn.dashes) for drawn in panel.series if drawn.label} if panel else {}
+
+
+def _draw(ax: Axes, panel: Panel, figure: Figure, with_legend: bool) -> None:
+    handles: dict[str, Any] = {}
+    if panel.cells:
+        _draw_cells(ax, panel.cells)
+    rimmed = any(drawn.kind == "points" for drawn in panel.series)
+    for series in panel.series:
+        drawn = _draw_series(ax, series, rimmed)
+        if series.label and (series.kind == "line" or series.label not in handles):
+            handles[series.label] = drawn
+    for y in panel.across:
+        ax.axhline(y, color="0.3", lw=0.8, zorder=1)
+    for x in panel.upright:
+        ax.axvline(x, color="0.3", lw=0.8, zorder=1)
+    if not panel.cells:
+        ax.grid(alpha=0.3)
+    ax.set_title(panel.title, fontsize=TITLE_SIZE, parse_math=False)
+    ax.set_xlabel(panel.x, parse_math=False)
+    ax.set_ylabel(panel.y, parse_math=False)
+    x_limits, y_limits = figure.limits(panel)
+    ax.set(xlim=x_limits, ylim=y_limits)
+    if panel.equal:
+        ax.set_aspect("equal", adjustable="datalim")
+    if handles and with_legend:
+        _place_legend(ax, panel.legend, handles)
+
+
+def _draw_series(ax: Axes, series: Series, rimmed: bool) -> Any:
+    x, y = series.points
+    if series.kind == "band":
+        return ax.fill(x, y, color=series.color, alpha=series.opacity, lw=0.0)[0]
+    hollow = series.marker == "ring"
+    look: dict[str, Any] = {
+        "color": series.color, "alpha": series.opacity, "marker": MARKERS.get(series.marker, series.marker),
+        "mew": 1.0 if hollow or series.marker == "x" else 0.0, "mfc": "none" if hollow else series.color,
+    }  # fmt: skip
+    if series.kind == "points":
+        return ax.plot(x, y, ls="", ms=series.size, zorder=1.5, **look)[0]
+    dashes = (0.0, series.dashes) if series.dashes else "-"
+    # A white rim keeps a line readable on points of its own color.
+    rim = [Stroke(linewidth=series.size + 0.9, foreground="white"), Normal()] if rimmed else []
+    return ax.plot(x, y, ls=dashes, lw=series.size, ms=4.0, zorder=3, path_effects=rim, **look)[0]
+
+
+def _draw_cells(ax: Axes, cells: Cells) -> None:
+    """Draw a map, the number of rows in each cell, and its color bar."""
+    norm, colors = Normalize(-cells.limit, cells.limit), colormaps["RdBu_r"]
+    ax.set_facecolor("0.85")
+    ax.pcolormesh(cells.x, cells.y, np.ma.masked_invalid(cells.means.T), cmap=colors, norm=norm, ec="white", lw=0.3)
+    for i, j in np.argwhere(cells.counts > 0) if cells.numbered else ():
+        dark = abs(cells.means[i, j]) > 0.6 * cells.limit
+        middle = 0.5 * (cells.x[i] + cells.x[i + 1]), 0.5 * (cells.y[j] + cells.y[j + 1])
+        text = str(cells.counts[i, j])
+        ax.text(*middle, text, ha="center", va="center", fontsize=7.0, color="w" if dark else "k")
+    bar = ax.figure.colorbar(ScalarMappable(norm, colors), ax=ax, extend="both", pad=0.01)
+    bar.set_label(cells.label, parse_math=False)
+
+
+def _place_legend(ax: Axes, title: str, handles: dict[str, Any]) -> None:
+    """Put the legend outside the axes, where it covers nothing; its markers have one visible size."""
+    legend = ax.legend(
+        list(handles.values()),
+        [f"\u200b{label}" if label.startswith("_") else label for label in handles],
+        loc="upper left", bbox_to_anchor=(1.0, 1.0), title=title or None, fontsize=LEGEND_SIZE,
+        title_fontsize=LEGEND_SIZE, frameon=False, handlelength=HANDLE,
+    )  # fmt: skip
+    for text in (*legend.get_texts(), legend.get_title()):
+        text.set_parse_math(False)
+    for handle in legend.get_lines():
+        handle.set_markersize(5.0)

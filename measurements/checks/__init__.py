@@ -1,0 +1,1 @@
+"""Checks of columns, of rows and of whole recordings."""

@@ -1,0 +1,115 @@
+"""Jumps of the clock, mixed units, and a speed that may be in km/h."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import product
+
+import numpy as np
+
+from ....numerics.arrays import FloatArray, IndexArray
+from ...channels import CHANNELS, CONTROLLED_INPUTS
+from ...operating_conditions.levels import held_levels
+from ...operating_conditions.phases import SLIP_INPUTS
+from ...recording import Recording
+from ...thresholds import (
+    EQUAL_TOLERANCES,
+    FAST,
+    INNER_SLIP,
+    LOAD_TOLERANCE,
+    LOGGING_GAP,
+    MAX_BACKWARD_STEPS,
+    RATIO_TOLERANCE,
+)
+from ...units import PSI
+from .finding import Finding
+
+#: Ratios of two units in which a bench writes a channel.
+RATIOS: Mapping[str, Mapping[float, str]] = {
+    "V": {3.6: "m/s and km/h"},
+    "p": {1e3: "Pa and kPa", PSI: "Pa and psi", 1e5: "Pa and bar"},
+    "Fz": {1e3: "N and kN"},
+}
+
+
+def clock_and_units(recording: Recording) -> Iterator[Finding]:
+    """Yield findings on jumps of the clock, on channels in two units, and on a speed that may be in km/h."""
+    yield from _clock_jumps(recording)
+    yield from _mixed_units(recording)
+    yield from _unlabelled_speed(recording)
+
+
+def _clock_jumps(recording: Recording) -> Iterator[Finding]:
+    """Yield findings on jumps of the clock: backwards, repeated times, gaps within a sweep.
+
+    A gap between two sweeps is not a finding: a bench may log each sweep separately.
+    """
+    if "t" not in recording.table or len(recording) < 2:
+        return
+    steps = np.diff(recording.table["t"].to_numpy(dtype=np.float64))
+    backward, repeated = np.flatnonzero(steps < 0.0), int(np.count_nonzero(steps == 0.0))
+    if len(backward) > MAX_BACKWARD_STEPS * len(steps):
+        return  # `coverage_notes`
+    if repeated:
+        yield Finding("clock", f"{recording.source}: t repeats in {repeated} of {len(steps)} steps")
+    if len(backward):
+        yield _jump(recording, "back", steps, backward)
+    forward = steps[steps > 0.0]
+    gaps = np.flatnonzero(steps > LOGGING_GAP * np.median(forward)) if len(forward) else backward[:0]
+    within = np.array([row for row in gaps.tolist() if _same_sweep(recording, row)], dtype=np.intp)
+    if len(within):
+        yield _jump(recording, "forward within a sweep", steps, within)
+
+
+def _same_sweep(recording: Recording, row: int) -> bool:
+    """Return whether a row and the next one have the same held inputs and the same slip, amid a sweep."""
+    table = recording.table
+    for name in (name for name in CONTROLLED_INPUTS if name in table and name not in SLIP_INPUTS):
+        before, after = table[name].iloc[row], table[name].iloc[row + 1]
+        if abs(after - before) > EQUAL_TOLERANCES * (CHANNELS[name].tolerance or LOAD_TOLERANCE * abs(before)):
+            return False
+    for name in (name for name in SLIP_INPUTS if name in table):
+        before, after = table[name].iloc[row], table[name].iloc[row + 1]
+        tolerance = CHANNELS[name].tolerance or 0.0
+        # A bench starts, turns and ends a sweep at zero or at an end of its range.
+        end = float(np.nanmax(table[name] * np.sign(before)))
+        inner = EQUAL_TOLERANCES * tolerance < abs(before) < INNER_SLIP * end
+        if inner and abs(after - before) <= tolerance:
+            return True
+    return False
+
+
+def _jump(recording: Recording, direction: str, steps: FloatArray, at: IndexArray) -> Finding:
+    largest = at[np.argmax(np.abs(steps[at]))]
+    times = "1 time" if len(at) == 1 else f"{len(at)} times"
+    size = abs(float(steps[largest]))
+    most = f"most by {size:.3g} s at row {largest + 2}"
+    return Finding("clock", f"{recording.source}: t jumps {direction} {times}, {most}: each part is a segment")
+
+
+def _mixed_units(recording: Recording) -> Iterator[Finding]:
+    """Yield a finding if a held input has values in two units: levels whose ratio is that of two units."""
+    for name, ratios in RATIOS.items():
+        levels = np.abs(held_levels(recording.table[name])) if name in recording.table else np.empty(0)
+        for (ratio, units), low, high in product(ratios.items(), levels, levels):
+            if low > 0.0 and abs(high / low / ratio - 1.0) < RATIO_TOLERANCE:
+                unit = CHANNELS[name].unit
+                yield Finding(
+                    "unit",
+                    f"{recording.source}: mixed units? {name} is {low:.4g} {unit} in some rows and {high:.4g} {unit} "
+                    f"in others, the ratio of {units}",
+                    serious=True,
+                )
+
+
+def _unlabelled_speed(recording: Recording) -> Iterator[Finding]:
+    """Yield a finding if a speed without a declared unit is high for m/s."""
+    if "V" not in recording.table or "V" in recording.about.get("declared", "").split():
+        return
+    speed = float(recording.table["V"].abs().median())
+    if speed > FAST:
+        yield Finding(
+            "unit",
+            f"{recording.source}: V is about {speed:.3g} m/s ({3.6 * speed:.3g} km/h) and declares no unit: in km/h?",
+            command="declare it: 'V [km/h]' or 'V [m/s]'",
+        )

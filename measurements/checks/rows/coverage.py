@@ -1,0 +1,154 @@
+"""Coverage of a recording: swept and held inputs, and information that the recording lacks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...channels import CHANNELS, CONTROLLED_INPUTS, OUTPUTS
+from ...operating_conditions.levels import level_tolerance, levels
+from ...recording import Recording, once
+from ...thresholds import FEW_ROWS, MAX_BACKWARD_STEPS
+
+#: The slips that cause each output.
+_CAUSES = {"Fx": ("kappa",), "Fy": ("alpha", "gamma"), "Mz": ("alpha", "gamma")}
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """The range and the levels of one input in a recording.
+
+    Parameters
+    ----------
+    channel : str
+        The input.
+    lowest, highest : float
+        In SI units.
+    levels : tuple of float
+        Levels at which it was held, in SI units; none if it was swept.
+
+    Examples
+    --------
+    >>> print(Coverage("gamma", 0.0, 0.06, (0.0, 0.06)))
+    gamma: held at 2 levels, 0, 0.06 rad
+    >>> print(Coverage("kappa", -0.2, 0.15, ()))
+    kappa: swept from -0.2 to 0.15
+    """
+
+    channel: str
+    lowest: float
+    highest: float
+    levels: tuple[float, ...]
+
+    @property
+    def swept(self) -> bool:
+        """Whether the input was swept rather than held."""
+        return not self.levels
+
+    def __str__(self) -> str:
+        """Return the coverage in one line."""
+        unit = CHANNELS[self.channel].unit.replace("-", "")
+        if self.swept:
+            return f"{self.channel}: swept from {self.lowest:.4g} to {self.highest:.4g} {unit}".rstrip()
+        held = ", ".join(f"{level:.4g}" for level in self.levels)
+        prefix = "held at" if len(self.levels) == 1 else f"held at {len(self.levels)} levels,"
+        return f"{self.channel}: {prefix} {held} {unit}".rstrip()
+
+
+def coverage(recording: Recording) -> list[Coverage]:
+    """Return the coverage of each input of a recording.
+
+    Parameters
+    ----------
+    recording : Recording
+        In any signs.
+
+    Returns
+    -------
+    list of Coverage
+        In the contract's order. Empty for a recording without rows.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> rows = pd.DataFrame({"alpha": np.linspace(-0.2, 0.2, 500), "Fz": 900.0})
+    >>> [str(channel) for channel in coverage(Recording(rows, "iso", "a.csv"))]
+    ['alpha: swept from -0.2 to 0.2 rad', 'Fz: held at 900 N']
+    """
+    columns = [recording.table[name] for name in CONTROLLED_INPUTS if name in recording.table and len(recording)]
+    return [Coverage(str(c.name), float(c.min()), float(c.max()), tuple(levels(c))) for c in columns]
+
+
+@once
+def coverage_notes(recording: Recording) -> list[str]:
+    """Return notes on information that a recording lacks.
+
+    Parameters
+    ----------
+    recording : Recording
+        In any signs.
+
+    Returns
+    -------
+    list of str
+        One sentence each: few rows, a slip that does not vary, no load or a single one, a constant output, a clock that
+        runs backwards.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> rows = pd.DataFrame({"alpha": np.linspace(-0.2, 0.2, 500), "Fz": 900.0, "Fy": np.linspace(800, -800, 500)})
+    >>> coverage_notes(Recording(rows, "iso", "a.csv"))
+    ['a.csv: only one load (900 N): the influence of load cannot be determined']
+    """
+    source, table = recording.source, recording.table
+    notes = []
+    if 0 < len(recording) < FEW_ROWS:
+        notes.append(f"{source}: {len(recording)} rows are fewer than a fit of one force needs")
+    by_name = {channel.channel: channel for channel in coverage(recording)}
+    for output, slips in _CAUSES.items():
+        if output in table and table[output].notna().any() and not any(_varies(by_name.get(slip)) for slip in slips):
+            notes.append(f"{source}: {slips[0]} {_constancy(by_name, slips[0])}: {output} shows no slip curve")
+    load = by_name.get("Fz")
+    if load is None and len(recording):
+        notes.append(
+            f"{source}: no column Fz: every row is evaluated at the nominal load, "
+            "which a fit requires (--nominal Fz0=...)"
+        )
+    if load is not None and not _varies(load):
+        median = float(np.abs(table["Fz"]).median())
+        notes.append(f"{source}: only one load ({median:.4g} N): the influence of load cannot be determined")
+    for output in OUTPUTS:
+        measured = table[output].dropna().to_numpy(dtype=np.float64) if output in table else np.empty(0)
+        if len(measured) > 1 and np.ptp(measured) == 0.0:
+            notes.append(f"{source}: {output} is {measured[0]:.4g} in every row: was it measured?")
+    return notes + _clock_notes(recording)
+
+
+def _varies(channel: Coverage | None) -> bool:
+    if channel is None:
+        return False
+    tolerance = level_tolerance([channel.lowest, channel.highest], channel.channel)
+    return channel.highest - channel.lowest > 2.0 * tolerance and len(channel.levels) != 1
+
+
+def _constancy(by_name: dict[str, Coverage], slip: str) -> str:
+    channel = by_name.get(slip)
+    if channel is None:
+        return "is missing"
+    unit = CHANNELS[slip].unit.replace("-", "")
+    return f"stays at {0.5 * (channel.lowest + channel.highest) + 0.0:.3g} {unit}".rstrip()
+
+
+def _clock_notes(recording: Recording) -> list[str]:
+    if "t" not in recording.table or len(recording) < 2:
+        return []
+    steps = np.diff(recording.table["t"].to_numpy(dtype=np.float64))
+    backwards = int(np.count_nonzero(steps < 0.0))
+    if backwards <= MAX_BACKWARD_STEPS * len(steps):
+        return []
+    return [
+        f"{recording.source}: t runs backwards in {backwards} of {len(steps)} steps: the rows are not in the order of "
+        f"time and are not treated as a time series"
+    ]

@@ -1,0 +1,87 @@
+"""Nominal values that a user gives for a fit or a diagnosis, compared with the tables: a wrong unit is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+import pandas as pd
+
+from ..boundary.errors import FitError, UnknownName
+from ..symbolic.model import Model
+from .checks.columns.radii import radii
+from .recording import Recording
+
+#: Names of nominal values, and the coefficient that each sets.
+NOMINAL = {"Fz0": "FNOMIN", "R0": "UNLOADED_RADIUS", "p0": "NOMPRES", "V0": "LONGVL"}
+#: The channels of those that a table shows. Not V: a tire measured at walking speed may have any nominal speed.
+MEASURED = {"Fz0": "Fz", "p0": "p"}
+#: Largest ratio of a nominal value and the median of its channel, either way: about the geometric mean of 1 and 1000,
+#: the ratio of N and kN, Pa and kPa, m and mm.
+LARGEST_RATIO = 30.0
+#: Largest ratio of the nominal load and the nearest tested load. Beyond it the coefficients of the load dependence,
+#: which are polynomials about the nominal load, are an extrapolation. Judgement.
+LARGEST_LOAD_DISTANCE = 3.0
+#: Largest ratio of the nominal radius and a radius of the recording, either way: the loaded radius is up to 15 %
+#: smaller, and a bench measures it to some percent. Judgement.
+LARGEST_RADIUS_RATIO = 1.35
+
+
+def check_radius(nominal: Mapping[str, float], recordings: Iterable[Recording]) -> None:
+    """Refuse a nominal radius that contradicts the loaded radius, the wheel speed or the size in a recording.
+
+    `nominal`: R0 (m), if it is given. Raises `FitError` with the radius of the recording.
+
+    >>> bench = Recording(pd.DataFrame({"Fz": [900.0]}), "iso", "run.mat", {"tireid": "Hoosier 16x7.5-10"})
+    >>> check_radius({"R0": 0.41}, [bench])
+    Traceback (most recent call last):
+    ...
+    tirefmu.boundary.errors.FitError: nominal R0 = 0.41 m contradicts run.mat: 0.203 m by the size of its tire
+    """
+    value = nominal.get("R0")
+    if value is None:
+        return
+    for recording in recordings:
+        for source, radius in radii(recording).items():
+            if not 1.0 / LARGEST_RADIUS_RATIO <= value / radius <= LARGEST_RADIUS_RATIO:
+                raise FitError(
+                    f"nominal R0 = {value:g} m contradicts {recording.source}: {radius:.3g} m by the {source}"
+                )
+
+
+def check_nominal(nominal: Mapping[str, float], model: Model, tables: Iterable[pd.DataFrame]) -> None:
+    """Refuse nominal values that are far outside the tables, or outside the bounds of the model where none shows them.
+
+    `nominal`: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s). `model`: values that it does not have are not checked. `tables`: in
+    SI units, in any sign convention. Raises `UnknownName` if there is no such nominal value. Raises `FitError` if a
+    value is not positive, or far outside the tables.
+
+    >>> from tirefmu.symbolic.models import model_named
+    >>> check_nominal({"Fz0": 0.22, "R0": 0.23}, model_named("mf96"), [pd.DataFrame({"Fz": [220.0, 700.0, 1120.0]})])
+    Traceback (most recent call last):
+    ...
+    tirefmu.boundary.errors.FitError: nominal Fz0 = 0.22 N is far from the median of Fz, 700 N: in another unit?
+    """
+    tables = tuple(tables)
+    for name, value in nominal.items():
+        if name not in NOMINAL:
+            raise UnknownName("nominal value", name, NOMINAL)
+        if not value > 0.0:
+            raise FitError(f"nominal {name} = {value:g} is not positive")
+        coefficient = model.coefficients.get(NOMINAL[name])
+        if coefficient is None or name == "V0":
+            continue
+        given = f"nominal {name} = {value:g} {coefficient.unit}"
+        channel = MEASURED.get(name, "")
+        measured = [table[channel].abs() for table in tables if channel in table]
+        median = float(np.nanmedian(np.concatenate(measured))) if measured else 0.0
+        if median > 0.0 and not 1.0 / LARGEST_RATIO < value / median < LARGEST_RATIO:
+            near = f"{median:.3g} {coefficient.unit}"
+            raise FitError(f"{given} is far from the median of {channel}, {near}: in another unit?")
+        if channel == "Fz" and median > 0.0:
+            low, high = np.nanquantile(np.concatenate(measured), [0.01, 0.99])
+            if not low / LARGEST_LOAD_DISTANCE <= value <= high * LARGEST_LOAD_DISTANCE:
+                raise FitError(f"{given} is far outside the tested loads, {low:.4g} to {high:.4g} N")
+        if not median > 0.0 and not coefficient.lower <= value <= coefficient.upper:
+            bounds = f"{coefficient.lower:g} .. {coefficient.upper:g} {coefficient.unit}"
+            raise FitError(f"{given} is outside {bounds}: in another unit?")

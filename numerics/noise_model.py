@@ -1,0 +1,186 @@
+"""Noise model of a recording (white noise, short-range noise and slow drift), and the filter that whitens it.
+
+Drift at the rate of the sweeps increases the variance of ordinary least squares more than all short-range noise.
+Generalised least squares takes its correlation into account. The parameters are estimated from the periodogram of the
+residual (Whittle, Estimation and information in stationary time series, 1953). The whitened rows are the innovations of
+a Kalman filter, which bridges unused rows (Harvey, Forecasting, Structural Time Series Models and the Kalman Filter,
+1989, section 3.4).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import fft, optimize
+
+from .arrays import BoolArray, FloatArray
+
+#: Initial correlation times of drift for the fit to a periodogram, and their bounds, s.
+DRIFT_TIMES = (0.5, 2.0, 8.0)
+SHORTEST, LONGEST = 0.3, 60.0
+#: Prior of the share of white noise: its value, and its weight (in log variances, relative to one row).
+WHITE_SHARE, WHITE_PRIOR = 0.05, 1e-3
+#: Lower limit of the mean square of a weighted residual.
+MIN_POWER = 1e-6
+#: Time before the first row, s: much longer than any correlation.
+BEFORE_START = 1e9
+#: Rows of a part of the recording. The filter passes all parts at the same time and then joins them.
+ROWS_OF_PART = 64
+
+
+@dataclass(frozen=True)
+class NoiseParts:
+    """The noise of a channel in three parts.
+
+    - `white`, `short`, `drift`: variances, in the squared unit of the residual.
+    - `fading`: correlation of the short-range part from one row to the next.
+    - `memory`: time over which the drift's correlation falls to 1/e.
+    """
+
+    white: float
+    short: float
+    drift: float
+    fading: float
+    memory: float
+
+
+def noise_parts(residual: FloatArray, present: BoolArray, step: float) -> NoiseParts:
+    """Estimate the noise of a channel from its residual.
+
+    `residual`, shape (n,): at approximately equal time steps. `present`, shape (n,): false for rows that are not used.
+
+    >>> rng = np.random.default_rng(3)
+    >>> from scipy.signal import lfilter
+    >>> drift = lfilter([np.sqrt(1.0 - 0.99**2)], [1.0, -0.99], rng.standard_normal(6000))
+    >>> found = noise_parts(drift + rng.standard_normal(6000), np.ones(6000, dtype=bool), 0.02)
+    >>> bool(0.6 < found.drift < 1.6), bool(1.0 < found.memory < 4.0)
+    (True, True)
+    """
+    rows = np.where(present, residual, 0.0)
+    power = np.abs(fft.rfft(rows))[1:-1] ** 2 / max(int(present.sum()), 1)
+    wave = np.cos(2.0 * np.pi * fft.rfftfreq(len(rows))[1:-1])
+    whole = max(float(np.sum(rows**2)) / max(int(present.sum()), 1), MIN_POWER)
+
+    def parts(x: FloatArray) -> NoiseParts:
+        white, short, drift, memory = (float(value) for value in np.exp(x[[0, 1, 2, 4]]))
+        return NoiseParts(white * whole, short * whole, drift * whole, float(1.0 / (1.0 + np.exp(-x[3]))), memory)
+
+    def loss(x: FloatArray) -> float:
+        spectrum = _spectrum(parts(x), wave, step)
+        prior = WHITE_PRIOR * float(x[0] - np.log(WHITE_SHARE)) ** 2
+        return float(np.mean(np.log(spectrum / whole) + power / spectrum)) + prior
+
+    bounds = [(-9.0, 0.0), (-7.0, 0.7), (-13.0, 1.1), (-4.0, 3.0), (np.log(SHORTEST), np.log(LONGEST))]
+    solutions = [
+        optimize.minimize(
+            loss, [np.log(WHITE_SHARE), -0.2, -2.3, 0.0, np.log(memory)], method="L-BFGS-B", bounds=bounds
+        )
+        for memory in DRIFT_TIMES
+    ]
+    return parts(min(solutions, key=lambda solution: float(solution.fun)).x)
+
+
+def _spectrum(noise: NoiseParts, wave: FloatArray, step: float) -> FloatArray:
+    """Return the power at frequencies with the cosine `wave` of the phase per row."""
+    total = np.full_like(wave, noise.white)
+    for variance, decay in ((noise.short, noise.fading), (noise.drift, float(np.exp(-step / noise.memory)))):
+        total += variance * (1.0 - decay**2) / (1.0 - 2.0 * decay * wave + decay**2)
+    return total
+
+
+class Whitening:
+    """Filter that transforms rows with coloured noise to rows with white noise of variance 1.
+
+    `noise`: of rows weighted by `root`. `t`, shape (n,). `root`, shape (n_channels, n): weights; 0 for rows that are
+    not used. Drift is constant in N, so the weighted drift is proportional to them.
+    """
+
+    def __init__(self, noise: tuple[NoiseParts, ...], t: FloatArray, root: FloatArray) -> None:
+        present = root > 0.0
+        typical = np.sqrt(np.sum(root**2, axis=1) / np.maximum(present.sum(axis=1), 1))
+        size = root / np.maximum(typical, 1e-300)[:, None]
+        steps = np.diff(t, prepend=t[0])
+        typical_step = float(np.median(steps[1:]))
+        steps = np.maximum(steps, typical_step)
+        steps[0] = BEFORE_START
+        decay = np.array(
+            [[channel.fading ** (steps / typical_step), np.exp(-steps / channel.memory)] for channel in noise]
+        )
+        gain, variance = np.empty_like(decay), np.empty(root.shape)
+        for i, channel in enumerate(noise):
+            gain[i], variance[i] = _kalman_gains(channel, decay[i], size[i], present[i])
+        self._root = np.where(present, 1.0 / np.sqrt(variance), 0.0)
+        self._decay, self._gain = _divided(decay.transpose(2, 1, 0)), _divided(gain.transpose(2, 1, 0))
+        self._size = _divided(size.T)
+        # Each part's answer to a state of 1 at its beginning, and the states at its end.
+        states = np.zeros((2, *self._size.shape[1:], 2))
+        states[0, ..., 0] = states[1, ..., 1] = 1.0
+        self._response, self._transfer = self._filtered(np.zeros((*self._size.shape, 2)), states)
+
+    def __call__(self, rows: FloatArray) -> FloatArray:
+        """Return whitened rows.
+
+        `rows`, shape (n_channels, n, m): weighted.
+        """
+        if rows.ndim == 2:
+            return self(rows[:, :, None])[:, :, 0]
+        parts = _divided(rows.transpose(1, 0, 2))
+        innovation, ends = self._filtered(parts, np.zeros((2, *parts.shape[1:])))
+        begins, state = np.empty_like(ends), np.zeros((2, *parts.shape[2:]))
+        for k in range(parts.shape[1]):
+            begins[:, k] = state
+            state = ends[:, k] + np.einsum("icj,jcm->icm", self._transfer[:, k], state)
+        for j in range(2):
+            innovation += self._response[..., j, None] * begins[j]
+        whole = innovation.swapaxes(0, 1).reshape(-1, *parts.shape[2:])[: rows.shape[1]]
+        return np.asarray(whole.transpose(1, 0, 2) * self._root[:, :, None])
+
+    def _filtered(self, parts: FloatArray, states: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the innovations of all parts and the states at their ends.
+
+        `parts`, shape (ROWS_OF_PART, n_parts, n_channels, m). `states`, shape (2, n_parts, n_channels, m): short-range
+        noise and drift at the beginning of each part.
+        """
+        innovation, (short, drift) = np.empty_like(parts), states.copy()
+        decay, gain, size = self._decay[..., None], self._gain[..., None], self._size[..., None]
+        for k, rows in enumerate(parts):
+            short *= decay[k, :, 0]
+            drift *= decay[k, :, 1]
+            new = rows - short - size[k] * drift
+            innovation[k] = new
+            short += gain[k, :, 0] * new
+            drift += gain[k, :, 1] * new
+        return innovation, np.stack([short, drift])
+
+
+def _kalman_gains(
+    noise: NoiseParts, decay: FloatArray, size: FloatArray, present: BoolArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the gains of both states, shape (2, n), and the variance of each innovation of a channel.
+
+    Plain numbers: a row follows from the one before, and arrays of two states would take ten times as long.
+    """
+    gains, variances = [], []
+    short = cross = drift = 0.0
+    for a, b, weight, used in zip(*decay.tolist(), size.tolist(), present.tolist(), strict=True):
+        short = a * a * short + noise.short * (1.0 - a * a)
+        cross *= a * b
+        drift = b * b * drift + noise.drift * (1.0 - b * b)
+        seen_short, seen_drift = short + cross * weight, cross + drift * weight
+        variance = seen_short + seen_drift * weight + noise.white
+        gain = (seen_short / variance, seen_drift / variance) if used else (0.0, 0.0)
+        gains.append(gain)
+        variances.append(variance)
+        short -= gain[0] * seen_short
+        cross -= gain[0] * seen_drift
+        drift -= gain[1] * seen_drift
+    return np.array(gains).T, np.array(variances)
+
+
+def _divided(rows: FloatArray) -> FloatArray:
+    """Return rows, shape (n, ...), as parts, shape (ROWS_OF_PART, n_parts, ...), the last one filled with 0."""
+    n_parts = -(-len(rows) // ROWS_OF_PART)
+    filled = np.zeros((n_parts * ROWS_OF_PART, *rows.shape[1:]))
+    filled[: len(rows)] = rows
+    return np.ascontiguousarray(filled.reshape(n_parts, ROWS_OF_PART, *rows.shape[1:]).swapaxes(0, 1))

@@ -1,0 +1,160 @@
+"""`tirefmu fit`: constraints, cross-validation and reports."""
+
+from __future__ import annotations
+
+import json
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import pandas as pd
+import pytest
+
+from tirefmu.commands import fit_command
+from tirefmu.tires import read_tir
+from tirefmu.tires.signs import convert_signs
+
+from .conftest import EFFECTS
+
+
+@pytest.mark.parametrize(("options", "stored"), [
+    (("--without-constraint", "all"), set()),
+    (("--without-constraint", "extrapolation,signs,friction_falling,stiffness_saturating"), {"curvature"}),
+])  # fmt: skip
+def test_constraints_are_switched_by_name(command, bench_csv, tmp_path, options, stored):
+    path = tmp_path / "fit.json"
+    given = ("--model", "mf96", "--effects", "none", "-o", tmp_path / "t.tir", "--all", "--json", path)
+    outcome = command("fit", bench_csv, *given, *options)
+    assert outcome.status == 0
+    reported = json.loads(path.read_text(encoding="utf-8"))
+    assert {margin["name"].partition(":")[0] for margin in reported["margins"]} == stored
+    assert ("Constraints, verified" in outcome.out) == bool(stored)
+
+
+def test_cross_validation_is_reported(validated):
+    outcome, reported = validated
+    assert {channel["channel"] for channel in reported["held_out"]} == {
+        channel["channel"] for channel in reported["channels"]
+    }
+    for channel in reported["held_out"]:
+        assert channel["held_out"] > 0.9 * channel["in_sample"]
+    assert "Cross-validation over operating conditions" in outcome.out
+    assert re.search(r"noise +largest *\n.* floor +error", outcome.out)
+
+
+@pytest.fixture(scope="module")
+def misread(bench_csv, tmp_path_factory):
+    """Return the bench table in adapted SAE, which is read as ISO."""
+    path = tmp_path_factory.mktemp("misread") / "adapted.csv"
+    convert_signs(pd.read_csv(bench_csv), "iso", "adapted-sae").to_csv(path, index=False)
+    return path
+
+
+def test_wrong_signs_load_no_solver(misread, tmp_path):
+    """The error is fast because nothing of the fit is imported."""
+    program = (
+        "import sys; from tirefmu.commands.cli import main; "
+        f"assert main(['fit', {str(misread)!r}, '-o', {str(tmp_path / 't.tir')!r}]) == 2; "
+        "assert 'casadi' not in sys.modules and 'sympy' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True, capture_output=True)
+
+
+def test_evaluate_warns_of_wrong_signs_and_check_refuses_them(command, misread, published_tir, tmp_path):
+    fmu, expected = tmp_path / "tire.fmu", "the data fit adapted-sae (--signs adapted-sae)"
+    assert command("export", published_tir, "-o", fmu).status == 0
+    result = tmp_path / "result.json"
+    outcome = command("evaluate", published_tir, misread, "-o", tmp_path / "out.csv", "--json", result)
+    (warning,) = json.loads(result.read_text(encoding="utf-8"))["warnings"]
+    assert expected in warning
+    assert f"warning: {warning}" in outcome.text
+    refused = command("check", fmu, misread)
+    assert (refused.status, refused.out) == (2, "")
+    assert warning in refused.err
+
+
+def test_values_that_nobody_measured_are_marked(command, bench_csv, tmp_path):
+    """A radius that was not given is an assumption of the fit; a fitted coefficient is not."""
+    for options, marked in ((), True), (("--nominal", "R0=0.23"), False):
+        path = tmp_path / "t.tir"
+        outcome = command("fit", bench_csv, "--model", "mf96", "--effects", "none", *options, "-o", path)
+        assert outcome.status == 0
+        section = path.read_text(encoding="utf-8").partition("[TIREFMU_ASSUMED]")[2]
+        assert ("UNLOADED_RADIUS" in section) == marked
+        assert "PDY1" not in section
+        shown = command("info", path, "--json", tmp_path / "info.json").out
+        assert ("assumed, not measured: UNLOADED_RADIUS = 0.3" in shown) == marked
+
+
+def test_the_tables_are_short_unless_all_is_requested(chain, validated):
+    """Without --all a fit prints what needs attention and counts the rest; nothing of it is lost in the JSON."""
+    (_, outcomes), (short, result) = chain, validated
+    undetermined = {name for part in result["findings"]["undetermined"] for name in part["coefficients"]}
+    fitted = {c["name"]: c["at_bound"] or c["name"] in undetermined for c in result["coefficients"]}
+    remarkable = {name for name, shown in fitted.items() if shown}
+    assert {name for name in fitted if f"\n{name} " in short.out} == remarkable
+    assert f"\n{len(fitted) - len(remarkable)} coefficients are determined" in short.out
+    assert "Stages of recipe" not in short.out
+    assert "Stages of recipe" in outcomes["fit"].out
+    assert "--all lists every coefficient" in short.out
+    assert len(short.out) < 0.6 * len(outcomes["fit"].out)
+    stages = [line.split(":")[0] for line in short.err.splitlines() if not line.startswith("cross-validation")]
+    assert (stages[0], stages[-1]) == ("preparing the fit", "evidence and intervals")
+    assert len(stages) == 2 + len(result["stages"])
+
+
+# -------- Ctrl-C during a fit: the best values so far are written, and --resume has the result of an uninterrupted fit
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT for one process alone")
+def test_a_process_that_gets_the_signal(chain, command, bench_csv, tmp_path):
+    line = ["fit", str(bench_csv), "--model", "mf96", "--effects", EFFECTS, "--nominal", "Fz0=220,R0=0.23"]
+    where = tmp_path / "tire.tir", tmp_path / "tire.json", tmp_path / "tire.html"
+    positions = ["-o", where[0], "--json", where[1], "--report", where[2]]
+    saved = tmp_path / "tire.progress.json"
+
+    def listening():  # a shell ignores SIGINT in background processes
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+    process = subprocess.Popen(
+        [sys.executable, "-m", "tirefmu", *line, *map(str, positions)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=listening,
+    )  # fmt: skip
+    while not saved.exists() and process.poll() is None:
+        time.sleep(0.001)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate()
+    assert process.returncode == 1, err
+    assert "fit interrupted in stage" in out
+    assert f"{saved}; to continue: tirefmu fit " in " ".join(out.split())
+    assert "Traceback" not in err
+    reported = json.loads(where[1].read_text(encoding="utf-8"))
+    assert reported["ok"] is False
+    assert reported["values"] == dict(read_tir(where[0]).values)
+    assert "interrupted in stage" in where[2].read_text(encoding="utf-8")
+
+    resumed = command(*line, *positions[:-2], "--resume")  # without the report, which takes longer than the fit
+    assert resumed.status == 0
+    assert not saved.exists()
+    ends = [json.loads(path.read_text(encoding="utf-8")) for path in (where[1], chain[0] / "fit.json")]
+    assert {**ends[0], "seconds": 0.0} == {**ends[1], "seconds": 0.0}
+
+
+def test_an_interrupt_before_all_results_are_written_is_resumed(command, bench_csv, tmp_path, monkeypatch):
+    tire, result = tmp_path / "tire.tir", tmp_path / "tire.json"
+    line = ["fit", bench_csv, "--model", "mf96", "--effects", "none", "-o", tire, "--json", result]
+
+    def interrupted(*arguments):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as changed:
+        changed.setattr(fit_command, "write_json", interrupted)
+        assert command(*line).status == 130
+    assert tire.exists()
+    assert not result.exists()
+    resumed = command(*line, "--resume")
+    assert resumed.status in (0, 1), resumed.err
+    assert json.loads(result.read_text(encoding="utf-8"))["values"] == dict(read_tir(tire).values)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["tire.json", "tire.tir"]

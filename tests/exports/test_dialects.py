@@ -1,0 +1,137 @@
+"""Property files for other programs: what conversion writes passes the check, and each planted fault is found."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tirefmu.applications.exports.convert import convert
+from tirefmu.applications.exports.dialects import HOSTS
+from tirefmu.applications.exports.lint import lint
+from tirefmu.applications.exports.self_test import operating_conditions
+from tirefmu.boundary.errors import TirefmuError
+from tirefmu.commands.cli import main
+from tirefmu.symbolic.models import MODELS
+from tirefmu.tires import read_tir
+
+CASES = [(host, model) for host, rules in HOSTS.items() for model in rules.dialects]
+
+
+def errors_of(path, host):
+    return [finding for finding in lint(path, host) if finding.severity == "error"]
+
+
+def forces_of(tire):
+    rows = dict(zip(tire.inputs, operating_conditions(tire, 30), strict=True))
+    return np.stack(list(tire.forces(**rows).values()))
+
+
+@pytest.mark.parametrize(("host", "model"), CASES)
+def test_a_converted_file_is_accepted_and_is_the_same_tire(tire_of, tmp_path, host, model):
+    result = convert(tire_of(model), tmp_path / "x.tir", host)
+    assert result.model == model
+    assert not result.refitted
+    assert not errors_of(result.path, host)
+    written = read_tir(result.path)
+    assert written.model == model
+    np.testing.assert_array_equal(forces_of(written), forces_of(tire_of(model)))
+    text = result.path.read_text()
+    for key, value in HOSTS[host].dialects[model].entries.items():
+        assert text.count(f"\n{key} = {value}\n") == 1, key
+
+
+def test_declarations_name_models_and_effects_that_exist():
+    effects = set().union(*(model.effects for model in MODELS.values()))
+    for host in HOSTS.values():
+        assert set(host.dialects) <= set(MODELS)
+        assert set(host.ignored) <= effects
+        assert host.source
+
+
+FAULTS = [
+    ("PROPERTY_FILE_FORMAT = 'PAC2002'", "PROPERTY_FILE_FORMAT = 'USER'", "'USER': PAC2002 or MF_05 expected"),
+    ("USE_MODE = 4", "USE_MODE = 14", "USE_MODE is '14': 3 or 4 expected"),
+    ("FE_METHOD = ", "$ FE_METHOD ", "FE_METHOD is missing: NO expected"),
+    ("FE_METHOD = 'NO'", "FE_METHOD = 'YES'", "FE_METHOD is 'YES': NO expected"),
+    ("ANGLE = 'radians'", "ANGLE = 'degree'", "ANGLE is 'DEGREE'"),
+    ("LONGVL = ", "$ LONGVL ", "LONGVL is missing"),
+    ("PKX1 = ", "pkx1 = ", "'pkx1' is not in capital letters"),
+    ("PKY2 = ", "PKY1 = 1.0 $ again\nPKY2 = ", "PKY1 is in line"),
+    ("[SCALING_COEFFICIENTS]", f"$ {'x' * 200}\n[SCALING_COEFFICIENTS]", "characters: 200 at most"),
+    ("UNLOADED_RADIUS = ", "UNLOADED_RADIUS = 0 $ ", "UNLOADED_RADIUS is 0: a positive value expected"),
+]
+
+
+@pytest.mark.parametrize(("correct", "wrong", "message"), FAULTS)
+def test_every_fault_is_found(tire_of, tmp_path, correct, wrong, message):
+    path = convert(tire_of("mf52"), tmp_path / "x.tir", "chrono").path
+    text = path.read_text()
+    assert text.count(f"\n{correct}") == 1, correct
+    path.write_text(text.replace(f"\n{correct}", f"\n{wrong}"))
+    errors = errors_of(path, "chrono")
+    assert any(message in finding.text for finding in errors), errors
+    if "missing" not in message and "positive" not in message:
+        lines = path.read_text().splitlines()
+        assert all(wrong.splitlines()[0].split(" ")[0] in lines[f.line - 1] for f in errors if message in f.text)
+
+
+def test_an_added_effect_is_reported_and_stays_in_a_section_of_its_own(tire_of, tmp_path, capsys):
+    tire = tire_of("mf52")
+    values = {**tire.values, "TREF": 60.0, "TMU1": -0.002, "TMU2": 0.0}
+    warm = replace(tire, values=values, effects={*tire.has, "temp_friction"})
+    warm.save(tmp_path / "warm.tir")
+    arguments = ["convert", str(tmp_path / "warm.tir"), "-o", str(tmp_path / "x.tir"), "--for", "chrono"]
+    assert main(arguments) == 0
+    assert "the added effect temp_friction is not evaluated" in capsys.readouterr().out
+    assert "temp_friction" in read_tir(tmp_path / "x.tir").has
+    assert main(["lint", str(tmp_path / "x.tir"), "--for", "chrono", "--quiet"]) == 0
+    assert main(["lint", str(tmp_path / "warm.tir"), "--for", "chrono", "--quiet"]) == 1
+
+
+@pytest.mark.parametrize("host", ["adams", "mfeval"])
+def test_coefficients_that_a_host_lacks_are_replaced_by_a_fit_with_a_stated_error(tire_of, tmp_path, host):
+    """MFeval has the coefficients of MF6.1 in MF5.2, too; PAC2002 would ignore them."""
+    tire = replace(tire_of("mf52"), values={**tire_of("mf52").values, "PKY4": 1.8, "RBX3": 2.0})
+    tire.save(tmp_path / "x.tir")
+    errors = " ".join(finding.text for finding in errors_of(tmp_path / "x.tir", host))
+    result = convert(tire, tmp_path / "y.tir", host)
+    assert not errors_of(result.path, host)
+    written = read_tir(result.path)
+    assert (
+        ("PKY4 is 1.8: the host lacks it" in errors) == ("RBX3 is 2" in errors) == result.refitted == (host == "adams")
+    )
+    if not result.refitted:
+        np.testing.assert_array_equal(forces_of(written), forces_of(tire))
+        return
+    assert (written.values["PKY4"], written.values["RBX3"]) == (2.0, 0.0)
+    assert 0.0 < max(result.errors.values()) < 0.02
+    rows = {"alpha": np.linspace(-0.15, 0.15, 20), "Fz": 4000.0}
+    difference = written.forces(**rows)["Fy"] - tire.forces(**rows)["Fy"]
+    assert np.abs(difference).max() < 0.02 * np.abs(tire.forces(**rows)["Fy"]).max()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--for", "adam"], "unknown host 'adam': did you mean adams?"),
+        (["--for", "chrono", "--model", "mf62"], "has no mf62: choose from mf52"),
+    ],
+)
+def test_a_wrong_request_is_one_line(tmp_path, capsys, arguments, message):
+    assert main(["convert", "trento_hoosier", "-o", str(tmp_path / "x.tir"), *arguments]) == 2
+    assert message in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.skipif("TIREFMU_HOSTS" not in os.environ, reason="fits a tire: make hosts")
+def test_another_model_is_fitted_to_the_tire(trento, tmp_path):
+    result = convert(trento, tmp_path / "x.tir", "chrono")
+    assert (result.model, result.refitted) == ("mf52", True)
+    assert not errors_of(result.path, "chrono")
+    assert result.errors["Fx"] < 0.01
+    assert result.errors["Fy"] < 0.01
+    with pytest.raises(TirefmuError):
+        convert(trento, tmp_path / "x.tir", "chrono", "mf96")

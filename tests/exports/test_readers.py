@@ -1,0 +1,231 @@
+"""Forces of open programs that read what `convert` writes: a test runs if a variable of the environment has the path.
+
+TIREFMU_MFEVAL
+    The folder above `+mfeval` of MFeval 4 (BSD-3); run in Octave.
+TIREFMU_OPENTIRE
+    The folder `code` of OpenTirePython (MIT), a reader of PAC2002 files.
+TIREFMU_CHRONO
+    A program around Project Chrono's ChPac02Tire (BSD-3) with a property file as argument. For each line
+    `kappa alpha gamma Fz` of its standard input it prints `Fx Fy Mz` as CalcFxyMz returns them.
+
+`make readers` prints the largest differences, relative to the largest force of the rows.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from importlib import import_module
+
+import numpy as np
+import pandas as pd
+import pytest
+from fmpy import read_model_description, simulate_fmu
+
+from tirefmu.applications.exports.convert import convert
+from tirefmu.applications.exports.dialects import HOSTS
+from tirefmu.applications.exports.lint import lint
+from tirefmu.fitting import fit
+from tirefmu.fmu import export
+from tirefmu.measurements import read_recording
+from tirefmu.tires import read_tir
+
+from .conftest import tool
+
+MODEL = "mf52"
+ROWS = 200
+#: Where Chrono's formulas are those of PAC2002: it limits B times slip to pi/2 - 0.01 and curvature factors to 1.
+CHRONO_LIMIT = 1.56
+#: Functions of MATLAB that MFeval calls and Octave 7 lacks, by file.
+MATLAB_FUNCTIONS = {
+    "contains.m": "function found = contains(text, part)\n  found = ! isempty(strfind(text, part));\nend\n",
+    "+coder/extrinsic.m": "function extrinsic(name)\nend\n",
+}
+
+
+@pytest.fixture(scope="module")
+def fitted(data_folder):
+    """Return a tire fitted to measured recordings."""
+    recordings = [read_recording(data_folder / f"{name}.mat") for name in ("cornering", "drivebrake")]
+    few = [recording.table.iloc[::60] for recording in recordings]
+    return fit(few, MODEL, screening=False, iterations=30, signs=recordings[0].signs).tire
+
+
+@pytest.fixture(params=["golden", "fitted"])
+def tire(request, tire_of):
+    """Return a tire of a property file, and one fitted to measured recordings."""
+    if request.param == "golden":
+        return tire_of(MODEL)
+    return request.getfixturevalue("fitted")
+
+
+@pytest.fixture
+def converted(tire, tmp_path):
+    """Return a function that converts the tire for a host and returns the result."""
+    return lambda host: convert(tire, tmp_path / f"{host}.tir", host)
+
+
+def path_of(name):
+    """Return the path in a variable of the environment, or skip the test."""
+    path = os.environ.get(name)
+    if not path:
+        pytest.skip(f"{name} is not set: see the head of this file")
+    return path
+
+
+def rows(tire, **fixed):
+    """Return operating conditions: random slips, inclinations and loads, some inputs fixed."""
+    rng = np.random.default_rng(0)
+    table = {name: rng.uniform(*limits, ROWS) for name, limits in (("kappa", (-0.2, 0.2)), ("alpha", (-0.2, 0.2)))}
+    table |= {"gamma": rng.uniform(-0.05, 0.05, ROWS), "Fz": rng.uniform(0.3, 1.6, ROWS) * tire.values["FNOMIN"]}
+    constant = {"V": tire.values["LONGVL"], **fixed}
+    return pd.DataFrame({**table, **{name: np.full(ROWS, value) for name, value in constant.items()}})
+
+
+def differences(reader, forces, expected, where=slice(None)):
+    """Return the largest difference of each force, relative to the largest force; `make readers` prints them."""
+    largest = {}
+    for name, values in forces.items():
+        difference, size = np.abs(values - expected[name])[where].max(), np.abs(expected[name]).max()
+        largest[name] = float(difference / size) if size else float(difference)  # a fit without Mx has none
+    print(f"{reader}: {', '.join(f'{name} {value:.0e}' for name, value in largest.items())}")
+    return largest
+
+
+def mfeval(path, table, folder, mode=221):
+    """Return forces of MFeval in Octave; mode 221: combined slip, alpha* = tan(alpha), no limits."""
+    octave, source = tool("octave-cli"), path_of("TIREFMU_MFEVAL")
+    inputs = table.assign(phit=0.0)[["Fz", "kappa", "alpha", "gamma", "phit", "V"]]
+    np.savetxt(folder / "rows.txt", inputs.to_numpy(), fmt="%.17g")
+    (folder / "+coder").mkdir()
+    for name, text in MATLAB_FUNCTIONS.items():
+        (folder / name).write_text(text)
+    (folder / "evaluate_rows.m").write_text(
+        f"addpath('{source}'); warning('off', 'all'); solver = mfeval.Solver();\n"
+        f"found = solver.fullSteadyState(mfeval.readTIR('{path}'), dlmread('rows.txt'), {mode});\n"
+        "printf('%.17g %.17g %.17g %.17g %.17g\\n', found(:, [1 2 6 4 5])');\n"
+    )
+    command = [octave, "--norc", "--no-history", "--quiet", "evaluate_rows.m"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    columns = np.array([line.split() for line in done.stdout.splitlines()], dtype=float).T
+    return dict(zip(("Fx", "Fy", "Mz", "Mx", "My"), columns, strict=True))
+
+
+def chrono(path, table):
+    """Return forces of Chrono's formulas, in the signs of the file."""
+    lines = "\n".join(" ".join(map(repr, row)) for row in table[["kappa", "alpha", "gamma", "Fz"]].to_numpy().tolist())
+    done = subprocess.run(
+        [path_of("TIREFMU_CHRONO"), str(path)], input=lines, capture_output=True, text=True, timeout=60, check=True
+    )
+    columns = np.array([line.split() for line in done.stdout.splitlines()], dtype=float).T
+    return dict(zip(("Fx", "Fy", "Mz"), columns, strict=True))
+
+
+def opentire(path, table, monkeypatch):
+    """Return forces of OpenTirePython."""
+    monkeypatch.syspath_prepend(path_of("TIREFMU_OPENTIRE"))
+    reader, state = import_module("opentire.Core.TIRFile"), import_module("opentire.Core.tirestate")
+    model = reader.TIRFile().load(str(path))
+    names = {"SR": "kappa", "SA": "alpha", "IA": "gamma", "FZ": "Fz", "V": "V"}
+    columns = {"Fx": [], "Fy": [], "Mz": []}
+    for row in table.to_dict("records"):
+        now = state.TireState()
+        now.update({theirs: float(row[ours]) for theirs, ours in names.items()})
+        for name, forces in columns.items():
+            now[name.upper()] = getattr(model, f"calculate_{name.lower()}")(now)  # Mz reads Fx and Fy
+            forces.append(now[name.upper()])
+    return {name: np.array(forces) for name, forces in columns.items()}
+
+
+def within(evaluated, *factors):
+    """Return the rows in which no curvature factor is above 1, where other programs limit it."""
+    return (evaluated[list(factors)] <= 1.0).all(axis=1).to_numpy()
+
+
+def test_files_of_a_fitted_tire_pass_the_check_of_each_host_and_give_its_forces(fitted, tmp_path):
+    hosts = [name for name, rules in HOSTS.items() if MODEL in rules.dialects]
+    lacking = max(hosts, key=lambda name: len(HOSTS[name].dialects[MODEL].lacking))
+    results = {lacking: convert(fitted, tmp_path / f"{lacking}.tir", lacking)}
+    assert results[lacking].refitted
+    for host in hosts:
+        if host != lacking:
+            complete = not HOSTS[host].dialects[MODEL].lacking
+            given = fitted if complete else results[lacking].tire  # fitted once for all hosts that lack coefficients
+            results[host] = convert(given, tmp_path / f"{host}.tir", host)
+            assert not results[host].refitted
+    table = rows(fitted).drop(columns="V")
+    for host, result in results.items():
+        assert not [finding for finding in lint(result.path, host) if finding.severity == "error"], host
+        forces, expected = (tire.forces(**table) for tire in (read_tir(result.path), result.tire))
+        for name, values in expected.items():
+            np.testing.assert_array_equal(forces[name], values, err_msg=f"{host}: {name}")
+
+
+def test_mfeval_has_the_same_forces_and_moments(converted, tmp_path):
+    result = converted("mfeval")
+    table = rows(result.tire)
+    forces = mfeval(result.path, table, tmp_path)
+    largest = differences("MFeval", forces, result.tire.forces(**table))
+    assert max(largest.values()) < 1e-12
+
+
+def test_opentire_has_the_same_forces_where_no_curvature_factor_is_limited(converted, monkeypatch):
+    result = converted("adams")
+    table = rows(result.tire)
+    forces, evaluated = opentire(result.path, table, monkeypatch), result.tire.evaluate(table)
+    differences("OpenTire, all rows", forces, evaluated)
+    where = within(evaluated, "E_x", "E_y", "E_t", "E_xalpha", "E_ykappa")
+    assert where.sum() > ROWS / 2
+    largest = differences("OpenTire, curvature factors up to 1", forces, evaluated, where)
+    assert largest["Fy"] < 1e-9
+    assert max(largest["Fx"], largest["Mz"]) < 1e-3
+
+
+@pytest.mark.parametrize(("fixed", "names"), [({"kappa": 0.0}, ["Fy"]), ({"alpha": 0.0}, ["Fx"])])
+def test_chrono_has_the_same_forces_where_it_limits_nothing(converted, fixed, names):
+    """It uses the slip angle where others use its tangent, and adds 0.1 N to a denominator."""
+    result = converted("chrono")
+    table = rows(result.tire, gamma=0.0, **fixed)
+    forces, evaluated = chrono(result.path, table), result.tire.evaluate(table, slip_angle="angle")
+    differences("Chrono, all rows", forces, evaluated)
+    slips = (evaluated["B_x"] * evaluated["kappa_x"], evaluated["B_y"] * evaluated["alpha_y"])
+    where = within(evaluated, "E_x", "E_y") & np.all([np.abs(slip) < CHRONO_LIMIT for slip in slips], axis=0)
+    assert where.sum() > ROWS / 5
+    largest = differences("Chrono", {name: forces[name] for name in names}, evaluated, where)
+    assert max(largest.values()) < 2e-5
+
+
+def slalom(tire, folder, largest, inclination):
+    """Return lagged slips, load and forces of a hub FMU whose wheel drives a slalom, brakes and bounces."""
+    fmu = export(tire, folder / "hub.fmu", inputs="hub")
+    starts = {v.name: v.start for v in read_model_description(str(fmu)).modelVariables}
+    rest, speed, spin = (float(starts[name]) for name in ("r_z", "v_x", "omega"))
+    time = np.arange(401) * 0.01
+    angle, slip = largest * np.sin(np.pi * time), -largest * np.clip((time - 2.0) / 0.5, 0.0, 1.0)
+    rolled = inclination * np.sin(2.0 * np.pi * time)
+    moved = {
+        "time": time, "v_x": speed + 0.0 * time, "v_y": speed * np.tan(angle), "omega": spin * (1.0 + slip),
+        "r_z": rest - 0.004 * np.sin(3.0 * np.pi * time),
+        "R_22": np.cos(rolled), "R_33": np.cos(rolled), "R_32": np.sin(rolled), "R_23": -np.sin(rolled),
+    }  # fmt: skip
+    outputs = {"kappa_lagged": "kappa", "alpha_lagged": "alpha", "gamma": "gamma", "Fz": "Fz"}
+    outputs |= {name: name for name in ("Fx", "Fy", "Mz")}
+    results = simulate_fmu(
+        str(fmu), fmi_type="CoSimulation", stop_time=4.0, step_size=0.01, output_interval=0.01,
+        input=pd.DataFrame(moved).to_records(index=False), start_values={"SLIP_ANGLE": 1.0}, output=list(outputs),
+        set_input_derivatives=False,
+    )  # fmt: skip
+    return pd.DataFrame({ours: results[name] for name, ours in outputs.items()})
+
+
+@pytest.mark.parametrize(("largest", "inclination"), [(0.08, 0.0), (0.2, 0.0), (0.08, 0.05)])
+def test_a_hub_fmu_drives_a_slalom_as_chronos_tire_does(tire_of, tmp_path, largest, inclination):
+    """With the slips of the FMU's carcass, which Chrono's tire has not."""
+    result = convert(tire_of(MODEL), tmp_path / "chrono.tir", "chrono")
+    path_of("TIREFMU_CHRONO")
+    driven = slalom(result.tire, tmp_path, largest, inclination)
+    assert driven[["Fx", "Fy"]].abs().max().min() > 4000.0
+    errors = differences(f"Chrono, slalom {largest} {inclination}", chrono(result.path, driven), driven)
+    if (largest, inclination) == (0.08, 0.0):  # nothing is limited
+        assert max(errors.values()) < 2e-5

@@ -1,0 +1,89 @@
+"""Summary of a tire as plain values, for ``tirefmu info``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import isfinite
+from typing import Any
+
+from ..symbolic.declarations import Coefficient
+from ..symbolic.models import MODELS
+from . import Tire
+from .implausible import implausible
+from .property_file.names import MAX_SEARCHED, OWN_SECTIONS, near_miss, not_given, unit_of
+from .property_file.text import number_and_rest
+
+#: Sections without information about the tire, or with information reported elsewhere.
+_OURS = ("MDI_HEADER", *OWN_SECTIONS)
+
+
+def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
+    """Return a summary of a tire: model, effects, ranges, sources of its values, warnings.
+
+    `notes`: notes from reading its file. Returns: plain JSON values. ``missing`` has the assumed values of coefficients
+    that the file lacks, ``assumed`` those of them that are properties without a neutral value, such as a radius;
+    ``unknown`` the unknown keys of the file, with the nearest coefficient; ``unused`` known keys that this model does
+    not read; ``ignored`` those of them that are coefficients of other models and not zero; ``tables`` the sections with
+    lines that are not keys.
+
+    >>> from tirefmu.tires import published
+    >>> summary = describe(published("trento_hoosier"))
+    >>> summary["model"], summary["nominal"]["Fz"], [doubt["name"] for doubt in summary["implausible"]]
+    ('mf96', 220.0, ['E_t'])
+    """
+    model, plain = tire.symbolic_model, tire.in_signs("adapted-sae")
+    declared = model.coefficients
+    at_neutral = [
+        name
+        for name, declaration in declared.items()
+        if declaration.neutral is not None and plain.values[name] == declaration.neutral
+    ]
+    idle = [name for name in model.effects if name in tire.has and model.owned(name) <= set(at_neutral)]
+    stored = tire.other_entries
+    entries = [
+        {"section": section, "key": key, "value": value}
+        for section, key, value in stored
+        if key and section not in _OURS
+    ]
+    unknown = [entry for entry in entries if unit_of(entry["key"]) is None]
+    missing = {name: tire.values[name] for name in not_given(tire)}
+    near = {entry["key"]: near_miss(entry["key"], declared) for entry in unknown[:MAX_SEARCHED]}
+    return {
+        "ok": True,
+        "name": tire.name,
+        "model": tire.model,
+        "title": model.title,
+        "signs": tire.signs,
+        "side": tire.side,
+        "about": dict(tire.about),
+        "nominal": {quantity.name: tire.nominal(quantity.name) for quantity in model.inputs},
+        "ranges": {name: list(bounds) for name, bounds in tire.ranges.items()},
+        "effects": [name for name in model.effects if name in tire.has and name not in idle],
+        "effects_at_neutral": idle,
+        "effects_absent": [name for name in model.effects if name not in tire.has],
+        "coefficients_at_neutral": at_neutral,
+        "missing": missing,
+        "assumed": {name: value for name, value in missing.items() if _is_property(declared[name], value)},
+        "unknown": [{**entry, "near": near.get(entry["key"])} for entry in unknown],
+        "unused": [e for e in entries if unit_of(e["key"]) is not None],
+        "ignored": [e for e in entries if _is_influential(e["key"], e["value"])],
+        "tables": list(dict.fromkeys(section for section, key, _ in stored if not key)),
+        "notes": list(notes),
+        "implausible": [
+            {"name": doubt.name, "value": doubt.value if isfinite(doubt.value) else None, "reason": doubt.reason}
+            for doubt in implausible(tire)
+        ],
+        "values": dict(tire.values),
+    }
+
+
+def _is_property(declared: Coefficient, value: float) -> bool:
+    """Return whether a value is a property of the tire, with a unit, that has no neutral value."""
+    return declared.neutral is None and not declared.fitted and declared.unit != "1" and value != 0.0
+
+
+def _is_influential(key: str, value: str) -> bool:
+    """Return whether a key is a fitted coefficient of some model with a value other than zero."""
+    declared = [model.coefficients[key] for model in MODELS.values() if key in model.coefficients]
+    number, _ = number_and_rest(value)
+    return any(declaration.fitted for declaration in declared) and isfinite(number) and number != 0.0

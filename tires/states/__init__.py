@@ -1,0 +1,1 @@
+"""States of a tire over time: slips that lag, heat, wear, hysteresis."""
