@@ -3,7 +3,7 @@ VENV ?= .venv
 # Tests run on all processors, those of a file on one, so that they share fixtures. PYTEST_ARGS=... replaces this.
 PYTEST_ARGS ?= -n auto --dist loadfile
 BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
-PACKAGES := boundary symbolic generated tires measurements estimation fitting fmu batch comparison diagnosis hosts explorer planning driving studio benchmarks/missing_effects
+PACKAGES := $(filter-out tests,$(patsubst %/__init__.py,%,$(wildcard */__init__.py)))
 
 # The first working Python (version managers install commands that only print a notice) that can create a venv.
 PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python; do \
@@ -23,7 +23,7 @@ test: $(VENV)/installed-dev  ## all tests; those on measured recordings need the
 
 matrix: $(VENV)/installed  ## all tests with gcc and clang, on Python 3.11 to 3.13, and with the oldest dependencies
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[matrix]"
-	$(BIN)/nox $(NOX_ARGS)
+	$(BIN)/nox -f .ci/noxfile.py $(NOX_ARGS)
 
 docs: $(VENV)/installed-dev  ## the documentation site in build/site, without connections; warnings are errors; runs the notebooks
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[docs]"
@@ -76,7 +76,7 @@ measured-drives: $(VENV)/installed-dev  ## drives of a small car in the folder d
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/dart.py $(TIREFMU_DATA)/dart
 
 missing-effects: $(VENV)/installed-dev  ## tests of all entries of the benchmark of missing effects, and the tables of docs/missing_effects.md
-	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[benchmark]"
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable "benchmarks/missing_effects[regressions]"
 	$(BIN)/pytest tests/missing_effects
 	OMP_NUM_THREADS=1 $(BIN)/python -W ignore benchmarks/missing_effects_table.py
 
@@ -135,7 +135,7 @@ examples: $(VENV)/installed-dev  ## FMUs in fmpy, libcosim, ecos and fmutool, an
 	$(BIN)/pytest tests/examples $(PYTEST_ARGS)
 
 hosts: $(VENV)/installed-dev  ## code for other programs, also with Ceres, CasADi symbols, JAX, PyTorch and rumoca where they are installed
-	TIREFMU_HOSTS=1 $(BIN)/pytest tests/hosts $(PYTEST_ARGS)
+	TIREFMU_HOSTS=1 $(BIN)/pytest tests/exports $(PYTEST_ARGS)
 
 readers: $(VENV)/installed-dev  ## MFeval, OpenTirePython and Chrono on files of convert: TIREFMU_MFEVAL, TIREFMU_OPENTIRE, TIREFMU_CHRONO are their paths
 	$(BIN)/pytest tests/exports/test_readers.py -rP
@@ -143,7 +143,7 @@ readers: $(VENV)/installed-dev  ## MFeval, OpenTirePython and Chrono on files of
 check: $(VENV)/installed-dev types  ## lint, format, types, imports, and generated/ compared with the equations
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
+	cd .types && ../$(BIN)/mypy --config-file ../pyproject.toml --cache-dir ../.mypy_cache
 	cd .types && ../$(BIN)/lint-imports --config ../pyproject.toml --no-cache --no-logo
 	$(BIN)/tirefmu generate --check
 
@@ -159,15 +159,13 @@ bench-steps: $(VENV)/installed  ## time of single steps of FMUs with hub inputs:
 performance: $(VENV)/installed-dev  ## docs/performance.md: start-up, fits, evaluation, memory in one run, on an idle machine
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/performance.py --write $(BENCH_ARGS)
 
-# The packages are sub-packages of tirefmu only when installed; type checkers read this tree of links instead.
+# mypy and import-linter import the root under its name.
 types:
-	@rm -rf .types && mkdir -p .types/tirefmu
-	@for entry in $(PACKAGES) $(filter-out %/__pycache__,$(wildcard tirefmu/*)); do \
-		ln -s "../../$$entry" ".types/tirefmu/$${entry##*/}" || exit 1; done
+	@mkdir -p .types && ln -sfn .. .types/tirefmu
 
 clean:
 	rm -rf .types build dist demo-output *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache
-	find $(PACKAGES) tirefmu tests -name __pycache__ -prune -exec rm -rf {} +
+	find $(PACKAGES) tests -name __pycache__ -prune -exec rm -rf {} +
 
 # pip runs without build isolation: the setuptools in $(VENV) builds everything.
 $(VENV)/installed: pyproject.toml | $(VENV)/created
@@ -177,7 +175,7 @@ $(VENV)/installed: pyproject.toml | $(VENV)/created
 
 $(VENV)/installed-dev: pyproject.toml | $(VENV)/created
 	@echo "Installing tirefmu and its development tools into $(VENV) (once, and when pyproject.toml changes)"
-	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[dev]"
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[dev]" --editable benchmarks/missing_effects
 	@touch $(VENV)/installed $@
 
 $(VENV)/created:

@@ -31,15 +31,15 @@ if TYPE_CHECKING:
 
 #: The names of each package or module; `load` is a name of this one.
 _NAMES = {
-    "batch.diagnose_many": ("diagnose_many",),
-    "batch.fit_many": ("fit_many",),
-    "batch.intervals": ("bootstrap", "profile"),
-    "batch.study": ("study",),
+    "applications.batch.diagnose_many": ("diagnose_many",),
+    "applications.batch.fit_many": ("fit_many",),
+    "applications.batch.intervals": ("bootstrap", "profile"),
+    "applications.batch.study": ("study",),
     "boundary.errors": ("TirefmuError",),
     "diagnosis": ("Diagnosis", "diagnose"),
-    "driving.drive": ("drive",),
-    "driving.result": ("Drive",),
-    "evaluation": ("evaluate",),
+    "applications.driving.drive": ("drive",),
+    "applications.driving.result": ("Drive",),
+    "measurements.evaluation": ("evaluate",),
     "fitting": ("FitResult", "fit"),
     "fmu": ("CheckResult", "ProofResult", "add_proof", "check", "export", "repeat_proof"),
     "measurements": ("Recording", "VirtualBench", "read_recording"),

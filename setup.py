@@ -1,19 +1,24 @@
-"""What pyproject.toml cannot declare: the sub-folders of each root folder that have Python files, and printed code."""
+"""What pyproject.toml cannot declare: the packages, and printed code."""
 
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 from setuptools import setup
 from setuptools.command.build_py import build_py
 
 ROOT = Path(__file__).parent
-PACKAGES = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["package-dir"]
 #: Runs where the packages have been copied to, as they are installed.
 PRINT = (
     "import sys, pathlib; from tirefmu.symbolic.printers.generate import write; write(pathlib.Path(sys.argv[1]), True)"
 )
+
+
+def packages() -> list[str]:
+    """Return the root and every folder with Python files below it, without the tests."""
+    files = [file for room in ROOT.glob("*/__init__.py") if room.parent.name != "tests"
+             for file in room.parent.rglob("__init__.py")]  # fmt: skip
+    return ["tirefmu", *sorted(".".join(["tirefmu", *file.parent.relative_to(ROOT).parts]) for file in files)]
 
 
 class BuildWithPrintedCode(build_py):
@@ -21,6 +26,11 @@ class BuildWithPrintedCode(build_py):
 
     A clone, and an editable install of it, print them at their first use instead.
     """
+
+    def find_package_modules(self, package: str, package_dir: str) -> list[tuple[str, str, str]]:
+        """Return the modules of a package: of the root only those that are imported."""
+        modules = super().find_package_modules(package, package_dir)
+        return [module for module in modules if package != "tirefmu" or module[1] in ("__init__", "__main__")]
 
     def run(self) -> None:
         """Copy, then print."""
@@ -30,11 +40,4 @@ class BuildWithPrintedCode(build_py):
             subprocess.run([sys.executable, "-c", PRINT, tree / "tirefmu" / "generated"], cwd=tree, check=True)
 
 
-setup(
-    packages=sorted(
-        ".".join([package, *file.parent.relative_to(ROOT / folder).parts])
-        for package, folder in PACKAGES.items()
-        for file in (ROOT / folder).rglob("__init__.py")
-    ),
-    cmdclass={"build_py": BuildWithPrintedCode},
-)
+setup(packages=packages(), cmdclass={"build_py": BuildWithPrintedCode})

@@ -20,7 +20,7 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "hosts"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "exports"))
 from doc_tables import DOCS, cells_of, put, split, table
 from self_tests import COMMANDS, command_of, differences
 

@@ -52,7 +52,7 @@ def faults(words: Sequence[str]) -> list[Fault]:
 
 
 class Copy:
-    """A copy of the tree whose tests import the copy: a package `tirefmu` with links to the root folders."""
+    """A copy of the tree whose tests import the copy: a link `tirefmu` to the root."""
 
     def __init__(self, folder: Path) -> None:
         self.root = folder
@@ -62,17 +62,12 @@ class Copy:
             if (ROOT / name).is_file():
                 (folder / name).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(ROOT / name, folder / name)
-        packages = tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]
         self._path = folder / "import"
-        for package, source in packages["package-dir"].items():
-            target = self._path.joinpath(*package.split("."))
-            if "." in package:
-                target.symlink_to(folder / source, target_is_directory=True)
-            else:
-                shutil.move(folder / source, target)
-                (folder / source).symlink_to(target, target_is_directory=True)
+        self._path.mkdir()
+        (self._path / "tirefmu").symlink_to(folder, target_is_directory=True)
+        (self._path / "missing_effects").symlink_to(folder / "benchmarks" / "missing_effects", target_is_directory=True)
         # Invalidated by content: a fault may be planted and removed within one second, the resolution of time stamps.
-        compiled = [sys.executable, "-m", "compileall", "-qq", "--invalidation-mode", "checked-hash", str(self._path)]
+        compiled = [sys.executable, "-m", "compileall", "-qq", "--invalidation-mode", "checked-hash", str(folder)]
         subprocess.run(compiled, check=False)
 
     def test(self, *arguments: str) -> subprocess.CompletedProcess[str]:

@@ -304,9 +304,10 @@ def demo(output: Path, quiet: bool, json_file: Path | None) -> int:
 
 
 for module in iter_modules(commands.__path__, f"{commands.__name__}."):
-    for value in vars(import_module(module.name)).values():
-        if isinstance(value, click.Command):
-            cli.add_command(value)
+    if module.name.endswith(("_command", "_commands")):
+        for value in vars(import_module(module.name)).values():
+            if isinstance(value, click.Command):
+                cli.add_command(value)
 add_examples(cli)
 
 
@@ -319,20 +320,25 @@ def main(arguments: list[str] | None = None) -> int:
     >>> main(["info", "missing.tir", "--quiet"])
     2
     """
+    return run(cli, "tirefmu", arguments)
+
+
+def run(command: click.Command, name: str, arguments: list[str] | None) -> int:
+    """Run a command and return its exit code; an error is one line."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # for encodings that lack a character of a file name
     try:
         given = sys.argv[1:] if arguments is None else arguments
-        command = shlex.join(["tirefmu", *given])
-        status = cli.main(args=given or ["--help"], prog_name="tirefmu", standalone_mode=False, obj=command)
+        line = shlex.join([name, *given])
+        status = command.main(args=given or ["--help"], prog_name=name, standalone_mode=False, obj=line)
     except TirefmuError as error:
-        return _invalid(str(error))
+        return _invalid(name, str(error))
     except click.ClickException as error:
-        return _invalid(_usage(error))
+        return _invalid(name, _usage(error))
     except OSError as error:  # a name that is too long, a disk that is full
-        return _invalid(f"{excerpt(error.filename, 200)}: {error.strerror}" if error.filename else str(error))
+        return _invalid(name, f"{excerpt(error.filename, 200)}: {error.strerror}" if error.filename else str(error))
     except (click.Abort, KeyboardInterrupt):
-        print("tirefmu: interrupted", file=sys.stderr)
+        print(f"{name}: interrupted", file=sys.stderr)
         return 130
     return int(status or 0)
 
@@ -346,6 +352,6 @@ def _usage(error: click.ClickException) -> str:
     return f"{message} {context.command_path} --help lists all {listed}." if listed and context else message
 
 
-def _invalid(message: str) -> int:
-    print(f"tirefmu: error: {visible(message)}", file=sys.stderr)
+def _invalid(name: str, message: str) -> int:
+    print(f"{name}: error: {visible(message)}", file=sys.stderr)
     return 2

@@ -11,7 +11,7 @@ SECTIONS = {
     "Work with a tire": ("info", "evaluate", "draw", "compare"),
     "Other programs": ("generate", "convert", "lint"),
     "What there is": ("columns", "models", "effects", "published", "schema"),
-    "To try it": ("demo", "example", "benchmark"),
+    "To try it": ("demo", "example"),
 }
 #: Command lines without the name of the program, by command.
 EXAMPLES = {
@@ -83,12 +83,6 @@ EXAMPLES = {
     "studio": ("studio", "studio cornering.mat drivebrake.mat"),
     "run": ("run", "run tirefmu.toml --force"),
     "demo": ("demo -o demo-output",),
-    "benchmark": (
-        "benchmark --list",
-        "benchmark -o recordings --seed 2",
-        "benchmark -o recordings --entry diagnosis",
-        "benchmark --score my_answers --seed 2",
-    ),
 }
 
 

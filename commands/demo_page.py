@@ -33,7 +33,7 @@ def write_demo_page(chapters: Sequence[DemoStep], folder: Path, ok: bool, second
     """
     path = folder / "index.html"
     filters = {"address": lambda file: "./" + quote(file.relative_to(folder).as_posix())}
-    text = page_text("tirefmu", filters, template="demo.html", chapters=chapters, ok=ok, seconds=seconds)
+    text = page_text("tirefmu.commands", filters, template="demo.html", chapters=chapters, ok=ok, seconds=seconds)
     with writing(path):
         write_page(text, path)
     return path

@@ -98,6 +98,6 @@ def _written(output: Path | None, quiet: bool, json_file: Path | None) -> int:
 
 def _committed() -> Path:
     """Return the folder of the committed code."""
-    import tirefmu.generated
+    from .. import generated
 
-    return Path(tirefmu.generated.__file__).parent
+    return Path(generated.__file__).parent

@@ -7,23 +7,20 @@ from __future__ import annotations
 
 import doctest
 import importlib
-import tomllib
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
-PACKAGES = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["package-dir"]
+from .rooms import ROOMS, ROOT
 
 
 def modules_with_examples() -> list[str]:
     """Return the import names of all modules that contain an example."""
     names = []
-    for package, folder in PACKAGES.items():
-        for path in sorted((ROOT / folder).rglob("*.py")):
+    for room in ROOMS:
+        for path in sorted((ROOT / room).rglob("*.py")):
             if ">>> " in path.read_text(encoding="utf-8"):
-                below = path.relative_to(ROOT / folder).with_suffix("").parts
-                names.append(".".join([package, *(part for part in below if part != "__init__")]))
+                below = path.relative_to(ROOT).with_suffix("").parts
+                names.append(".".join(["tirefmu", *(part for part in below if part != "__init__")]))
     return names
 
 

@@ -7,7 +7,8 @@ import runpy
 
 import pytest
 
-from .test_wheel import PROJECT, ROOT
+from .rooms import ROOT
+from .test_wheel import PROJECT
 
 #: Names of conda-forge that differ from those of PyPI.
 CONDA_NAMES = {"matplotlib": "matplotlib-base"}

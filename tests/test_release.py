@@ -17,8 +17,9 @@ import pytest
 
 from tirefmu.tires import published
 
-from .hosts.conftest import wet_grip
-from .test_wheel import PACKAGES, PROJECT, ROOT
+from .exports.conftest import wet_grip
+from .rooms import ROOT
+from .test_wheel import PROJECT, copy_of_the_sources
 
 #: Folder for the built files; without it the test is skipped, because the demo takes a minute.
 TARGET = os.environ.get("TIREFMU_RELEASE")
@@ -57,13 +58,11 @@ def environment(tmp_path_factory):
     target, folder = Path(TARGET), tmp_path_factory.mktemp("release")
     source = folder / "source"
     target.mkdir(parents=True, exist_ok=True)
-    for package in PACKAGES.values():
-        shutil.copytree(ROOT / package, source / package, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("pyproject.toml", "setup.py", PROJECT["project"]["readme"], *PROJECT["project"]["license-files"]):
-        shutil.copy(ROOT / name, source / name)
+    copy_of_the_sources(source)
     wheel, sdist = built(source, "wheel", target), built(source, "sdist", target)
     with tarfile.open(sdist) as archive:
         archive.extractall(folder / "unpacked", filter="data")
+        assert not [name for name in archive.getnames() if "/tests" in name]
     (unpacked,) = (folder / "unpacked").iterdir()
     (folder / "again").mkdir()
     assert names(built(unpacked, "wheel", folder / "again")) == names(wheel)

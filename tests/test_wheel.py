@@ -17,10 +17,11 @@ from pathlib import Path
 
 from tirefmu.symbolic.printers.generate import files_on_demand
 
-ROOT = Path(__file__).parents[1]
+from .rooms import ROOMS, ROOT
+
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-#: Package name -> root folder.
-PACKAGES = PROJECT["tool"]["setuptools"]["package-dir"]
+#: Files of the root that are in the wheel.
+PUBLIC = ("__init__.py", "__main__.py", "py.typed")
 
 
 def on_disk(folder: Path) -> set[Path]:
@@ -29,13 +30,19 @@ def on_disk(folder: Path) -> set[Path]:
     return {path for path in found if not any(part == "__pycache__" or part.startswith(".") for part in path.parts)}
 
 
+def copy_of_the_sources(target: Path) -> None:
+    """Copy what wheel and sdist are built from, and the tests, which they must not contain."""
+    for room in (*ROOMS, "tests"):
+        shutil.copytree(ROOT / room, target / room, ignore=shutil.ignore_patterns("__pycache__"))
+    built = ("pyproject.toml", "setup.py", "MANIFEST.in", PROJECT["project"]["readme"])
+    for name in (*PUBLIC, *built, *PROJECT["project"]["license-files"]):
+        shutil.copy(ROOT / name, target / name)
+
+
 def test_wheel_contains_the_packages(tmp_path):
     # Built from a copy: a build folder in the clone could contain outdated files.
     source = tmp_path / "source"
-    for folder in PACKAGES.values():
-        shutil.copytree(ROOT / folder, source / folder, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("pyproject.toml", "setup.py", PROJECT["project"]["readme"], *PROJECT["project"]["license-files"]):
-        shutil.copy(ROOT / name, source / name)
+    copy_of_the_sources(source)
     command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--no-index"]
     built = subprocess.run([*command, "--wheel-dir", tmp_path, source], capture_output=True, text=True, check=False)
     assert built.returncode == 0, built.stdout + built.stderr
@@ -44,10 +51,9 @@ def test_wheel_contains_the_packages(tmp_path):
     wheel = zipfile.ZipFile(path)
     packed = {name for name in wheel.namelist() if ".dist-info/" not in name}
     expected = {
-        "/".join([*package.split("."), *path.parts])
-        for package, folder in PACKAGES.items()
-        for path in on_disk(ROOT / folder)
-    }
+        f"tirefmu/{name}" for name in (*PUBLIC, *(
+            f"{room}/{path.as_posix()}" for room in ROOMS for path in on_disk(ROOT / room)))
+    }  # fmt: skip
     manifest = json.loads(wheel.read("tirefmu/generated/MANIFEST.json"))
     printed = {f"tirefmu/generated/{name}": digest for name, digest in manifest["files"].items()}
     assert {

@@ -52,11 +52,11 @@ class Conversion:
 def convert(tire: TireLike, path: str | Path, host: str, model: str | None = None) -> Conversion:
     """Write a tire as a property file for another program.
 
-    `host`: one of `tirefmu.applications.exports.dialects.HOSTS`. `model`: one of the models that the host has; default: that of the
-    tire if the host has it, else the host's first. The coefficients of another model than the tire's are fitted to its
-    forces, and so are those of its own model if it has coefficients that the host's model lacks, or added effects that
-    change the forces at nominal conditions. Raises `UnknownName` if there is no such host. Raises `TirefmuError` if the
-    host has no such model, or the file cannot be written.
+    `host`: one of `tirefmu.applications.exports.dialects.HOSTS`. `model`: one of the models that the host has;
+    default: that of the tire if the host has it, else the host's first. The coefficients of another model than the
+    tire's are fitted to its forces, and so are those of its own model if it has coefficients that the host's model
+    lacks, or added effects that change the forces at nominal conditions. Raises `UnknownName` if
+    there is no such host, `TirefmuError` if it has no such model or the file cannot be written.
     """
     rules, whole = host_named(host), tire_from(tire).in_signs("iso")
     chosen = model or (whole.model if whole.model in rules.dialects else next(iter(rules.dialects)))

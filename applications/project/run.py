@@ -9,11 +9,10 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import monotonic
-from typing import Any
+from typing import Any, Protocol
 from urllib.parse import quote
 
 from ...boundary.errors import TirefmuError, writing
-from ...commands.terminal import Terminal
 from ...drawing.page import page_text, write_page
 from ...numerics.forecast import left_text
 from .limited import TimeLimitReached
@@ -28,6 +27,19 @@ INDEX = "index.html"
 PICTURE = re.compile(r'src="(data:image/png;base64,[A-Za-z0-9+/=]+)"')
 #: Runs a step and returns its exit code.
 Command = Callable[[Step], int]
+
+
+class Display(Protocol):
+    """What shows the progress of a run: the terminal of the command line."""
+
+    def begin(self, line: str) -> None:
+        """Show what is running."""
+
+    def heading(self, title: str, text: str) -> None:
+        """Show a title and a text behind it."""
+
+    def print(self, *lines: str) -> None:
+        """Show lines."""
 
 
 @dataclass(frozen=True)
@@ -48,13 +60,13 @@ class StepOutcome:
 
 
 def run_project(
-    project: Project, command: Command, terminal: Terminal, *, force: bool = False, outside: bool = False,
+    project: Project, command: Command, display: Display, *, force: bool = False, outside: bool = False,
     only: Collection[str] = (),
 ) -> list[StepOutcome]:  # fmt: skip
     """Run the steps of a project and write the page ``index.html`` before the first and after each.
 
     `command`: runs the command of a step and returns its exit code; raises `TimeLimitReached` if it had to be ended.
-    `terminal`: shows the outcome of each step, a line or a few. `force`: repeat also the steps whose results are up to
+    `display`: shows the outcome of each step, a line or a few. `force`: repeat also the steps whose results are up to
     date. `outside`: results may be outside the folder of the project. `only`: run only the steps of these commands and
     those whose results they read; of the others, the outcomes that are up to date are included. Raises `TirefmuError`
     if a table does not exist, a result would be outside the folder of the project, a folder or file cannot be written,
@@ -82,12 +94,12 @@ def run_project(
             skipped[step.name] = step
             continue
         left = left_text(_sum(ahead[later.name] for later in steps[number - 1 :] if later.name in ahead))
-        terminal.begin(f"{number}/{len(steps)} {step.name}" + (f" (all steps: {left})" if left else ""))
-        outcome = _run(step, records, command, terminal, force and step in chosen)
+        display.begin(f"{number}/{len(steps)} {step.name}" + (f" (all steps: {left})" if left else ""))
+        outcome = _run(step, records, command, display, force and step in chosen)
         outcomes.append(outcome)
         state = outcome.summary.text + ("" if outcome.repeated else " (up to date)")
-        terminal.heading(f"{number}/{len(steps)} {step.name}:", state)
-        terminal.print(*(f"  {line}" for line in outcome.summary.lines))
+        display.heading(f"{number}/{len(steps)} {step.name}:", state)
+        display.print(*(f"  {line}" for line in outcome.summary.lines))
         _write_index(
             project, outcomes, [step.name for i, step in enumerate(steps) if i >= number or step.name in skipped]
         )
@@ -103,7 +115,7 @@ def _check_inside(project: Project, steps: Sequence[Step]) -> None:
             raise TirefmuError(f"{project.path}: {path} is outside the folder of the project: --outside permits it")
 
 
-def _run(step: Step, records: Records, command: Command, terminal: Terminal, force: bool) -> StepOutcome:
+def _run(step: Step, records: Records, command: Command, display: Display, force: bool) -> StepOutcome:
     status = None if force else records.status(step)
     repeated = status is None
     if status is None:
@@ -169,7 +181,8 @@ def _write_index(project: Project, outcomes: Sequence[StepOutcome], missing: Seq
         files = [file.relative_to(folder).as_posix() for file in dict.fromkeys([*first, *written])]
         return [("open the page" if i < len(first) else file, "./" + quote(file)) for i, file in enumerate(files)]
 
-    text = page_text("tirefmu.applications.project", {"links": links}, title=project.path.resolve().parent.name, outcomes=outcomes,
+    text = page_text(
+        "tirefmu.applications.project", {"links": links}, title=project.path.resolve().parent.name, outcomes=outcomes,
                      missing=missing)  # fmt: skip
     with writing(path):
         write_page(text, path)

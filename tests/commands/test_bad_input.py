@@ -142,12 +142,6 @@ BAD = {
     "init good.csv --model mf96 --effects camber_trust -o new.toml": "did you mean camber_thrust?",
     "schema projekt": "did you mean project?",
     "fit-many none.toml -o new": "none.toml: no such file or folder",
-    "benchmark --list -o new": "one of -o FOLDER, --score ANSWERS and --list",
-    "benchmark --score none --seed 1": "none: no such folder",
-    "benchmark --score .": "--score needs --seed",
-    "benchmark --entry stepwise": "needs one of",
-    "benchmark --list --entry stepwise": "--entry needs -o FOLDER",
-    "benchmark -o new --entry stepwize": "did you mean stepwise",
 }  # fmt: skip
 
 

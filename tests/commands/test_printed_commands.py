@@ -12,7 +12,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import tirefmu
 from tirefmu.boundary.errors import LISTED_BY
 from tirefmu.commands.cli import cli
 from tirefmu.commands.fit_command import _testable
@@ -20,12 +19,10 @@ from tirefmu.commands.progress import FitProgress
 from tirefmu.measurements import Recording
 from tirefmu.tires import published
 
+from ..rooms import ROOMS, ROOT
+
 #: A name that a shell would not leave alone.
 HOSTILE = "run ;'$(b) 1.csv"
-PACKAGES = (
-    "batch", "boundary", "comparison", "diagnosis", "estimation", "explorer", "fitting", "fmu", "hosts", "measurements",
-    "symbolic", "tirefmu", "tires",
-)  # fmt: skip
 #: Sentences about a command.
 SENTENCES = (
     "tirefmu effects NAME describes one",
@@ -55,9 +52,8 @@ def texts_of(path):
 
 def test_no_command_line_is_put_together_without_quotes():
     """`command_text` makes those with names and values; a constant one is parsed here."""
-    root = Path(tirefmu.__file__).parents[1]
     begun = re.compile(rf"\btirefmu ({'|'.join(cli.commands)})\b.*")
-    paths = [path for package in PACKAGES for path in (root / package).rglob("*.py")]
+    paths = [path for room in ROOMS for path in (ROOT / room).rglob("*.py")]
     found = {match[0].strip('"') for path in paths for text in texts_of(path) for match in begun.finditer(text)}
     assert {*SENTENCES, *(text for text in LISTED_BY.values() if begun.match(text))} <= found
     for line in found.difference(SENTENCES):

@@ -216,7 +216,7 @@ def test_no_other_package_names_a_model_or_its_coefficients():
     } | set(MODELS)
     names |= {"SIGX", "SIGY", "SIGC", "SIGK", "VXLOW"}
     named = {}
-    for folder in ("tires", "measurements", "estimation", "fitting", "fmu", "diagnosis", "tirefmu"):
+    for folder in ("tires", "measurements", "numerics", "fitting", "fmu", "diagnosis", "drawing", "commands"):
         for path in (ROOT / folder).rglob("*.py"):
             name = path.relative_to(ROOT).as_posix()
             texts = {text for text in written(path) if isinstance(text, str)} & (names - shared)

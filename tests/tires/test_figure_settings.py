@@ -6,7 +6,6 @@ import ast
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from matplotlib import rc_context
@@ -14,9 +13,9 @@ from matplotlib import rc_context
 from tirefmu.tires import published
 from tirefmu.tires.drawing.files import draw
 
-ROOT = Path(__file__).parents[2]
-PACKAGES = [path.parent for path in ROOT.glob("*/__init__.py") if path.parent.name != "tests"]
-OWN = ROOT / "tires" / "drawing" / "own_matplotlib.py"
+from ..rooms import ROOMS, ROOT
+
+OWN = ROOT / "drawing" / "own_matplotlib.py"
 HOSTILE = {
     "LaTeX and sizes": b"text.usetex: True\ntext.latex.preamble: \\immediate\\write18{touch ran} \\notacommand\n"
     b"font.size: 40\nfigure.dpi: 1000\nsavefig.transparent: True\n",
@@ -54,7 +53,7 @@ def test_settings_of_a_program_do_not_change_files(tmp_path):
 @pytest.fixture(scope="module")
 def modules():
     """Return the syntax trees of the modules of the packages that have to do with matplotlib, by path."""
-    paths = [path for package in PACKAGES for path in package.rglob("*.py") if "generated" not in path.parts]
+    paths = [path for room in ROOMS for path in (ROOT / room).rglob("*.py") if "generated" not in path.parts]
     texts = {path: path.read_text(encoding="utf-8") for path in paths}
     return {path: ast.parse(text) for path, text in texts.items() if "matplotlib" in text}
 

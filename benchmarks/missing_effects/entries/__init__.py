@@ -23,7 +23,7 @@ ENTRIES = {
     "stability": "stability selection over blocks of time with the lasso (scikit-learn)",
     "gaussian_process": "a smooth function of the inputs, without names (scikit-learn)",
 }
-#: Entries that need the packages of the extra ``benchmark``.
+#: Entries that need the packages of the extra ``regressions``.
 NEED_EXTRA = ("pysindy", "sparse_bayes", "stability", "gaussian_process")
 
 
@@ -37,7 +37,7 @@ def answer_of(entry: str, case: Case) -> Answer:
         method: Callable[[Case], Answer] = import_module(f"{__name__}.{entry}").answer
         given = method(case)
     except ImportError as error:
-        raise TirefmuError(f"entry {entry} needs {error.name}: pip install 'tirefmu[benchmark]'") from None
+        raise TirefmuError(f"entry {entry} needs {error.name}: pip install 'missing-effects[regressions]'") from None
     except Exception as error:  # of a method that is measured
         given, failed = Answer(), f"{type(error).__name__}: {error}"[:2000]
     return Answer(given.found, given.probabilities, given.variables, given.forces, time.process_time() - began, failed)

@@ -1,4 +1,4 @@
-"""``tirefmu benchmark``: recordings with missing effects, answers of methods, and their score."""
+"""``missing-effects``: recordings with missing effects, answers of methods, and their score."""
 
 from __future__ import annotations
 
@@ -7,15 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..boundary.errors import TirefmuError, UnknownName
-from .arguments import FILE, check_output_paths, common, names, write_json
+from tirefmu.boundary.errors import TirefmuError, UnknownName
+from tirefmu.commands.arguments import FILE, check_output_paths, common, names, write_json
+from tirefmu.commands.cli import run
 
 if TYPE_CHECKING:
-    from ...missing_effects.generator.cases import Made
-    from .terminal import Terminal
+    from tirefmu.commands.terminal import Terminal
+
+    from .generator.cases import Made
 
 
-@click.command()
+@click.command("missing-effects")
 @click.option("-o", "--output", type=FILE, help="Folder of the recordings; with recordings and without --seed, these.")
 @click.option("--seed", type=click.IntRange(min=0), help="Of the recordings  [default: 1; 1 to 5 are published]")
 @click.option("--only", callback=names, metavar="CASE,...", help="Of an entry or a score: these recordings.")
@@ -33,12 +35,12 @@ def benchmark(
     probabilities and the forces on other maneuvers (answer.schema.json). To be measured blind, take recordings
     whose seed somebody else chose; benchmark.json has a digest of the seed.
     """
-    from .terminal import Terminal
+    from tirefmu.commands.terminal import Terminal
 
     terminal = Terminal(quiet)
     check_output_paths(json_file, folder=output)
     if sum((listed, score is not None, output is not None)) != 1:
-        raise TirefmuError("benchmark needs one of -o FOLDER, --score ANSWERS and --list")
+        raise TirefmuError("missing-effects needs one of -o FOLDER, --score ANSWERS and --list")
     if entry is not None and output is None:
         raise TirefmuError("--entry needs -o FOLDER")
     if score is not None and (seed is None or not score.is_dir()):
@@ -48,7 +50,7 @@ def benchmark(
     elif score is not None and seed is not None:
         summary = {"seed": seed, "scores": _scored(terminal, score, seed, only)}
     elif output is not None:
-        from ...missing_effects.entries import ENTRIES
+        from .entries import ENTRIES
 
         if entry is not None and entry not in ENTRIES:
             raise UnknownName("entry", entry, ENTRIES)
@@ -60,17 +62,17 @@ def benchmark(
 
 
 def _listed(terminal: Terminal) -> dict[str, Any]:
-    from ...missing_effects.entries import ENTRIES, NEED_EXTRA
+    from .entries import ENTRIES, NEED_EXTRA
 
-    rows = [[name, "benchmark" if name in NEED_EXTRA else "", text] for name, text in ENTRIES.items()]
+    rows = [[name, "regressions" if name in NEED_EXTRA else "", text] for name, text in ENTRIES.items()]
     terminal.table("", (["entry", "extra", "method"], rows))
     return {"entries": dict(ENTRIES)}
 
 
 def _written(terminal: Terminal, folder: Path, seed: int | None) -> dict[str, Any]:
     """Write the recordings of a seed, or find those of the folder; the seed is None if it is not published."""
-    from ...missing_effects.answers import read_about
-    from ...missing_effects.generator.files import PUBLISHED_SEEDS, commitment, write_recordings
+    from .answers import read_about
+    from .generator.files import PUBLISHED_SEEDS, commitment, write_recordings
 
     if seed is None and (folder / "benchmark.json").exists():
         about = read_about(folder)
@@ -87,8 +89,8 @@ def _answered(
     terminal: Terminal, folder: Path, entry: str, only: tuple[str, ...] | None, seed: int | None
 ) -> dict[str, Any]:
     """Run an entry, write its answers, and score them if the seed is known."""
-    from ...missing_effects.answers import read_cases, write_answer
-    from ...missing_effects.entries import answer_of
+    from .answers import read_cases, write_answer
+    from .entries import answer_of
 
     cases = read_cases(folder)
     answers, chosen = folder / "answers" / entry, _chosen(only, list(cases))
@@ -102,8 +104,8 @@ def _answered(
 
 def _scored(terminal: Terminal, answers: Path, seed: int, only: tuple[str, ...] | None) -> dict[str, Any]:
     """Print and return the score of answers to the recordings of a seed."""
-    from ...missing_effects.generator.cases import made
-    from ...missing_effects.score import HEAD, read_outcomes, row, scores
+    from .generator.cases import made
+    from .score import HEAD, read_outcomes, row, scores
 
     with terminal.working(f"making the truth of seed {seed}"):
         cases: dict[str, Made] = {case.name: case for case in made(seed)}
@@ -117,3 +119,8 @@ def _chosen(only: tuple[str, ...] | None, cases: list[str]) -> list[str]:
         if name not in cases:
             raise UnknownName("recording", name, cases)
     return list(only or cases)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command and return its exit code, as those of ``tirefmu``."""
+    return run(benchmark, "missing-effects", arguments)
