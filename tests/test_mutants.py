@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 import tomllib
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
+from .rooms import ROOT, STUDIES
+
 FAULTS = tomllib.loads((ROOT / "benchmarks" / "mutants.toml").read_text(encoding="utf-8"))["fault"]
 
 
@@ -23,5 +23,5 @@ def test_a_fault_can_be_planted_and_its_tests_exist(fault):
 
 
 def test_the_number_of_faults_is_that_of_the_documentation():
-    (stated,) = re.findall(r"plants (\d+) single-line faults", (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"))
+    (stated,) = re.findall(r"plants (\d+) single-line faults", STUDIES["mutants"]["about"])
     assert int(stated) == len(FAULTS)

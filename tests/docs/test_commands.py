@@ -14,10 +14,10 @@ import pytest
 
 from tirefmu.commands.cli import cli, main
 
+from ..rooms import ROOT, TARGETS
 from .made_files import MadeFiles
 from .page_blocks import REASONS, blocks_of
 
-ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 TEXTS = {path.relative_to(DOCS).as_posix(): path.read_text(encoding="utf-8") for path in sorted(DOCS.rglob("*.md"))}
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -26,7 +26,6 @@ SLOW = {
     "command_line.md", "diagnosis.md", "effects.md", "gallery.md", "many_tires.md", "planning.md", "report_figures.md",
     "temperature.md", "ttc.md",
 }  # fmt: skip
-TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE))
 
 
 @pytest.fixture(scope="session")

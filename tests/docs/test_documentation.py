@@ -9,7 +9,7 @@ import runpy
 import shlex
 import subprocess
 import sys
-from pathlib import Path
+import tomllib
 
 import pytest
 
@@ -21,9 +21,9 @@ from tirefmu.commands.schemas import KINDS
 from tirefmu.measurements.units import UNITS
 from tirefmu.symbolic.models import MODELS
 
+from ..rooms import MAKEFILE, ROOT, RULES, STUDIES, TARGETS
 from .page_blocks import blocks_of
 
-ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 #: Pages that are also notebooks.
 TUTORIALS = sorted(f"tutorials/{path.name}" for path in (DOCS / "tutorials").glob("*.md"))
@@ -31,9 +31,6 @@ GENERATED = runpy.run_path(str(DOCS / "reference_pages.py"))
 GALLERY = runpy.run_path(str(DOCS / "gallery.py"))
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
-#: Targets of the Makefile with a rule; `make` accepts a name that is only listed as .PHONY and does nothing.
-TARGETS = set(re.findall(r"^([a-z-]+):", MAKEFILE, flags=re.MULTILINE))
 
 
 def notebook(page):
@@ -62,8 +59,17 @@ def test_the_readme_names_commands_targets_and_files_that_exist():
 
 
 def test_every_target_of_make_has_a_rule_and_is_explained():
-    assert set(re.search(r"^\.PHONY: (.*)$", MAKEFILE, flags=re.MULTILINE)[1].split()) == TARGETS
-    assert set(re.findall(r"^\| `make ([a-z-]+)`", CONTRIBUTING, flags=re.MULTILINE)) == TARGETS
+    assert set(re.search(r"^\.PHONY: (.*)$", MAKEFILE, flags=re.MULTILINE)[1].split()) == RULES
+    assert set(re.findall(r"^\| `make ([a-z-]+)`", CONTRIBUTING, flags=re.MULTILINE)) == RULES
+    assert not RULES & set(STUDIES)
+
+
+def test_the_files_and_extras_of_studies_exist():
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
+    for study in STUDIES.values():
+        assert set(study.get("extras", ())) <= set(extras)
+        named = [word for line in study["run"] for word in line.split() if word.startswith(("benchmarks/", "tests/"))]
+        assert all((ROOT / word).exists() for word in named), named
 
 
 def test_figures_of_the_performance_page_are_figures_of_the_benchmarks(monkeypatch):
