@@ -1,4 +1,4 @@
-"""``python -m benchmarks``: lists the studies of ``studies.toml``; ``python -m benchmarks NAME [ARGUMENTS]`` runs one."""
+"""``python -m benchmarks``: list the studies of ``studies.toml``; ``python -m benchmarks NAME`` runs one."""
 
 from __future__ import annotations
 
