@@ -54,8 +54,9 @@ fuzz: $(VENV)/installed-dev  ## 10,000 mutated files of every kind that is read,
 mutants: $(VENV)/installed-dev  ## 66 single-line faults in a copy of the tree: lists those that the nearest tests miss
 	$(BIN)/python benchmarks/mutants.py $(MUTANTS_ARGS)
 
-perturb: $(VENV)/installed-dev  ## fits and a diagnosis have equal results with other instruction sets and rounding
+perturb: $(VENV)/installed-dev  ## fits and a diagnosis have equal results with other instruction sets and rounding; all tests with those of other processors
 	TIREFMU_PERTURB=1 $(BIN)/pytest tests/fitting/test_perturbations.py $(PYTEST_ARGS)
+	$(BIN)/python benchmarks/perturbed_suite.py $(PYTEST_ARGS) $(PERTURB_ARGS)
 
 workers: $(VENV)/installed-dev  ## two Dask workers, one of them killed midway: diagnoses with FMUs, a study, cross-validation, a bootstrap
 	TIREFMU_WORKERS=1 $(BIN)/pytest tests/batch/test_two_workers.py tests/batch/test_intervals.py $(PYTEST_ARGS)
