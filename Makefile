@@ -62,10 +62,12 @@ workers: $(VENV)/installed-dev  ## two Dask workers, one of them killed midway: 
 	TIREFMU_WORKERS=1 $(BIN)/pytest tests/batch/test_two_workers.py tests/batch/test_intervals.py $(PYTEST_ARGS)
 
 discovery: $(VENV)/installed-dev  ## success rate of the diagnosis over made recordings: two suites, see docs/discovery.md
+	TIREFMU_SLOW=1 $(BIN)/pytest tests/diagnosis -m slow $(PYTEST_ARGS)
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/discovery.py $(DISCOVERY_ARGS)
 
 drives: $(VENV)/installed-dev  ## logs in MDF; made drives with a known truth: errors and coverage of the factors, see docs/drive.md
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[mdf]"
+	TIREFMU_SLOW=1 $(BIN)/pytest tests/driving -m slow $(PYTEST_ARGS)
 	$(BIN)/pytest tests/driving -k mdf
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/drives.py $(DRIVES_ARGS)
 

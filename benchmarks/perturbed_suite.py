@@ -1,7 +1,7 @@
 """The test suite with the instruction sets of other processors in BLAS, NumPy and the compiled kernels.
 
-Sums and elementary functions then differ in their last digits, as they do between machines: no test may notice. Arguments
-are those of pytest.
+Sums and elementary functions then differ in their last digits, as they do between machines: no test may notice.
+Arguments are those of pytest.
 """
 
 from __future__ import annotations
