@@ -218,12 +218,13 @@ def _next_command(result: FitResult, tire: Path, tables: Sequence[Path], chosen:
     The options `chosen` select and interpret the rows.
     """
     from ..fitting.results.verdict import lacks_something
+    from ..measurements.ties import graded
 
     sources = list(dict.fromkeys(c.recording for c in result.channels))
     lacking = [c for c in result.channels if lacks_something(c)]
     if not lacking or len(sources) != len(tables):
         return command_text("export", tire, "-o", tire.with_suffix(".fmu"))
-    worst = max(lacking, key=lambda c: c.above_floor)
+    worst = max(lacking, key=lambda c: graded(c.above_floor))
     table = tables[sources.index(worst.recording)]
     folder = tire.with_name(f"{file_name(table.stem)}_diagnosis")
     return command_text("diagnose", table, "--tire", tire, *chosen, "-o", folder)

@@ -20,7 +20,7 @@ import numpy as np
 
 from .arrays import FloatArray
 from .one_thread import one_blas_thread
-from .quadratic_step import best_step
+from .quadratic_step import ROUNDING, best_step
 
 #: Upper limit of corrections of a step that violates constraints because they are nonlinear.
 CORRECTIONS = 2
@@ -192,8 +192,15 @@ def restore(
                 step, _ = best_step(gradient, matrix + damping * np.eye(len(x)), rows, least, most)
             except np.linalg.LinAlgError:
                 return None
-            x = np.clip(x + step, lower, upper)
+            x = _moved(x, step, lower, upper)
     return x if constraints.satisfied(constraints.values(x)) else None
+
+
+def _moved(x: FloatArray, step: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:
+    """Return x after a step, exactly on each bound from which it is apart by rounding errors."""
+    moved = np.clip(x + step, lower, upper)
+    apart = ROUNDING * np.maximum(np.abs(x), np.abs(step))
+    return np.where(moved - lower <= apart, lower, np.where(upper - moved <= apart, upper, moved))
 
 
 @dataclass(frozen=True, eq=False)
@@ -272,7 +279,7 @@ class _Point:
                 break
             predicted = reduction if not correction else predicted
             step = scaled / size
-            after = np.clip(self.x + step, self.lower, self.upper)
+            after = _moved(self.x, step, self.lower, self.upper)
             values = self.constraints.values(after)
             if self.constraints.satisfied(values):
                 cost = self.objective.cost(after)

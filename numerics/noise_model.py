@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import fft, optimize
 
+from ..measurements.ties import graded
 from .arrays import BoolArray, FloatArray
 
 #: Initial correlation times of drift for the fit to a periodogram, and their bounds, s.
@@ -78,7 +79,7 @@ def noise_parts(residual: FloatArray, present: BoolArray, step: float) -> NoiseP
         )
         for memory in DRIFT_TIMES
     ]
-    return parts(min(solutions, key=lambda solution: float(solution.fun)).x)
+    return parts(min(solutions, key=lambda solution: graded(float(solution.fun))).x)
 
 
 def _spectrum(noise: NoiseParts, wave: FloatArray, step: float) -> FloatArray:

@@ -14,6 +14,7 @@ import numpy as np
 from scipy import fft
 from scipy.ndimage import median_filter
 
+from ..measurements.ties import graded
 from .arrays import BoolArray, FloatArray
 
 #: Largest number of lines of a recording.
@@ -74,7 +75,7 @@ def periodic_lines(
         peaks = [peak for over, at in axes.items() if (peak := _largest_peak(over, at, rest, simulated)) is not None]
         if not peaks:
             break
-        _, line = max(peaks, key=lambda peak: peak[0])
+        _, line = max(peaks, key=lambda peak: graded(peak[0]))
         waves = line.waves(axes[line.over])
         amplitudes = np.linalg.lstsq(waves.T, rest.T, rcond=None)[0].T
         waved = np.where(present, amplitudes @ waves, 0.0)
@@ -106,7 +107,7 @@ def _largest_peak(
         return None
     unforced = np.all(_widest(forced) < SIMULATED_PEAK, axis=0)
     score = np.where(usable & unforced, power.max(axis=0), 0.0)
-    best = int(np.argmax(score))
+    best = int(np.argmax(graded(score)))
     threshold = np.log2(len(rest) * max(int(usable.sum()) / FINER, 1.0) / BY_CHANCE)
     return (float(score[best]), PeriodicLine(over, float(frequency[best]))) if score[best] > threshold else None
 

@@ -14,6 +14,7 @@ from math import tau
 import numpy as np
 from scipy.special import chdtri
 
+from ..measurements.ties import graded
 from .arrays import BoolArray, FloatArray, IntArray
 
 #: Length of an interval, s, and largest number of intervals of a recording that are evaluated.
@@ -74,7 +75,7 @@ def once_per_revolution(
     if not finite.any():
         return None
     typical = np.median(power[finite], axis=0)
-    best = int(np.flatnonzero(finite)[np.argmax((power[finite] / np.maximum(typical, 1e-30)).sum(axis=1))])
+    best = int(np.flatnonzero(finite)[np.argmax(graded((power[finite] / np.maximum(typical, 1e-30)).sum(axis=1)))])
     above = np.maximum(power[best] - typical, 0.0)
     share = np.where(square > 0.0, above / 2.0 / np.where(square > 0.0, square, 1.0), 0.0)
     frequency = float(advance / step / (tau * radii[best]))

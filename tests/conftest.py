@@ -27,6 +27,14 @@ hypothesis.settings.register_profile(
 hypothesis.settings.load_profile("tirefmu")
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Skip what only a release needs to know: tests that are marked as slow."""
+    if "TIREFMU_SLOW" not in os.environ:
+        for item in items:
+            if item.get_closest_marker("slow"):
+                item.add_marker(pytest.mark.skip(reason="slow: set TIREFMU_SLOW=1"))
+
+
 @pytest.fixture(scope="session", autouse=True)
 def compiled_code(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """Cache compiled libraries and printed code in pytest's cache instead of the user's cache.

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ..measurements.ties import graded
 from . import Tire
 from .definition import RANGES
 from .evaluation import quantities
@@ -116,7 +117,7 @@ def _behaviour(tire: Tire) -> Iterator[Doubt]:
             yield Doubt(friction, float(last), f"increases with load, from {first:.3g} at {load[0]:g} N")
     for name in filter(None, map(model.quantity, CURVATURES)):
         curvature = np.nan_to_num(computed[name], nan=-np.inf)
-        row = int(curvature.argmax())
+        row = int(graded(curvature).argmax())
         if curvature[row] > 1:
             at = ", ".join(f"{key} = {values[row]:.3g}" for key, values in inputs.items())
             yield Doubt(name, float(curvature[row]), f"above 1 at {at}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from ...measurements.ties import graded
 from .estimate import Estimate
 from .inputs.car import Car
 from .inputs.grid import Grid
@@ -25,7 +26,7 @@ GROUPS, PHASE, ACCELERATING = 8, 2.0, 1.0
 def disagreement(grid: Grid, estimate: Estimate, lacking: FloatArray, car: Car) -> str:
     """Return a sentence. `lacking`, shape (n, 2): side force that the motion requires beyond the tires, N."""
     shares = lacking / np.array(car.axle_loads)
-    axle = int(np.argmax(np.mean(shares**2, axis=0)))
+    axle = int(np.argmax(graded(np.mean(shares**2, axis=0))))
     values = {
         name: estimate.outputs.values[:, OUTPUTS.index(f"{name}_{AXLES[axle]}")]
         for name in ("alpha", "kappa", "V", "Fz")
@@ -34,12 +35,12 @@ def disagreement(grid: Grid, estimate: Estimate, lacking: FloatArray, car: Car) 
     along = size * np.sign(values["alpha"])
     groups = {name: _groups(np.abs(values.get(name, grid.t))) for name in INPUTS}
     explained = {name: sum(len(rows) * np.mean(along[rows]) ** 2 for rows in groups[name]) for name in INPUTS}
-    name = max(explained, key=lambda name: explained[name])
-    strongest = max(groups[name], key=lambda rows: float(np.mean(size[rows] ** 2)))
+    name = max(explained, key=lambda name: graded(explained[name]))
+    strongest = max(groups[name], key=lambda rows: graded(float(np.mean(size[rows] ** 2))))
     meaning, unit, scale = INPUTS[name]
     low, high = scale * np.quantile(np.abs(values.get(name, grid.t))[strongest], [0.0, 1.0])
     number = (grid.t // PHASE).astype(np.intp) - int(grid.t[0] // PHASE)
-    phase = np.flatnonzero(number == np.argmax(np.bincount(number, size**2)))
+    phase = np.flatnonzero(number == np.argmax(graded(np.bincount(number, size**2))))
     first, last = grid.t[phase[[0, -1]]]
     return (
         f"{AXLES[axle]} axle: the drive disagrees most with its tire file, by {100 * np.sqrt(np.mean(size**2)):.2g} % "

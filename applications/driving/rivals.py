@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from ...measurements.ties import graded
 from ...numerics.correlation import correlation_length
 from ...tires import Tire
 from .effects import Missing, Motion, effect_columns, factor_values, motion_of, scaled
@@ -122,7 +123,7 @@ def explanations(
             powers.append(power)
     logs = np.array([_evidence(explanation, unknowns) for explanation in compared])
     # All rivals are compared under one likelihood, that of the best one.
-    first = int(np.argmax(logs))
+    first = int(np.argmax(graded(logs)))
     best = compared[first]
     residuals = best.estimate.residuals.values[:, -len(BALANCE) :].T
     length = np.mean([correlation_length(row, best.grid.segment) for row in residuals])
@@ -131,7 +132,7 @@ def explanations(
     ranked = zip(compared, share / share.sum(), strict=True)
     return sorted(
         (replace(explanation, probability=float(p)) for explanation, p in ranked),
-        key=lambda explanation: -explanation.probability,
+        key=lambda explanation: -graded(explanation.probability),
     )
 
 
@@ -220,5 +221,5 @@ def _shortlist(base: Explanation, unknowns: Unknowns, car: Car, tires: dict[str,
         gain = powers[i] * (evidence_of(information, score, spread) - without)
         if gain > gains.get(missing.name, (0.0,))[0]:
             gains[missing.name] = gain, missing, powers[i]
-    ranked = sorted(gains.values(), key=lambda entry: -entry[0])[:COMPARED]
+    ranked = sorted(gains.values(), key=lambda entry: -graded(entry[0]))[:COMPARED]
     return [(missing, power) for _, missing, power in ranked]

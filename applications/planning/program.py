@@ -13,6 +13,7 @@ import pandas as pd
 
 from ...measurements import INPUTS as RECORDED_INPUTS
 from ...measurements import Program, TableLike, recording_from
+from ...measurements.ties import graded
 from .bench_file import INPUTS, Bench
 from .maneuvers import Maneuver
 
@@ -178,7 +179,7 @@ def _line(number: int, step: PlannedManeuver) -> dict[str, object]:
         for name, value in maneuver.held
     }
     first = next(value for value in maneuver.values if value)
-    second = max(maneuver.values, key=lambda value: abs(value - first))
+    second = max(maneuver.values, key=lambda value: graded(abs(value - first)))
     return {
         "step": number, "start (s)": round(step.start, 2), "pause before (s)": round(step.pause, 2),
         "duration (s)": round(maneuver.duration, 2), "maneuver": f"{maneuver.swept} {maneuver.kind}", "unit": unit,

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from ...measurements.ties import graded
 from .bench_file import Bench, Heat, PlanError
 from .information import Experiment, energies
 from .maneuvers import Maneuver, held_levels
@@ -133,13 +134,13 @@ class ManeuverSelection:
                 return chosen
             index = np.flatnonzero(possible)
             sample = self._random.choice(index, min(SAMPLE, len(index)), replace=False).tolist()
-            chosen.append(sample[np.argmin(self._changes(chosen, sample, 1.0) / self.seconds[sample])])
+            chosen.append(sample[np.argmin(graded(self._changes(chosen, sample, 1.0) / self.seconds[sample]))])
 
     def _without_least(self, chosen: list[int], count: int) -> list[int]:
         """Return a program without the maneuvers that contribute least per second."""
         distinct = list(dict.fromkeys(chosen))
         losses = dict(zip(distinct, self._changes(chosen, distinct, -1.0) / self.seconds[distinct], strict=True))
-        order = sorted(range(len(chosen)), key=lambda k: losses[chosen[k]])
+        order = sorted(range(len(chosen)), key=lambda k: graded(losses[chosen[k]]))
         return [chosen[k] for k in sorted(order[count:])]
 
     def _changes(self, chosen: Sequence[int], others: Sequence[int], sign: float) -> FloatArray:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...measurements.ties import graded
 from .explanation import UNKNOWN
 
 
@@ -78,4 +79,4 @@ def answer_of(evidences: Mapping[tuple[str, ...], float], candidates: Iterable[s
     for parts, weight in zip(evidences, weights / weights.sum(), strict=True):
         effects = tuple(part for part in parts if part != UNKNOWN)
         ranked.append(RankedExplanation(effects, UNKNOWN in parts, float(weight)))
-    return Answer(tuple(sorted(ranked, key=lambda explanation: -explanation.probability)), tuple(candidates))
+    return Answer(tuple(sorted(ranked, key=lambda explanation: -graded(explanation.probability))), tuple(candidates))

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
+from ...measurements.ties import graded
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import Screen, starts
@@ -132,7 +133,7 @@ class _Table:
     @property
     def leader(self) -> Refitted:
         """The refitted explanation with the largest score."""
-        return self.refits[max(self.refits, key=lambda parts: self.scores[parts])]
+        return self.refits[max(self.refits, key=lambda parts: graded(self.scores[parts]))]
 
     def leads_again(self, seen: Collection[tuple[str, ...]], explanation: Explanation) -> bool:
         """Return whether the leader is one of those seen, and not larger than the explanation of the noise."""
@@ -232,7 +233,7 @@ class _Table:
                 refitted(self.shared, explanation, [best.linear.solution.parameters], best.linear.simulator)
                 for explanation in best.explanation.with_a_term_less()
             ]
-            other = max(fewer, key=lambda refit: refit.score)
+            other = max(fewer, key=lambda refit: graded(refit.score))
             if other.score <= best.score:
                 break
             best = other
@@ -252,7 +253,7 @@ class _Table:
         additions = [Addition(UNKNOWN, term.column[:, :, None], np.array([term.deviation])) for term in terms]
         projected = Projected.of(refit.linear.equations(additions), [1] * len(additions))
         gained = [projected.gain(group)[0] for group in projected.groups]
-        return tried[int(np.argmax(gained))], max(gained)
+        return tried[int(np.argmax(graded(gained)))], max(gained)
 
     def _term(self, dictionary: Dictionary, i: int) -> Term:
         (location, feature), column = dictionary.terms[i], dictionary.column(i)
@@ -264,7 +265,7 @@ class _Table:
         parts = self.leader.explanation.parts
         less = [other for other in self.refits if len(other) == len(parts) - 1 and set(other) < set(parts)]
         near = [other for other in self.refits if self.scores[other] > self.scores[parts] + REFIT_MARGIN]
-        return list(dict.fromkeys([parts, *less, *sorted(near, key=lambda other: -self.scores[other])]))
+        return list(dict.fromkeys([parts, *less, *sorted(near, key=lambda other: -graded(self.scores[other]))]))
 
     def _add(self, refit: Refitted) -> None:
         parts = refit.explanation.parts
@@ -297,8 +298,8 @@ class _Table:
         base = self.scores[refit.explanation.parts]
         scored = gains(refit.linear, self._possible(refit.linear))
         totals = {name: float(np.logaddexp.reduce([form.gain for form in forms])) for name, forms in scored.items()}
-        for number, name in enumerate(sorted(totals, key=lambda part: -totals[part])):
-            best = max(scored[name], key=lambda form: form.gain)
+        for number, name in enumerate(sorted(totals, key=lambda part: -graded(totals[part]))):
+            best = max(scored[name], key=lambda form: graded(form.gain))
             parts, score = self._extended(refit, best).parts, base + totals[name]
             if parts in self.refits:
                 continue

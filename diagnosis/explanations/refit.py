@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg import cho_solve, solve_triangular
 
+from ...measurements.ties import graded
 from ...numerics.noise_model import Whitening, noise_parts
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
@@ -84,7 +85,7 @@ def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArr
     free = tuple(sorted(fitted, key=simulator.names.index))
     coarse = replace(problem, whitening=None)
     tried = [coarse.solve(start, free, iterations=COARSE_ITERATIONS) for start in starts]
-    start = min(tried, key=lambda solution: solution.cost).parameters
+    start = min(tried, key=lambda solution: graded(solution.cost)).parameters
     best, estimate = _evaluated(shared, explanation, problem, start, free)
     for _ in range(ALIGNMENTS if simulator.signals.timed else 0):
         signals, skew = best.linear.simulator.signals, float(estimate[best.linear.skew_index])
@@ -171,7 +172,7 @@ def _best_deviation(normal: NormalEquations, disturbances: Disturbances) -> Floa
     for channel in np.unique(channels):
         tried = np.tile(deviation, (len(DISCREPANCIES), 1))
         tried[:, np.array(columns)[channels == channel]] = np.array(DISCREPANCIES)[:, None]
-        deviation = tried[int(np.argmax([evidence(deviations) for deviations in tried]))]
+        deviation = tried[int(np.argmax(graded([evidence(deviations) for deviations in tried])))]
     return deviation
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from ...measurements.ties import graded
 from ...numerics.periodic_lines import periodic_lines
 from ...symbolic.declarations import Coefficient
 from ...symbolic.model import Model
@@ -102,7 +103,7 @@ def fit_baseline(tire: Tire, signals: Signals, *, fitted: bool) -> tuple[LeastSq
     solutions = [
         problem.solve(start, free, rows=subsample, iterations=25) for start in _starts(tire, signals, free, fitted)
     ]
-    best = problem.solve(min(solutions, key=lambda solution: solution.cost).parameters, free, iterations=4)
+    best = problem.solve(min(solutions, key=lambda solution: graded(solution.cost)).parameters, free, iterations=4)
     for _ in range(2):
         problem = reweighted(problem, best)
         trial = problem.at(best.parameters, free).disturbance

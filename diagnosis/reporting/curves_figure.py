@@ -13,6 +13,7 @@ from ...drawing.labels import axis_label, drawn_unit, letter, per_si
 from ...drawing.style import BLUE, DASHED, GRAY, RED, SOLID
 from ...measurements import level_tolerance
 from ...measurements.operating_conditions.levels import held_levels
+from ...measurements.ties import graded
 from ...tires.signs import convert_signs
 from ...tires.tire import Tire
 from ..verdict.result import Diagnosis
@@ -103,7 +104,7 @@ def _ranked_blocks(diagnosis: Diagnosis, channel: str) -> list[npt.NDArray[np.in
     starts = np.asarray(course["t"])
     t = diagnosis.rows["t"].to_numpy() if "t" in diagnosis.rows else np.arange(len(diagnosis.rows))
     ends = np.append(starts[1:], t[-1] + 1.0)
-    blocks = (np.flatnonzero((t >= starts[k]) & (t < ends[k])) for k in np.argsort(-worth, kind="stable"))
+    blocks = (np.flatnonzero((t >= starts[k]) & (t < ends[k])) for k in np.argsort(-graded(worth), kind="stable"))
     return [block for block in blocks if len(block)]
 
 
@@ -173,7 +174,7 @@ def _swept(rows: pd.DataFrame, slips: Sequence[str]) -> tuple[str, npt.NDArray[n
     ('alpha', 28)
     """
     spread = {name: float(np.ptp(np.quantile(rows[name], (0.1, 0.9)))) for name in slips}
-    swept = max(slips, key=lambda name: spread[name])
+    swept = max(slips, key=lambda name: graded(spread[name]))
     drawn = np.ones(len(rows), dtype=np.bool_)
     for name in [*slips, *CONDITIONS]:
         if name == swept or name not in rows:

@@ -9,6 +9,7 @@ import pandas as pd
 from ...drawing.figure import Figure, Panel, Series
 from ...drawing.labels import axis_label, drawn_unit, per_si
 from ...drawing.style import BLACK, BLUE, DASHED, RED, SOLID
+from ...measurements.ties import graded
 from ...symbolic.quantities import ALPHA, KAPPA
 from ...tires.tire import Tire
 from ..thresholds import MIN_ROWS_OF_CELL
@@ -42,7 +43,9 @@ def memory_figure(diagnosis: Diagnosis, channel: str) -> Figure:
     -------
     Figure
     """
-    slip = max((n for n in (ALPHA.name, KAPPA.name) if n in diagnosis.rows), key=lambda n: np.ptp(diagnosis.rows[n]))
+    slip = max(
+        (n for n in (ALPHA.name, KAPPA.name) if n in diagnosis.rows), key=lambda n: graded(np.ptp(diagnosis.rows[n]))
+    )
     tires = ((diagnosis.base_tire, "baseline tire"), (diagnosis.tire, "improved tire"))
     forces, residuals = [], []
     for tire, title in tires:

@@ -14,6 +14,7 @@ from ...drawing.figure import Figure
 from ...drawing.page import page_text, write_page
 from ...measurements import Recording, TableLike, recording_from
 from ...measurements.provenance import provenance
+from ...measurements.ties import graded
 from ...tires.tire import Tire
 from ..verdict.result import Diagnosis
 from ..verdict.verdict import percent
@@ -160,7 +161,7 @@ def _with_memory(diagnosis: Diagnosis) -> list[str]:
 def _by_reduction(diagnosis: Diagnosis) -> list[str]:
     """Return the channels, those first whose residual the improved tire reduces by the largest share."""
     error = diagnosis.gap["train"]
-    return sorted(error, key=lambda name: error[name]["after"] / max(error[name]["before"], 1e-300))
+    return sorted(error, key=lambda name: graded(error[name]["after"] / max(error[name]["before"], 1e-300)))
 
 
 def _maps(diagnosis: Diagnosis) -> list[Figure]:

@@ -16,6 +16,7 @@ from ...drawing.figure import Cells, Figure, Panel, Series
 from ...drawing.labels import axis_label, drawn_unit, note, per_si
 from ...drawing.style import BLACK
 from ...measurements import Recording, TableLike, levels, recording_from
+from ...measurements.ties import graded
 from ...tires import TireLike, tire_from
 from ...tires.tire import Tire
 from ..thresholds import MIN_ROWS_OF_CELL
@@ -104,7 +105,7 @@ class ResidualMap:
     @property
     def _worst(self) -> tuple[int, int]:
         enough = self.counts >= min(MIN_ROWS_OF_CELL, int(self.counts.max()))
-        i, j = np.unravel_index(np.argmax(np.where(enough, np.abs(self.mean), -1.0)), self.mean.shape)
+        i, j = np.unravel_index(np.argmax(graded(np.where(enough, np.abs(self.mean), -1.0))), self.mean.shape)
         return int(i), int(j)
 
 

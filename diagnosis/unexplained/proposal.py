@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from ...measurements.ties import graded
 from ..probing.effect_probing import Screen
 from ..thresholds import SHORTLIST
 from .features import Feature, Location, determined, directions, features, locations_of
@@ -61,4 +62,4 @@ class Dictionary:
         target = flat.T @ rest - inner.T @ (tangent.T @ rest)
         independent = power > 1e-3 * total
         scores = np.where(independent, target**2 / np.where(independent, power, 1.0), 0.0)
-        return [chosen[k] for k in np.argsort(-scores)[:SHORTLIST]]
+        return [chosen[k] for k in np.argsort(-graded(scores), kind="stable")[:SHORTLIST]]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
+from ...measurements.ties import graded
 from ...numerics.noise_floor import NoiseFloor
 from ..recording.range_text import range_text
 from ..thresholds import INADEQUATE
@@ -79,7 +80,7 @@ def adequacies(
     rated = []
     for channel, residual in residuals.items():
         of_channel = [shown for shown in maps if shown["channel"] == channel and shown["worst"]["count"]]
-        largest = max(of_channel, key=lambda shown: abs(shown["worst"]["mean"]), default=None)
+        largest = max(of_channel, key=lambda shown: graded(abs(shown["worst"]["mean"])), default=None)
         location, over = "", tuple[str, ...]()
         if largest:
             over, worst = tuple(largest["over"]), largest["worst"]

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from scipy.special import stdtrit
 
 from ...measurements import Recording
+from ...measurements.ties import graded
 from ...numerics.noise_floor import NoiseFloor
 from ...tires.tire import Tire
 from ..explanations.answer import Answer
@@ -217,7 +218,7 @@ def _unknown(fits: Final, adequacy: tuple[Adequacy, ...], *, delivered: bool) ->
 
 def _unidentified(adequacy: tuple[Adequacy, ...], fits: Final) -> tuple[Unknown, ...]:
     """Return the structure in channels far above their noise floor, if no effect was identified."""
-    worst = max(adequacy, key=lambda rated: rated.ratio if rated.rating == "red" else 0.0)
+    worst = max(adequacy, key=lambda rated: graded(rated.ratio) if rated.rating == "red" else 0.0)
     if worst.rating != "red" or fits.effects:
         return ()
     depends_on = tuple(sorted({*worst.over, *(("memory",) if worst.memory else ())}))
@@ -246,7 +247,7 @@ def _in_order(outcome: Outcome, unknown: tuple[Unknown, ...], adequacy: tuple[Ad
     elif unknown:  # a formula that is not added, or nothing but a residual far above the noise floor
         channels = tuple(rated.channel for rated in adequacy if rated.rating == "red")
         findings.append(Finding(UNKNOWN, channels, {}, float("nan"), 0.0, float("nan"), probability))
-    return tuple(sorted(findings, key=lambda finding: (-finding.probability, -finding.cv_gain)))
+    return tuple(sorted(findings, key=lambda finding: (-graded(finding.probability), -graded(finding.cv_gain))))
 
 
 def _shown(evidence: Evidence, screen: Screen) -> tuple[str, ...]:
@@ -284,7 +285,7 @@ def _finding(outcome: Outcome, name: str, evidence: Evidence) -> Finding:
 
 def _stretches(evidence: Evidence, signals: Signals) -> tuple[tuple[float, float], ...]:
     """Return the stretches of time with two thirds of the evidence."""
-    order = np.argsort(-evidence.gains)
+    order = np.argsort(-graded(evidence.gains), kind="stable")
     cumulative = np.cumsum(np.maximum(evidence.gains[order], 0.0))
     if cumulative[-1] <= 0.0:
         return ()

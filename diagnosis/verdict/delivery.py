@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from ...measurements.ties import graded
 from .fit_error import FitErrors, Residuals
 
 FloatArray = npt.NDArray[np.float64]
@@ -23,7 +24,7 @@ def reasons_against(errors: FitErrors, residuals: Residuals) -> tuple[str, ...]:
     gain = density_gain(residuals)
     if gain.sum() >= 0.0:  # NaN is a reason
         return ()
-    worst = list(errors["holdout"])[int(np.argmin(gain))]  # of NaN, the first one
+    worst = list(errors["holdout"])[int(np.argmin(graded(gain)))]  # of NaN, the first one
     error, unit = errors["holdout"][worst], "N" if worst.startswith("F") else "N m"
     return (
         f"it predicts the hold-out set worse than the baseline tire ({worst}: {error['after']:.3g} instead of "

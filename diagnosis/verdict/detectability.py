@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.special import chdtri
 
+from ...measurements.ties import graded
 from ...symbolic.detection import LARGEST_IN_SIZES
 from ...tires.tire import Tire
 from ..probing.candidates import CHANNELS, Candidate, excited, rows_per_second, varies
@@ -61,7 +62,7 @@ def detectable_sizes(
             not_identifiable[name] = "it is confounded with coefficients of the baseline model in this recording"
         else:
             response = responses[0]
-            k = int(np.argmin(response.error))
+            k = int(np.argmin(graded(response.error)))
             smallest = threshold * float(response.error[k])
             if smallest > LARGEST_IN_SIZES:
                 not_identifiable[name] = "its detection limit is more than five times its typical size"

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from ...measurements.ties import graded
 from ...symbolic.declarations import Quantity
 from ..least_squares import LeastSquares, Solution
 from ..recording.range_text import range_text
@@ -115,7 +116,7 @@ def _change(
         (complete, part), (_, beyond) = forces(edge), forces(value)
         size, moved = (np.sqrt(np.mean(values**2, axis=1)) for values in (complete, beyond - part))
         worst = np.maximum(worst, np.nan_to_num(moved / np.maximum(size, 1e-12)))
-    i = int(np.argmax(worst))
+    i = int(np.argmax(graded(worst)))
     return float(worst[i]), signals.channels[i]
 
 

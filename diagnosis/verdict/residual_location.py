@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ...measurements.ties import graded
 from ..probing.candidates import varies
 from ..probing.effect_probing import Screen
 from ..thresholds import MIN_ROWS_OF_CELL
@@ -96,7 +97,7 @@ def _mapped(x: FloatArray, y: FloatArray, residual: FloatArray) -> dict[str, Any
     count, _, _ = np.histogram2d(x, y, bins=edges)
     total, _, _ = np.histogram2d(x, y, bins=edges, weights=residual)
     mean = np.where(count > 0, total / np.maximum(count, 1.0), np.nan)
-    i, j = np.unravel_index(int(np.argmax(np.where(count >= MIN_ROWS_OF_CELL, np.abs(mean), -1.0))), mean.shape)
+    i, j = np.unravel_index(int(np.argmax(graded(np.where(count >= MIN_ROWS_OF_CELL, np.abs(mean), -1.0)))), mean.shape)
     worst = {
         "from": [float(edges[0][i]), float(edges[1][j])],
         "to": [float(edges[0][i + 1]), float(edges[1][j + 1])],

@@ -14,6 +14,7 @@ import pandas as pd
 
 from ...boundary.errors import DataError, UnknownName, path_from
 from ...boundary.json_schema import json_value, write_toml
+from ...measurements.ties import graded
 from ...symbolic.added import AddedEffect, effect_schema, effect_text
 from ...tires.signs import reversed_columns
 from ...tires.tire import Tire
@@ -231,7 +232,7 @@ class Diagnosis:
             explanations=self.answer.reported,
             probabilities=self.answer.probabilities,
             confounded_with={
-                name: sorted(others, key=lambda x: -others[x]) for name, others in self.confounded_with.items()
+                name: sorted(others, key=lambda x: -graded(others[x])) for name, others in self.confounded_with.items()
             },
             correlation=self.confounded_with,
             unknown=[

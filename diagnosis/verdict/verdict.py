@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from math import hypot
 from typing import Any
 
+from ...measurements.ties import graded
 from ..thresholds import CHANNEL_SHARE
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
@@ -65,7 +66,7 @@ def _missing(
                 )
             continue
         size = confounded.get(finding.effect, {})
-        others = ", ".join(sorted(size, key=lambda name: -size[name]))
+        others = ", ".join(sorted(size, key=lambda name: -graded(size[name])))
         bounds = f"; at its bound: {', '.join(finding.at_bounds)}" if finding.at_bounds else ""
         confounded_with = f"; confounded with {others}" if others else ""
         missing.append(f"{finding.effect} (probability {percent(finding.probability)}{bounds}{confounded_with})")

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.optimize import minimize
 
+from ...measurements.ties import graded
 from ...numerics.arrays import FloatArray
 from ...symbolic.model import Model
 from .buffered_function import BufferedFunction
@@ -53,7 +54,7 @@ def _apart(scaled: FloatArray, distance: FloatArray) -> list[int]:
     chosen: list[int] = []
     left = np.array(distance)
     for _ in range(STARTS):
-        best = int(np.argmin(left))
+        best = int(np.argmin(graded(left)))
         if left[best] == np.inf:
             break
         chosen.append(best)

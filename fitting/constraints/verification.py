@@ -8,6 +8,7 @@ from math import inf
 
 import numpy as np
 
+from ...measurements.ties import graded
 from ...numerics.arrays import FloatArray
 from ...tires.code import fastest_code
 from ...tires.tire import Tire
@@ -100,7 +101,7 @@ class VerifiedConstraints:
         for constraint, on_grid in self.of(outputs, density=VERIFIED):
             points, values = self._with_extrema(constraint, on_grid, parameters)
             distance = constraint.distance(values)
-            worst = int(np.argmin(distance))
+            worst = int(np.argmin(graded(distance)))
             at = {name: float(points[i, worst]) for i, name in enumerate(self._inputs) if name in constraint.over}
             margins.append(Margin(constraint.text, float(values[worst]), float(distance[worst]), at, constraint.name))
         return tuple(margins)

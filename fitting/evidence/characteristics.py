@@ -11,6 +11,7 @@ from math import hypot, nan
 
 import numpy as np
 
+from ...measurements.ties import graded
 from ...numerics.arrays import IntArray
 from ...numerics.correlation import correlation_length
 from ...numerics.slip_slope import SLOPE_WINDOW
@@ -115,7 +116,7 @@ def _peak(residuals: Residuals, rows: IntArray, slip: str, channel: str) -> _Pea
     at = (np.bincount(part, slips, parts)[filled] / count[filled])[1:-1]
     sign = np.sign(means[0][-MIN_PARTS:].mean())
     curve, fitted = (sign * np.convolve(mean, np.ones(AVERAGED) / AVERAGED, "valid") for mean in means)
-    peak, fitted_peak = int(curve.argmax()), int(fitted.argmax())
+    peak, fitted_peak = int(graded(curve).argmax()), int(graded(fitted).argmax())
     scatter = (measured - computed) / load
     mean = np.bincount(part, scatter, parts) / np.maximum(count, 1)
     scatter = scatter - mean[part]

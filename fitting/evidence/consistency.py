@@ -15,6 +15,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from ...measurements.operating_conditions.levels import held_levels
+from ...measurements.ties import graded
 from ...numerics.arrays import FloatArray, IntArray
 from ...numerics.correlation import correlation_length
 from ..problem.weights import OWN_SLIP
@@ -88,7 +89,7 @@ def disagreeing_segments(residuals: Residuals) -> tuple[Disagreement, ...]:
             ]
             defined = [difference for difference in differences_of_channel if difference is not None]
             if defined:
-                differences.append(max(defined, key=lambda difference: abs(difference.sigmas)))
+                differences.append(max(defined, key=lambda difference: graded(abs(difference.sigmas))))
     return tuple(differences)
 
 
@@ -162,7 +163,7 @@ def _compared(
     _, first = np.unique(residuals.cell[rows[0]], return_index=True)
     condition = residuals.condition[rows[0][first]]
     by_condition = {c: np.average(difference[condition == c], weights=weight[condition == c]) for c in set(condition)}
-    worst = max(by_condition, key=lambda c: abs(by_condition[c]))
+    worst = max(by_condition, key=lambda c: graded(abs(by_condition[c])))
     typical = float(weight @ difference**2 - weight @ noise) / total
     sign = residuals.sign(channel)
     unit = residuals.units[channel]

@@ -13,6 +13,7 @@ from itertools import product
 
 import numpy as np
 
+from ...measurements.ties import graded
 from ...numerics.arrays import FloatArray
 from ...tires.code import fastest_code
 from .residuals import Residuals
@@ -49,7 +50,7 @@ def discontinuities(residuals: Residuals) -> tuple[Discontinuity, ...]:
     by_channel: dict[str, list[Discontinuity]] = {}
     for discontinuity in _all(residuals):
         by_channel.setdefault(discontinuity.channel, []).append(discontinuity)
-    return tuple(max(places, key=lambda d: (d.kind == "jump", abs(d.size))) for places in by_channel.values())
+    return tuple(max(places, key=lambda d: (d.kind == "jump", graded(abs(d.size)))) for places in by_channel.values())
 
 
 def _all(residuals: Residuals) -> Iterator[Discontinuity]:
@@ -89,14 +90,14 @@ def _place(curve: FloatArray, spread: float) -> tuple[str, int, float] | None:
         change = curve[part:] - curve[:-part]
         before, here, after = change[: -2 * part], change[part:-part], change[2 * part :]
         beyond = np.abs(here) - np.maximum(np.abs(before), np.abs(after))
-        index = int(beyond.argmax())
+        index = int(graded(beyond).argmax())
         if beyond[index] > worst[3]:
             worst = ("jump", index + part + part // 2, float(here[index]), float(beyond[index]))
     if worst[3] > JUMP * spread:
         return worst[:3]
     slope = np.diff(curve)
     bend = np.diff(slope)
-    index = int(np.abs(bend).argmax())
+    index = int(graded(np.abs(bend)).argmax())
     if abs(bend[index]) > KINK * float(np.abs(slope).max()) and abs(bend[index]) > JUMP * spread / STEPS:
         return "kink", index + 1, float(bend[index])
     return None

@@ -12,6 +12,7 @@ from ...boundary.errors import FitError
 from ...measurements import OUTPUTS, Recording, TableLike, level_tolerance, levels, recordings_from
 from ...measurements.operating_conditions.levels import held_levels
 from ...measurements.recording import distinct
+from ...measurements.ties import graded
 from ...numerics.arrays import BoolArray, FloatArray
 from ...numerics.slip_slope import SLOPE_WINDOW, read_slope
 from ...tires import TireLike, tire_from
@@ -114,14 +115,14 @@ class MeasuredCurves:
             ]
             if not held_angles:
                 continue
-            angle = max(held_angles, key=abs)
+            angle = max(held_angles, key=_size)
             upright, loaded = self._near(rows, "gamma", camber), self._near(rows, "Fz", load)
             angles = self.groups(self._near(upright, "Fz", load), "alpha")
             families.append(CurveFamily(channel, "kappa", "alpha", angles, {"Fz": load, "gamma": camber} | held))
             if channel == "Fy":
                 loads = self.groups(self._near(upright, "alpha", angle), "Fz")
                 families.append(CurveFamily(channel, "kappa", "Fz", loads, {"alpha": angle, "gamma": camber} | held))
-                for moderate in sorted(held_angles, key=abs):
+                for moderate in sorted(held_angles, key=_size):
                     cambers = self.groups(self._near(loaded, "alpha", moderate), "gamma")
                     if len(cambers) > 1:
                         levels = {"alpha": moderate, "Fz": load} | held
@@ -131,7 +132,7 @@ class MeasuredCurves:
 
     def groups(self, rows: pd.DataFrame, channel: str) -> tuple[Group, ...]:
         """Return the rows near each level of a channel, in increasing magnitude."""
-        centers = np.array(sorted(self._levels(rows, channel), key=abs))
+        centers = np.array(sorted(self._levels(rows, channel), key=_size))
         if not len(centers):
             return ()
         distance = np.abs(rows[channel].to_numpy()[:, None] - centers)
@@ -211,10 +212,14 @@ class MeasuredCurves:
         return held or np.quantile(values, (0.1, 0.3, 0.5, 0.7, 0.9)).tolist()
 
     def _smallest(self, rows: pd.DataFrame, channel: str) -> float:
-        return min(self._levels(rows, channel), key=abs)
+        return min(self._levels(rows, channel), key=_size)
 
     def _reference_load(self, rows: pd.DataFrame) -> float:
-        return min(self._levels(rows, "Fz"), key=lambda load: abs(abs(load) - self.tire.values["FNOMIN"]))
+        return min(self._levels(rows, "Fz"), key=lambda load: _size(abs(load) - self.tire.values["FNOMIN"]))
+
+
+def _size(value: float) -> float:
+    return graded(abs(value))
 
 
 def compare(tire: TireLike, recordings: TableLike | Iterable[TableLike], signs: str | None = None) -> MeasuredCurves:

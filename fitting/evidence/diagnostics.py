@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...measurements.ties import graded
 from .characteristics import Characteristic, characteristics
 from .clipping import Clipped, clipped_channels
 from .consistency import Disagreement, disagreeing_files, disagreeing_segments, sweep_differences
@@ -82,7 +83,7 @@ class Findings:
             for condition in self.conditions
             if (condition.recording, condition.channel) == (recording, channel)
         ]
-        return max(conditions, key=lambda condition: condition.rmse) if len(conditions) > 1 else None
+        return max(conditions, key=lambda condition: graded(condition.rmse)) if len(conditions) > 1 else None
 
 
 def find(

@@ -22,6 +22,7 @@ from math import nan
 import numpy as np
 import pandas as pd
 
+from ...measurements.ties import graded
 from ...numerics.arrays import FloatArray, IntArray
 from ...numerics.noise_floor import (
     BLOCK,
@@ -133,7 +134,7 @@ def _best(candidates: Sequence[FloatArray], targets: FloatArray) -> FloatArray:
     """Return for each target the prediction with the smallest error, or zero if none reduces it."""
     options = [np.zeros_like(targets), *candidates]
     errors = np.array([[_mean_square(y - x) for x, y in zip(option, targets, strict=True)] for option in options])
-    best = np.where(np.isfinite(errors), errors, np.inf).argmin(axis=0)
+    best = graded(np.where(np.isfinite(errors), errors, np.inf)).argmin(axis=0)
     return np.stack([options[k][i] for i, k in enumerate(best)])
 
 

@@ -14,6 +14,7 @@ from itertools import combinations, product
 
 import numpy as np
 
+from ...measurements.ties import graded
 from ...numerics.arrays import BoolArray, FloatArray
 from ...tires.code import fastest_code
 from ...tires.tire import Tire
@@ -105,7 +106,7 @@ class _Identifiability:
         indices = [self.free.index(name) for name in names]
         for count in (1, 2):
             spreads = {p: self._spreads[p][indices].max() for p in self._programs if len(p) == count}
-            best = min(spreads, key=lambda program: spreads[program])
+            best = min(spreads, key=lambda program: graded(spreads[program]))
             if spreads[best] <= LARGEST_SD:
                 return self._lacking(best, indices[0])
         alone = max(float(matrix[indices[0], indices[0]]) for matrix in self._information.values())
@@ -274,7 +275,7 @@ class _Identifiability:
             name: float(self._weighted_information(everywhere, {}, {}, name)[index, index])
             for name in self.residuals.channels
         }
-        return max(information, key=lambda name: information[name])
+        return max(information, key=lambda name: graded(information[name]))
 
 
 def _spreads(information: FloatArray) -> FloatArray:

@@ -13,6 +13,7 @@ from ...drawing.figure import Figure, Panel, Series, band, curve, in_rows
 from ...drawing.labels import axis_label, held_text, letter, level_text, note, per_si, stiffness_unit
 from ...drawing.style import BLACK, BLUE, DASHED, DOTTED, RED, level_styles
 from ...measurements import levels
+from ...measurements.ties import graded
 from ...numerics.arrays import FloatArray
 from ...numerics.slip_slope import SLOPE_WINDOW
 from ...tires.tire import Tire
@@ -176,7 +177,7 @@ def _friction_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: Fit
     slips = np.linspace(rows[slip].min(), rows[slip].max(), FRICTION_SLIPS)
     grid = {"Fz": sign * np.repeat(loads, len(slips)), slip: np.tile(slips, len(loads))}
     curves = comparison.over(rows, grid)
-    largest = curves[channel].abs().to_numpy().reshape(len(loads), -1).argmax(axis=1)
+    largest = graded(curves[channel].abs().to_numpy().reshape(len(loads), -1)).argmax(axis=1)
     peaks = curves.iloc[np.arange(len(loads)) * len(slips) + largest]
     half = None
     if fitted is not None:

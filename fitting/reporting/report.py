@@ -14,6 +14,7 @@ from ...drawing.figure import Figure
 from ...drawing.page import page_text, write_page
 from ...measurements import Finding, TableLike, recordings_from
 from ...measurements.provenance import provenance
+from ...measurements.ties import graded
 from ..evidence.residuals import condition_text
 from ..results.fit_result import FitResult
 from ..results.intervals import listed_intervals
@@ -137,4 +138,4 @@ def correlated_pairs(correlation: pd.DataFrame) -> list[tuple[str, str, float]]:
         for i, j in zip(*np.triu_indices(len(names), 1), strict=True)
         if abs(values[i, j]) >= CORRELATED
     ]
-    return sorted(pairs, key=lambda pair: -abs(pair[2]))[:MAX_PAIRS]
+    return sorted(pairs, key=lambda pair: -graded(abs(pair[2])))[:MAX_PAIRS]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+from ...measurements.ties import graded
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..results.fit_result import FitResult
 from ..results.solved_stage import SolvedStage
@@ -26,7 +27,7 @@ def with_second_solutions(result: FitResult) -> FitResult:
     other: dict[str, float] = {}
     for stage in result.solution.stages:
         determined = [c for c in result.coefficients if c.name in stage.determined]
-        for _, values in sorted(_others(stage), key=lambda solution: solution[0]):
+        for _, values in sorted(_others(stage), key=lambda solution: graded(solution[0])):
             different = {c.name: values[c.name] for c in determined if abs(values[c.name] - c.value) > c.interval}
             if different:
                 other |= different

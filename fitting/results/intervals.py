@@ -11,6 +11,7 @@ from scipy.special import ndtri
 
 from ...boundary.errors import FitError
 from ...measurements import TableLike, recording_from
+from ...measurements.ties import graded
 from ...numerics.arrays import FloatArray
 from ...tires.code import fastest_code
 from ...tires.signs import convert_signs
@@ -109,7 +110,7 @@ def _place(tire: Tire, quantity: str, channel: str, inputs: FloatArray) -> Float
             at[slip_row] = value
             computed = fastest_code(model).forces(tire.effective_inputs(at), tire.parameters())
             forces.append(np.abs(computed[tire.outputs.index(channel)]))
-        at[slip_row] = np.array(PEAK_SLIPS)[np.argmax(forces, axis=0)]
+        at[slip_row] = np.array(PEAK_SLIPS)[np.argmax(graded(forces), axis=0)]
     return at
 
 

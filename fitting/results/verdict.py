@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...measurements.ties import graded
 from ..constraints.physical import chosen_constraints
 from ..data.fit_data import EXCITED_BY
 from ..evidence.characteristics import Characteristic
@@ -176,7 +177,11 @@ def floor_reason(c: ChannelFit) -> str:
         (c.explained_by_time, "depends on time or the past"),
         (c.between_repeats, "differs between repeats"),
     )
-    texts = [f"{size:.3g} {c.unit} {text}" for size, text in sorted(parts, reverse=True) if size > c.noise_floor]
+    texts = [
+        f"{size:.3g} {c.unit} {text}"
+        for size, text in sorted(parts, key=lambda part: -graded(part[0]))
+        if size > c.noise_floor
+    ]
     because = f" ({', '.join(texts)})" if texts else ""
     return (
         f"{c.recording}: {c.channel}: RMSE {c.fitted_rmse:.3g} {c.unit} is {c.above_floor:.1f} times the noise floor"
@@ -210,7 +215,7 @@ def _characteristic_reasons(findings: Findings) -> Iterator[str]:
     """Yield the largest error of each quantity of a recording and channel beyond its limit."""
     wrong = [c for c in findings.characteristics if abs(c.reliable_error) > CHARACTERISTIC_LIMITS[c.quantity]]
     worst: dict[tuple[str, str, str], Characteristic] = {}
-    for c in sorted(wrong, key=lambda c: -abs(c.reliable_error)):
+    for c in sorted(wrong, key=lambda c: -graded(abs(c.reliable_error))):
         worst.setdefault((c.recording, c.channel, c.quantity), c)
     for (recording, channel, quantity), c in worst.items():
         at = condition_text(c.at) if c.at else f"{c.load:.0f} N"
@@ -252,9 +257,10 @@ def _wrong_stiffness(findings: Findings) -> Iterator[str]:
 def _stiffness_reasons(findings: Findings) -> list[str]:
     """Return the largest error at one load for each force of a recording, the largest first."""
     worst = [
-        (text, max(stiffnesses, key=lambda s: abs(s.reliable_error))) for text, stiffnesses in _stiffnesses(findings)
+        (text, max(stiffnesses, key=lambda s: graded(abs(s.reliable_error))))
+        for text, stiffnesses in _stiffnesses(findings)
     ]
-    worst = sorted(worst, key=lambda pair: -abs(pair[1].reliable_error))
+    worst = sorted(worst, key=lambda pair: -graded(abs(pair[1].reliable_error)))
     return [f"{text} {s.off:+.0%} at {s.load:.0f} N" for text, s in worst if abs(s.reliable_error) > STIFFNESS_LIMIT]
 
 

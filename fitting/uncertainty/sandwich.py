@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
+from ...measurements.ties import graded
 from ...numerics.arrays import BoolArray, FloatArray, IntArray
 from ...numerics.correlation import correlation_length
 from ...numerics.one_thread import one_blas_thread
@@ -270,5 +271,5 @@ def _add_scores(
 
 
 def _members(vector: FloatArray, names: Sequence[str]) -> tuple[str, ...]:
-    order = np.argsort(-np.abs(vector), kind="stable")
+    order = np.argsort(-graded(np.abs(vector)), kind="stable")
     return tuple(names[i] for i in order if vector[i] ** 2 > MIN_PART)

@@ -9,6 +9,7 @@ from math import isnan, nan, sqrt
 import numpy as np
 import pandas as pd
 
+from ...measurements.ties import graded
 from .result import CheckedChannel, WorstPoint
 
 
@@ -42,7 +43,7 @@ class ChannelErrors:
         if not rows.size:
             return cls(name)
         y, error = data[rows], model[rows] - data[rows]
-        worst = int(rows[np.argmax(np.abs(error))])  # argmax treats a NaN of the FMU as the largest
+        worst = int(rows[np.argmax(graded(np.abs(error)))])  # argmax treats a NaN of the FMU as the largest
         point = WorstPoint(
             first + worst,
             float(table["t"].iloc[worst]) if "t" in table else None,

@@ -237,6 +237,7 @@ def test_more_coefficients_need_a_larger_estimate():
 # ------------------------------------------------------------------ recordings that mislead
 
 
+@pytest.mark.slow
 def test_a_skew_is_not_relaxation():
     case = make_case(61, ("camber_thrust",))
     t = case.table["t"].to_numpy()
@@ -246,6 +247,7 @@ def test_a_skew_is_not_relaxation():
     assert diagnosis.recording["skew"] == pytest.approx(0.02, abs=0.003)
 
 
+@pytest.mark.slow
 @pytest.mark.xfail(strict=True, reason="the errors of a relaxation's form take a part of the skew")
 def test_a_skew_beside_relaxation_is_both():
     case = make_case(62, ("relax_lat",))
@@ -256,6 +258,7 @@ def test_a_skew_beside_relaxation_is_both():
     assert diagnosis.recording["skew"] == pytest.approx(0.02, abs=0.004)
 
 
+@pytest.mark.slow
 def test_a_lever_of_the_side_force_is_not_a_trail():
     case = make_case(63, ("camber_thrust",))
     lever = 0.003 * case.nominal["R0"]
@@ -265,7 +268,7 @@ def test_a_lever_of_the_side_force_is_not_a_trail():
     assert diagnosis.recording["cross_talk"]["Fy_in_Mz"] == pytest.approx(0.003, rel=0.2)
 
 
-@pytest.mark.parametrize(("kind", "number"), [("null", 1032), ("single", 381)])
+@pytest.mark.parametrize(("kind", "number"), [("null", 1032), pytest.param("single", 381, marks=pytest.mark.slow)])
 def test_a_lever_that_a_skew_or_noise_hides_is_not_a_trail(kind, number):
     """In the first recording the lever is significant only after the skew is corrected; in the second one not at all.
 
@@ -289,7 +292,7 @@ def test_noise_of_kappa_in_pure_cornering_is_not_combined_slip():
     )
 
 
-@pytest.mark.parametrize(("rate", "sweeps"), [(4.0, 33), (4.0, 17), (50.0, 2)])
+@pytest.mark.parametrize(("rate", "sweeps"), [(4.0, 33), (4.0, 17), pytest.param(50.0, 2, marks=pytest.mark.slow)])
 def test_few_rows_have_an_answer(rate, sweeps):
     case = make_case(1, ("camber_thrust",), rate=rate, sweeps=sweeps)
     diagnosis = diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal)

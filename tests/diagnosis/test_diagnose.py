@@ -303,6 +303,7 @@ def test_what_nothing_explains_is_in_the_verdict():
     assert not any(one.formula for one in diagnosis.unknown)
 
 
+@pytest.mark.slow
 @pytest.mark.xfail(strict=True, reason="the amplitude in Mz is 17 % too small")
 def test_a_periodic_disturbance_is_in_the_verdict():
     """Of Fy, several times the noise floor, with the wheel; and of Mz, with the time."""
@@ -368,6 +369,7 @@ def test_what_was_not_recorded_is_not_identifiable():
     assert diagnosis.not_identifiable["kappa_sideforce_SVyk"].startswith("cross-talk of Fx, which was not recorded")
 
 
+@pytest.mark.slow
 def test_a_force_that_follows_the_direction_of_slip_is_a_hysteresis():
     """Its law is another one: the rate of slip behind a lag."""
     case = make_case(41, unknown="hysteresis")

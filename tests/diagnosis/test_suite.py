@@ -93,6 +93,7 @@ def test_an_unexplained_effect_is_added_to_the_model():
     assert closed(case, diagnosis) > 0.9
 
 
+@pytest.mark.slow
 def test_a_formula_that_prevents_delivery_is_left_out(monkeypatch):
     """The first tire, with the formula, is refused; the second one has none and is judged as any other."""
     judged = []
@@ -110,6 +111,7 @@ def test_a_formula_that_prevents_delivery_is_left_out(monkeypatch):
     assert diagnosis.tire.has == diagnosis.base_tire.has
 
 
+@pytest.mark.slow
 def test_confounded_effects_are_reported_with_the_separating_measurement():
     _, hidden, others, confounded, words = CONFOUNDED[1]
     diagnosis = answer(case_of("confounded", 1))
@@ -120,6 +122,7 @@ def test_confounded_effects_are_reported_with_the_separating_measurement():
     assert any(re.search(words, text) for text in diagnosis.next_measurement)
 
 
+@pytest.mark.slow
 def test_turn_slip_is_identified_if_it_was_recorded():
     case = case_of("single", list(SIZES).index("turn_slip"))
     diagnosis = answer(case)

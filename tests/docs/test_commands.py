@@ -23,8 +23,8 @@ TEXTS = {path.relative_to(DOCS).as_posix(): path.read_text(encoding="utf-8") for
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 #: Pages that take longer.
 SLOW = {
-    "command_line.md", "diagnosis.md", "effects.md", "gallery.md", "many_tires.md", "planning.md", "report_figures.md",
-    "temperature.md", "ttc.md",
+    "command_line.md", "data_desk.md", "diagnosis.md", "drive.md", "effects.md", "gallery.md", "many_tires.md",
+    "planning.md", "python.md", "report_figures.md", "temperature.md", "ttc.md", "tutorials/from_a_drive.md",
 }  # fmt: skip
 
 

@@ -38,6 +38,7 @@ def test_the_factors_are_those_of_the_truth(answer):
     assert answer.verdict.lacking < 0.95  # the tires of the truth have no effect that those of the file lack
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("missing", [["ax"], ["ax", "speed"]], ids=["no ax", "wheel speeds only"])
 def test_without_an_accelerometer_the_factors_are_those_of_the_truth(missing, log, car, tire):
     answer = tirefmu.drive(log.drop(columns=missing), vehicle=car, tire=tire)
@@ -132,11 +133,13 @@ def relaxing(car):
     return tirefmu.drive(log, vehicle=car, tire=hidden.file_tire("relaxation")), length
 
 
+@pytest.mark.slow
 def test_a_relaxation_length_is_that_of_the_truth(relaxing):
     answer, length = relaxing
     assert answer.verdict.effects[0].coefficients["SIGY"] == pytest.approx(length, rel=0.25)
 
 
+@pytest.mark.slow
 def test_an_effect_that_the_tires_lack_is_named_and_delivered(relaxing, tmp_path):
     answer, _ = relaxing
     assert answer.verdict.effect == "relax_lat"
@@ -162,6 +165,7 @@ def test_each_wheel_rolls_its_own_distance(answer):
 SAME = road.Truth({axle: dict.fromkeys(("LMUX", "LMUY", "LKX", "LKY"), 1.0) for axle in ("front", "rear")}, {})
 
 
+@pytest.mark.slow
 def test_a_wrong_car_is_no_finding_of_a_tire(tire):
     logs, _ = road.made_drives([SAME], ["step"], [True], seed=3, seconds=14.0)
     content = road.car_content()
@@ -171,6 +175,7 @@ def test_a_wrong_car_is_no_finding_of_a_tire(tire):
     assert {finding.name for finding in verdict.car} <= {"ratio"}
 
 
+@pytest.mark.slow
 def test_without_a_peak_friction_is_not_determined(car, tire):
     logs, _ = road.made_drives([SAME], ["sweep"], [False], seed=2, seconds=10.0)
     answer = tirefmu.drive(logs[0], vehicle=car, tire=tire)

@@ -9,6 +9,7 @@ from ....tires.signs import REVERSED
 from ...channels import OUTPUTS
 from ...column_names import check_names
 from ...recording import Recording, once
+from ...ties import graded
 from .defects import defects, lost_signs, unmoved_slips
 from .explanation import Reading, Readings, explanation
 from .traits import NOTABLE, SIZES
@@ -98,7 +99,7 @@ def _facts(result: Readings, signs: str) -> str:
     best = result.better[0].traits.penalties
     claimed = result.claimed.traits
     gains = {name: penalty - best.get(name, 0.0) for name, penalty in claimed.penalties.items()}
-    strongest = sorted(gains, key=lambda name: -gains[name])[:MAX_FACTS]
+    strongest = sorted(gains, key=lambda name: -graded(gains[name]))[:MAX_FACTS]
     texts = []
     for name in strongest:
         if name in claimed.contradictions:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from ...recording import Recording, once
+from ...ties import graded
 from .hypotheses import CONVENTION_COST, Hypothesis, combined, hypotheses
 from .sampled_rows import SampledRows
 from .traits import ONE_SIDED, VANISHED, WRONG_THRUST, Traits, traits_of
@@ -21,7 +22,7 @@ MAX_FAULTS = 3
 
 @dataclass(frozen=True)
 class Reading:
-    """A reading of a table with its traits. `score`: minus the logarithm of its probability, up to a constant."""
+    """A reading of a table with its traits. `score`: graded minus logarithm of its probability, but a constant."""
 
     hypothesis: Hypothesis
     traits: Traits
@@ -66,7 +67,7 @@ def explanation(recording: Recording) -> Readings:
     """
     claim = Hypothesis(recording.signs)
     traits = _traits(recording)
-    claimed = Reading(claim, traits, traits.penalty)
+    claimed = Reading(claim, traits, graded(traits.penalty))
     # No reading is better than certain: a claim of a small penalty stands, without the search.
     if claimed.score < CLEARLY + CONVENTION_COST:
         return Readings(claimed)
@@ -117,7 +118,8 @@ def _scored(recording: Recording, readings: Sequence[Hypothesis], claimed: Readi
         # The stiffness of one slip is part of that of both.
         present = traits.sizes.keys() | ({"C_x", "C_y"} if "C_xy" in traits.sizes else set())
         vanished = claimed.traits.sizes.keys() - present - ONE_SIDED
-        candidates.append(Reading(hypothesis, traits, traits.penalty + hypothesis.cost + VANISHED * len(vanished)))
+        score = traits.penalty + hypothesis.cost + VANISHED * len(vanished)
+        candidates.append(Reading(hypothesis, traits, graded(score)))
     return sorted(candidates, key=_score)
 
 

@@ -20,6 +20,7 @@ from ...thresholds import (
     SMALLEST_LOAD,
     SMALLEST_PRESSURE,
 )
+from ...ties import graded
 from ...units import to_si
 
 #: The probable unit of values beyond the limits of a channel.
@@ -75,7 +76,7 @@ def _problems(recording: Recording) -> Iterator[str]:
         values = table[name].to_numpy(dtype=np.float64)
         outside = values[(values < low) | (values > high)]
         if len(outside):
-            worst = outside[np.argmax(np.abs(outside))]
+            worst = outside[np.argmax(graded(np.abs(outside)))]
             if _PROBABLE_UNITS.get(name, ("",))[0] == "deg" and (mixed := _two_angle_units(name, values, low, high)):
                 yield mixed
             unit, guess = _PROBABLE_UNITS.get(name, ("", "in another unit"))

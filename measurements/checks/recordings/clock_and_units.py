@@ -21,6 +21,7 @@ from ...thresholds import (
     MAX_BACKWARD_STEPS,
     RATIO_TOLERANCE,
 )
+from ...ties import graded
 from ...units import PSI
 from .finding import Finding
 
@@ -80,7 +81,7 @@ def _same_sweep(recording: Recording, row: int) -> bool:
 
 
 def _jump(recording: Recording, direction: str, steps: FloatArray, at: IndexArray) -> Finding:
-    largest = at[np.argmax(np.abs(steps[at]))]
+    largest = at[np.argmax(graded(np.abs(steps[at])))]
     times = "1 time" if len(at) == 1 else f"{len(at)} times"
     size = abs(float(steps[largest]))
     most = f"most by {size:.3g} s at row {largest + 2}"

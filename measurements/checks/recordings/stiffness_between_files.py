@@ -27,6 +27,7 @@ from ...thresholds import (
     SHIFT_DIFFERENCE,
     STIFFNESS_DIFFERENCE,
 )
+from ...ties import graded
 from .finding import Finding
 
 #: The smallest relative error of a slope, for data without noise.
@@ -92,7 +93,7 @@ def _significant(differences: Sequence[_Difference], angles: tuple[float, float]
     _, ratios, ratio_errors, shifts, shift_errors = zip(*differences, strict=True)
     mean, mean_error = sum(ratios) / count, sqrt(sum(error**2 for error in ratio_errors)) / count
     shift, shift_error = sum(shifts) / count, sqrt(sum(error**2 for error in shift_errors)) / count
-    worst = max(differences, key=lambda difference: abs(difference.ratio) / difference.ratio_error)
+    worst = max(differences, key=lambda difference: graded(abs(difference.ratio) / difference.ratio_error))
     stiffer = (abs(mean), mean_error), (abs(worst.ratio), worst.ratio_error)
     texts = []
     if any(size > max(STIFFNESS_DIFFERENCE, DIFFERENCE_ERRORS * error) for size, error in stiffer):
@@ -120,7 +121,7 @@ def _free_rolling(recording: Recording) -> pd.DataFrame:
 def _common_angles(*tables: pd.DataFrame) -> tuple[float, float]:
     """Return two slip angles: the two smallest ones at which a recording was held, or two next to zero."""
     for table in tables:
-        held = sorted(held_levels(table["alpha"]), key=abs)
+        held = sorted(held_levels(table["alpha"]), key=lambda level: graded(abs(level)))
         if len(held) > 1:
             return held[0], held[1]
     return -COMPARED_ANGLE, COMPARED_ANGLE

@@ -21,6 +21,7 @@ from ...thresholds import (
     LARGEST_LOAD_RATIO,
     MAX_JOINED_PARTS,
 )
+from ...ties import graded
 
 FORCES = {"alpha": "Fy", "kappa": "Fx"}
 
@@ -125,7 +126,7 @@ def _sweeps(recording: Recording) -> Iterator[_Sweep]:
         usable = np.isfinite(force) & (load[rows] > 0.0)
         if usable.sum() < FEW_ROWS:
             continue
-        friction = float(np.quantile(np.abs(force[usable] / load[rows][usable]), FRICTION_QUANTILE))
+        friction = graded(float(np.quantile(np.abs(force[usable] / load[rows][usable]), FRICTION_QUANTILE)))
         if friction > 0.0:
             held = {name: -level if name in turned else level for name, level in held.items()}
             text = f"rows {rows.start + 1} to {rows.stop} of {recording.source}"
