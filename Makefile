@@ -156,7 +156,7 @@ bench-languages: $(VENV)/installed  ## every model in every installed language c
 bench-steps: $(VENV)/installed  ## time of single steps of FMUs with hub inputs: median, 99.99 %, longest of a million
 	$(BIN)/python benchmarks/step_times.py $(BENCH_ARGS)
 
-performance: $(VENV)/installed-dev  ## docs/performance.md: start-up, fits, evaluation, memory in one run, on an idle machine
+performance: $(VENV)/installed-dev  ## docs/performance.md: start-up, fits, evaluation in one run, on an idle machine
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/performance.py --write $(BENCH_ARGS)
 
 # The packages are sub-packages of tirefmu only when installed; type checkers read this tree of links instead.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from ..boundary.errors import DataError, UnknownName
+from ..boundary.errors import DataError
 from ..symbolic.model import Model
 from .code import Code, code_for, fastest_code
 from .definition import TireDefinition
@@ -53,13 +53,7 @@ class Conventions:
 
 
 def forces(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike], code: str = "auto") -> Forces:
-    """Return forces and moments in the tire's own signs, in steady state; `Tire.forces` documents the parameters.
-
-    Raises
-    ------
-    UnknownName
-        If an input is not in the public tables.
-    """
+    """Return forces and moments in the tire's own signs, in steady state; `Tire.forces` documents the parameters."""
     rows, shape = _broadcast(tire, inputs)
     chosen, parameters = _code(tire.symbolic_model, code, rows.shape[1]), tire.parameters()
     results = chosen.forces(equilibrium(tire.symbolic_model, chosen, rows, parameters, tire.states), parameters)
@@ -81,9 +75,6 @@ def quantities(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike]) -> dic
 
 def _broadcast(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike]) -> tuple[FloatArray, tuple[int, ...]]:
     """Return rows of the model's inputs, without those that request an absent effect, and the shape of the inputs."""
-    for name in inputs:
-        if name not in TABLE_INPUTS:
-            raise UnknownName("input", name, TABLE_INPUTS)
     columns = [np.asarray(inputs.get(name, tire.nominal(name)), dtype=np.float64) for name in tire.inputs]
     shape = np.broadcast_shapes(*(column.shape for column in columns))
     rows = np.stack([np.broadcast_to(column, shape).ravel() for column in columns])

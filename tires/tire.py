@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy.typing as npt
 
 from ..boundary.errors import UnknownName
-from ..boundary.typed_numbers import check_typed
 from .definition import TireDefinition
 from .evaluation import Conventions, evaluate, forces
 from .forces import Forces
+from .input_check import SignedTable, checked_inputs, checked_table
 from .property_file.writing import write_tir
 from .summary import tire_html, tire_text
-from .table_argument import table_from
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -118,16 +117,18 @@ class Tire(TireDefinition):
         ------
         UnknownName
             If an input is none of the public tables.
+        WrongType
+            If an input is not numeric.
         TirefmuError
-            If a number or a short list is outside the range of its input in SI units, such as alpha = 5 (degrees)
-            or a negative Fz. Arrays are not checked.
+            If a value is outside the range of its input in SI units, such as alpha = 5 (degrees), slip in percent or a
+            negative Fz; if a load is far beyond those of the tire (above five times FZMAX and ten times FNOMIN); or if
+            the shapes do not broadcast.
         """
-        check_typed(inputs)
-        return forces(self, inputs, code)
+        return forces(self, checked_inputs(self, inputs), code)
 
     def evaluate(
         self,
-        table: pd.DataFrame | Any,
+        table: pd.DataFrame | SignedTable,
         *,
         signs: str | None = None,
         convention: str = "tno",
@@ -142,14 +143,12 @@ class Tire(TireDefinition):
 
         Parameters
         ----------
-        table : pandas.DataFrame, path or Recording
+        table : pandas.DataFrame or Recording
             Input columns in SI units, with the names of the public tables; an absent one takes the nominal
-            value, other columns are ignored. Files and recordings are checked as every command does; a
-            DataFrame may hold any finite inputs.
+            value, other columns are ignored. `tirefmu.evaluate` also takes the path of a file.
         signs : {"iso", "adapted-sae", "sae"}, optional
-            The table's convention; the result comes back in it. Where None: "iso" for a DataFrame, that of the
-            format for a file, a recording's own. Named quantities are those of the formula written in it
-            ("sae": in adapted SAE).
+            The table's convention; the result comes back in it. Where None: "iso" for a DataFrame, a recording's
+            own. Named quantities are those of the formula written in it ("sae": in adapted SAE).
         convention : {"tno", "book"}
             As in the industry's solvers, or as printed in Pacejka (2012), section 4.E. MF96 has one form.
         slip_angle : {"tan", "angle"}
@@ -178,7 +177,9 @@ class Tire(TireDefinition):
         Raises
         ------
         DataError
-            If an input is NaN or infinite, or a file or recording cannot be used.
+            If an input is NaN or infinite, in another unit than SI or of the wrong sign (a channel whose unit its file
+            declares is not checked; up to half of the loads may be negative, those of a lifted wheel with noise), or
+            a load is far beyond those of the tire (above five times FZMAX and ten times FNOMIN).
         UnknownName
             If a convention does not exist.
         WrongType
@@ -192,9 +193,9 @@ class Tire(TireDefinition):
         >>> published("trento_hoosier").evaluate(table)["Fy"].round().tolist()
         [-89.0, 1948.0]
         """
-        table, written = table_from(table, signs)
+        rows, written = checked_table(self, table, signs, limited=limits)
         conventions = Conventions(written, convention, slip_angle, limits, mirror, steady, hold)
-        return evaluate(self, table, conventions, code)
+        return evaluate(self, rows, conventions, code)
 
     def save(self, path: str | Path) -> None:
         """Write the tire as a .tir file, in ISO-W.
