@@ -16,7 +16,7 @@ from .definition import TireDefinition
 from .forces import Forces
 from .signs import MIRRORED, TABLE_INPUTS, convert_signs, reversed_columns
 from .states.simulation import StateSimulation, equilibrium
-from .states.transient import lagged_course, rolled_distance, with_pauses
+from .states.transient import lagged_course, lateral_slip, rolled_distance, with_pauses
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -178,7 +178,7 @@ def _acting(
         along, across = (sigma[tire.symbolic_model.quantity(role)] for role in ("relaxation_x", "relaxation_y"))
         slips = {
             "kappa": lagged_course(t, named["kappa"], named["V"], along, hold=hold),
-            "alpha": lagged_course(t, np.tan(named["alpha"]), named["V"], across, hold=hold),
+            "alpha": lagged_course(t, lateral_slip(named["alpha"]), named["V"], across, hold=hold),
         }
     fitted = [name for name in tire.states if tire.symbolic_model.states[name].start_is_fitted and name in table]
     starts = {name: rows[tire.inputs.index(name)] for name in fitted}

@@ -121,8 +121,9 @@ class Tire(TireDefinition):
             If an input is not numeric.
         TirefmuError
             If a value is outside the range of its input in SI units, such as alpha = 5 (degrees), slip in percent or a
-            negative Fz; if a load is far beyond those of the tire (above five times FZMAX and ten times FNOMIN); or if
-            the shapes do not broadcast.
+            negative Fz; if a load is far beyond those of the tire (above five times FZMAX, or 25 times FNOMIN without
+            it); or if the shapes do not broadcast. The formula itself has values beyond 90 deg: a table of
+            `tirefmu.evaluate` that declares ``alpha [deg]`` may have such rows, and so may inputs of an FMU.
         """
         return forces(self, checked_inputs(self, inputs), code)
 
@@ -179,7 +180,7 @@ class Tire(TireDefinition):
         DataError
             If an input is NaN or infinite, in another unit than SI or of the wrong sign (a channel whose unit its file
             declares is not checked; up to half of the loads may be negative, those of a lifted wheel with noise), or
-            a load is far beyond those of the tire (above five times FZMAX and ten times FNOMIN).
+            a load is far beyond those of the tire (above five times FZMAX, or 25 times FNOMIN without it).
         UnknownName
             If a convention does not exist.
         WrongType
