@@ -92,6 +92,7 @@ def evaluate(
     check_input_paths(tire, table)
     from ..measurements import column_notes, recording_from, write_table
     from ..tires import tire_from
+    from ..tires.property_file.use import use_notes
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
@@ -114,6 +115,7 @@ def evaluate(
     terminal.print(f"{rows} rows, {len(columns)} columns, signs {recording.signs}: {output}")
     if absent:
         terminal.print(f"not in the table, nominal values used: {', '.join(absent)}")
+    terminal.print(*(f"note: {note}" for note in use_notes(loaded)))
     terminal.print(*(f"warning: {warning}" for warning in warnings))
     return 0
 
@@ -239,6 +241,7 @@ def draw(
     from ..tires import tire_from
     from ..tires.drawing.files import draw as run
     from ..tires.drawing.tire_figures import default_loads
+    from ..tires.property_file.use import use_notes
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
@@ -266,6 +269,7 @@ def draw(
     terminal.print(f"figures at {', '.join(f'{load:g}' for load in loads)} N, signs {shown}:")
     for path in drawn:
         terminal.print(f"  {path}")
+    terminal.print(*(f"note: {note}" for note in use_notes(loaded)))
     return 0
 
 

@@ -45,8 +45,9 @@ class Tire(TireDefinition):
         The range of each input in which the tire is known, by input name. If the model has coefficients for a range
         (KPUMIN, KPUMAX, ...), they have the same values.
     side : str
-        The side of the vehicle to which the coefficients apply, TYRESIDE of the file: "left", "right" or "".
-        It has no influence by itself; see `mirror` of `evaluate`.
+        The side of the vehicle to which the coefficients apply, TYRESIDE of the file: "left", "right", "symmetric"
+        or "". It has no influence by itself; see `mirror` of `evaluate`. The coefficients that differ between left
+        and right are 0 if a file with 'SYMMETRIC' is read.
     added : tuple of AddedEffect
         Effects beyond the book. Those of the library are added by their names in `effects`.
     other_entries : tuple of (str, str, str)
