@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from .boundary.on_demand import on_demand
-from .tires.table_argument import read_tables_with
 
 if TYPE_CHECKING:
     from .applications.batch.diagnose_many import diagnose_many
@@ -94,12 +93,3 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return list(__all__)
-
-
-def _recording(table: Any, signs: str | None) -> Recording:
-    from .measurements import recording_from
-
-    return recording_from(table, signs=signs)
-
-
-read_tables_with(_recording)

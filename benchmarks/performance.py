@@ -1,11 +1,11 @@
-"""The tables of docs/performance.md: start-up, fits, evaluation and memory of one run, targets and earlier figures.
+"""The tables of docs/performance.md: start-up, fits and evaluation of one run, targets and earlier figures.
 
 Runs the parts and replaces the tables between the marks of the page. CPU seconds
 are also given for the reference machine, on which the C code that CasADi generates for the forces of MF6.1 (gcc -O2,
 one thread, a million points) needs 386 ns a point: seconds on this machine times 386 ns over the time that this code
 takes here.
 
-    python benchmarks/performance.py [--parts startup,fit,evaluation,memory] [--quick] [--write]
+    python benchmarks/performance.py [--parts startup,fit,evaluation] [--quick] [--write]
 """
 
 from __future__ import annotations
@@ -25,7 +25,6 @@ from doc_tables import DOCS, put, table
 from evaluation_times import CASADI, evaluation_times
 from fit_times import compare, growth
 from startup_times import startup_times
-from streaming_times import streaming_runs
 from threadpoolctl import threadpool_limits
 
 from tirefmu.symbolic.models import model_named
@@ -36,7 +35,7 @@ REFERENCE_NS = 386.0
 MANY = 1_000_000
 #: Load of the machine above which the page says that others were computing.
 QUIET = 0.5
-PARTS = ("startup", "fit", "evaluation", "memory")
+PARTS = ("startup", "fit", "evaluation")
 
 
 @dataclass(frozen=True)
@@ -184,16 +183,6 @@ def real_fit() -> float | None:
     return after.children_user + after.children_system - before.children_user - before.children_system
 
 
-def memory_text(runs: Sequence[Mapping[str, Any]]) -> str:
-    """Return the table of memory by rows."""
-    rows = [
-        [run["command"], f"{run['rows']:,}", f"{run['peak MB']:.0f}", f"{1e6 * run['seconds'] / run['rows']:.2f}"]
-        for run in runs
-    ]
-    head = ("command over a Parquet table", "rows", "peak memory, MB (target 600)", "CPU us a row")
-    return table(head, rows)
-
-
 def surroundings(loads: Sequence[float], ns: float) -> str:
     """Return machine, load and reference."""
     model = next(
@@ -237,8 +226,6 @@ def main() -> None:
         text |= fit_texts(compared, grown, None if given.quick else real_fit(), scale)
     if "evaluation" in parts:
         text["evaluation"] = evaluation_text(times)
-    if "memory" in parts:
-        text["memory"] = memory_text(streaming_runs([600_000] if given.quick else [MANY, 10 * MANY]))
     short = "**A short run: one repetition, few rows, no diagnosis.** " if given.quick else ""
     text["machine"] = short + surroundings((start, os.getloadavg()[0]), ns)
     for part, content in text.items():

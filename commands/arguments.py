@@ -128,11 +128,6 @@ class TableOptions:
     units: dict[str, str] | None
 
     @property
-    def whole(self) -> bool:
-        """Whether all rows and columns are read as the table declares them."""
-        return not (self.where or self.columns or self.units)
-
-    @property
     def arguments(self) -> list[str]:
         """The options of a command that reads tables in the same way."""
         given: list[str] = []

@@ -91,27 +91,20 @@ def evaluate(
     check_output_paths(output, json_file)
     check_input_paths(tire, table)
     from ..measurements import column_notes, recording_from, write_table
-    from ..measurements.evaluation import evaluate_to_file
-    from ..measurements.large_table import LargeTable
     from ..tires import tire_from
+    from ..tires.property_file.use import use_notes
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
     loaded = tire_from(tire, radius=radius)
-    large = LargeTable.of(table, selection.signs) if selection.whole else None
-    if large and large.rows_are_independent(loaded, steady=conventions["steady"]):
-        with terminal.working(f"evaluating {large.rows} rows"):
-            recording, rows = large.survey, large.rows
-            columns = evaluate_to_file(loaded, large, output, code, **conventions)
-    else:
-        recording = recording_from(table, **vars(selection))
-        if incomplete := recording.about.get("incomplete"):
-            raise TirefmuError(f"{table}: {incomplete}: evaluate needs every input of every row")
-        terminal.selection(recording)
-        with terminal.working(f"evaluating {len(recording)} rows"):
-            result = loaded.evaluate(recording.table, signs=recording.signs, code=code, **conventions)
-            write_table(result, output)
-        rows, columns = len(result), list(result.columns)
+    recording = recording_from(table, **vars(selection))
+    if incomplete := recording.about.get("incomplete"):
+        raise TirefmuError(f"{table}: {incomplete}: evaluate needs every input of every row")
+    terminal.selection(recording)
+    with terminal.working(f"evaluating {len(recording)} rows"):
+        result = loaded.evaluate(recording, code=code, **conventions)
+        write_table(result, output)
+    rows, columns = len(result), list(result.columns)
     absent = [name for name in loaded.inputs if name not in recording.table]
     warnings = column_notes(recording, fitted=False)
     summary = {
@@ -122,6 +115,7 @@ def evaluate(
     terminal.print(f"{rows} rows, {len(columns)} columns, signs {recording.signs}: {output}")
     if absent:
         terminal.print(f"not in the table, nominal values used: {', '.join(absent)}")
+    terminal.print(*(f"note: {note}" for note in use_notes(loaded)))
     terminal.print(*(f"warning: {warning}" for warning in warnings))
     return 0
 
@@ -158,23 +152,15 @@ def check(
             raise TirefmuError("options of tables, --tolerance, --figures and --report need a TABLE")
         return _repeated_proof(fmu, timeout, json_file, quiet)
     from ..fmu import check as run
-    from ..fmu.comparison.large_check import check_large
     from ..measurements import incomplete_rows, recording_from
-    from ..measurements.large_table import LargeTable
     from .terminal import Terminal
 
-    terminal, simulating = Terminal(quiet), f"simulating {fmu.name} over {table.name}"
-    large = LargeTable.of(table, selection.signs) if selection.whole and not (figures or report) else None
-    result = None
-    if large:
-        with terminal.working(simulating):
-            result = check_large(fmu, large, tolerance=tolerance, timeout=timeout)
-    if result is None:
-        recording = recording_from(table, **vars(selection))
-        terminal.selection(recording)
-        terminal.findings(incomplete_rows(recording))
-        with terminal.working(simulating):
-            result = run(fmu, recording, tolerance=tolerance, timeout=timeout)
+    terminal = Terminal(quiet)
+    recording = recording_from(table, **vars(selection))
+    terminal.selection(recording)
+    terminal.findings(incomplete_rows(recording))
+    with terminal.working(f"simulating {fmu.name} over {table.name}"):
+        result = run(fmu, recording, tolerance=tolerance, timeout=timeout)
     write_json(json_file, result.to_json())
     terminal.print(f"verdict: {result.verdict}", result.agreement, *str(result).split("\n"))
     if figures:
@@ -255,6 +241,7 @@ def draw(
     from ..tires import tire_from
     from ..tires.drawing.files import draw as run
     from ..tires.drawing.tire_figures import default_loads
+    from ..tires.property_file.use import use_notes
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
@@ -282,6 +269,7 @@ def draw(
     terminal.print(f"figures at {', '.join(f'{load:g}' for load in loads)} N, signs {shown}:")
     for path in drawn:
         terminal.print(f"  {path}")
+    terminal.print(*(f"note: {note}" for note in use_notes(loaded)))
     return 0
 
 

@@ -67,6 +67,8 @@ class Proof:
 @click.option("--ssp", type=FILE, metavar="FILE",
               help="Write a system of the tires (SSP): FMUs, parameter sets. Four are FL, FR, RL, RR.")  # fmt: skip
 @click.option("--vehicle", type=FILE, help="With --ssp: an FMU that is connected to the tires by names such as FL_Fz.")
+@click.option("--mirror/--no-mirror", default=True, show_default=True,
+              help="With --ssp: corners have the mirror image of a tire of the other side (TYRESIDE).")  # fmt: skip
 @RADIUS
 @click.option("--fmi", type=click.Choice(["2", "3"]),
               help="FMI version; 2 is SSP 1.0, 3 is SSP 2.0  [default: 3; pythonfmu, ssv, --ssp: 2]")  # fmt: skip
@@ -103,7 +105,8 @@ class Proof:
 @common
 @grouped(interface=InterfaceOptions, proof=Proof)
 def export(
-    tires: tuple[Path, ...], output: Path | None, ssp: Path | None, vehicle: Path | None, radius: float | None,
+    tires: tuple[Path, ...], output: Path | None, ssp: Path | None, vehicle: Path | None, mirror: bool,
+    radius: float | None,
     interface: InterfaceOptions, proof: Proof, selection: TableOptions, kind: str, platforms: str, road: Path | None,
     arrays: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
@@ -133,7 +136,9 @@ def export(
     check_input_paths(*tires, road, vehicle, proof.path, proof.fit)
     from ..fmu import export_parameters, export_sti, export_system
     from ..fmu.description.standstill import with_lengths
+    from ..fmu.packaging.system import side_notes
     from ..tires import tire_from
+    from ..tires.property_file.use import use_notes
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
@@ -144,7 +149,7 @@ def export(
     with terminal.working("compiling" if kind in ("native", "sti") else "packing"):
         if ssp:
             system: dict[str, Any] = {"quantities": interface.quantities, "platforms": platforms, "vehicle": vehicle}
-            written = export_system(loaded, target, **shared, **system)
+            written = export_system(loaded, target, **shared, **system, mirror=mirror)
         elif kind == "ssv":
             written = export_parameters(loaded[0], target, **shared)
         elif kind == "sti":
@@ -166,6 +171,8 @@ def export(
     }[what]
     shown = "" if kind == "sti" else f"{inputs} inputs, "
     terminal.print(f"{form}, {tires_of}{shown}{size / 1024:.0f} KB: {written}")
+    notes = [*(side_notes(loaded, mirror) if ssp else ()), *(note for tire in loaded for note in use_notes(tire))]
+    terminal.print(*(f"note: {note}" for note in dict.fromkeys(notes)))
     if (inputs != "slip" or kind == "sti") and (note := with_lengths(loaded[0])[1]):
         terminal.print(f"note: {note}")
     if proof.path:

@@ -44,7 +44,7 @@ class Channel:
     tolerance: float | None = None
 
 
-# Limits: those of numbers typed by hand (`boundary.typed_numbers`), where a table may not have both signs of the load.
+# Limits: those of every input (`boundary.typed_numbers`), where a table may not have both signs of the load.
 # Values beyond them can only be in another unit.
 # Tolerances: judgement, from the accuracy with which benches control a held channel; 0.5 deg for angles, 3 kPa for the
 # pressure, 0.5 m/s for the speed, 2 K for the temperature.
@@ -76,15 +76,15 @@ _DECLARATIONS = (
     ),
     Channel(
         "T", "temperature at the tread's center", "deg C", "temperature", "input", ("TSTC",),
-        ("temperature", "tread_temperature", "tire_temperature", "tyre_temperature"), (-80.0, 250.0), 2.0,
+        ("temperature", "tread_temperature", "tire_temperature", "tyre_temperature"), RANGES["T"][:2], 2.0,
     ),
     Channel(
         "T_ambient", "temperature of the air around the tire", "K", "absolute temperature", "input", ("AMBTMP",),
-        ("ambient_temperature", "air_temperature"), (200.0, 350.0), 2.0,
+        ("ambient_temperature", "air_temperature"), RANGES["T_ambient"][:2], 2.0,
     ),
     Channel(
         "T_road", "temperature of the surface of the road", "K", "absolute temperature", "input", ("RST",),
-        ("road_temperature", "road_surface_temperature", "track_temperature"), (200.0, 400.0), 2.0,
+        ("road_temperature", "road_surface_temperature", "track_temperature"), RANGES["T_road"][:2], 2.0,
     ),
     Channel("phit", "turn slip", "1/m", "curvature", "input", (), ("turn_slip",), tolerance=0.01),
     Channel("Fx", "longitudinal force", "N", "force", "output", ("FX",), ("longitudinal_force", "tractive_force")),

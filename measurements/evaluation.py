@@ -1,22 +1,18 @@
-"""`tirefmu.evaluate`: a tire evaluated over a table, in memory or from file to file."""
+"""`tirefmu.evaluate`: a tire evaluated over a table in memory or of a file."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from ..tires import Tire, TireLike, tire_from
+from ..tires.evaluation import Conventions
+from ..tires.evaluation import evaluate as evaluate_rows
 from .channels import OUTPUTS
 from .column_names import check_names
-from .files.writing import write_tables
-from .large_table import PART, LargeTable
 from .recording import Recording
-
-#: Rows that are evaluated at a time if they depend on earlier ones: every named quantity of them needs 200 MB.
-ROWS_AT_A_TIME = 250_000
+from .table_argument import recording_from
 
 
 def evaluate(tire: TireLike, table: Any, **options: Any) -> pd.DataFrame:
@@ -49,39 +45,12 @@ def evaluate(tire: TireLike, table: Any, **options: Any) -> pd.DataFrame:
     """
     if isinstance(table, pd.DataFrame):
         check_names(map(str, table.columns), "table")
+    else:
+        table = recording_from(table, signs=options.pop("signs", None))
     return tire_from(tire).evaluate(table, **options)
 
 
 def predicted_outputs(tire: Tire, recording: Recording) -> pd.DataFrame:
-    """Return the outputs of a tire for each row of a recording.
-
-    Returns: the outputs that the tire has, in the signs of the recording. Transient slips start anew every
-    `ROWS_AT_A_TIME` rows.
-    """
-    pieces = []
-    most = ROWS_AT_A_TIME if tire.lags or tire.states or "distance" in tire.inputs else PART
-    for start in range(0, len(recording), most):
-        rows = recording.table.iloc[start : start + most].reset_index(drop=True)
-        outputs = tire.evaluate(rows, signs=recording.signs)
-        pieces.append(outputs[[name for name in OUTPUTS if name in tire.outputs]])
-    return pd.concat(pieces, ignore_index=True)
-
-
-def evaluate_to_file(tire: Tire, table: LargeTable, output: Path, code: str = "auto", **options: Any) -> list[str]:
-    """Evaluate a tire over a large table part by part, and write the result.
-
-    `table`: whose rows are independent (`LargeTable.rows_are_independent`). `output`: CSV or Parquet file to write.
-    `code`: as for `Tire.evaluate`; "auto" is the fastest for all rows, for each part. `**options`: those of
-    `Tire.evaluate`. Returns: the columns of the result. Raises `DataError` if the table cannot be used or the file
-    cannot be written.
-    """
-    columns: list[str] = []
-
-    def results() -> Iterator[pd.DataFrame]:
-        for part in table.parts():
-            result = tire.evaluate(part, signs=table.signs, code=code, **options)
-            columns[:] = result.columns
-            yield result
-
-    write_tables(results(), output)
-    return columns
+    """Return the outputs of a tire for each row of a recording, in its signs."""
+    outputs = evaluate_rows(tire, recording.table, Conventions(recording.signs))
+    return outputs[[name for name in OUTPUTS if name in tire.outputs]].reset_index(drop=True)

@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..numerics.arrays import FloatArray, IndexArray
+from ..tires.evaluation import Conventions, evaluate
 from ..tires.states.transient import segment_starts
 from ..tires.tire import Tire
 from .recording import Recording
@@ -88,7 +89,7 @@ def with_fitted_starts(tire: Tire, recording: Recording, free: Collection[str] =
         return recording
     begins = segment_starts(table["t"].to_numpy(dtype=np.float64))
     segment = np.cumsum(begins) - 1
-    course = tire.evaluate(table, signs=recording.signs)
+    course = evaluate(tire, table, Conventions(recording.signs))
     measured = table[channels].to_numpy(dtype=np.float64).T
 
     def columns(values: FloatArray) -> dict[str, FloatArray]:
@@ -97,7 +98,7 @@ def with_fitted_starts(tire: Tire, recording: Recording, free: Collection[str] =
     def difference(values: FloatArray, shift: FloatArray) -> FloatArray:
         moved = {name: tire.values[name] + change for name, change in zip(free, shift, strict=True)}
         changed = tire.with_values(**moved) if moved else tire
-        computed = changed.evaluate(table.assign(**columns(values)), signs=recording.signs)[channels]
+        computed = evaluate(changed, table.assign(**columns(values)), Conventions(recording.signs))[channels]
         return np.asarray(measured - computed.to_numpy(dtype=np.float64).T)
 
     states = course[names].to_numpy(dtype=np.float64).T

@@ -112,8 +112,6 @@ SETTLING_TIME = 0.3
 #: N. If no load is larger, it is taken for kN: the smallest tires known to us run at 60 N and more. Loads of a truck
 #: tire in kN (up to 60) are not recognized.
 SMALLEST_LOAD = 20.0
-#: Pa. If the median pressure is smaller, it is not in Pa: a balloon tire has 1e4 Pa, and 250 psi is the number 250.
-SMALLEST_PRESSURE = 2e3
 #: bar and psi. The median of a pressure that is not in Pa is taken as bar below the first, as psi below the second and
 #: as kPa above. Judgement; only the suggestion in the message depends on it.
 LARGEST_BAR, LARGEST_PSI = 8.0, 50.0
@@ -121,8 +119,6 @@ LARGEST_BAR, LARGEST_PSI = 8.0, 50.0
 BACKWARD_SLIP = -1.05
 #: Fraction of the rows with a measured Fx. A bench that brakes to lock overshoots -1 in a few rows. Judgement.
 MAX_BACKWARD_ROWS = 0.1
-#: Fraction of the rows. If more loads have the wrong sign, the sign convention is wrong: the majority decides.
-MAX_WRONG_LOADS = 0.5
 #: rad. At larger slip angles the pneumatic trail vanishes, and the aligning moment may change its sign. Judgement.
 SMALL_ANGLE = 0.05
 #: Fraction of the largest slip angle up to which, or up to `SMALL_ANGLE`, the sign of Mz is judged. Judgement.

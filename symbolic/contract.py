@@ -99,6 +99,8 @@ class PropertyFile:
         Formula's coefficients are part of the formula and never change.
     in_si : tuple of str
         Keys, coefficients or aliases, whose values are in SI whatever [UNITS] declares.
+    disputed : mapping of int to str
+        Values of FITTYP that other programs read as another model, and which.
     strict : bool
         Whether a key that resembles a coefficient is an error. Files of other programs contain further keys: there it
         is a remark.
@@ -113,6 +115,7 @@ class PropertyFile:
     aliases: Mapping[str, str] = field(default_factory=dict)
     per_angle: bool = False
     in_si: tuple[str, ...] = ()
+    disputed: Mapping[int, str] = field(default_factory=dict)
     strict: bool = False
 
 

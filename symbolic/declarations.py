@@ -25,6 +25,7 @@ class Coefficient:
     - `neutral`: the value at which the coefficient has no influence; None for an indispensable coefficient.
     - `start`: a generic initial value of a fit, in adapted SAE signs; the neutral value if None.
     - `flips`: true if its sign changes between adapted SAE and ISO (the same tire, written in the other axes).
+    - `sided`: true if its sign changes when the tire is mounted on the other side of the vehicle; neutral at 0.
     - `assumed`: the value that other readers assume, in ISO-W, if a .tir file lacks the key; the default if None.
     - `channels`: the outputs from which it can be identified, the most informative first; those of its section if
       empty.
@@ -39,6 +40,7 @@ class Coefficient:
     neutral: float | None = 0.0
     start: float | None = None
     flips: bool = False
+    sided: bool = field(default=False, kw_only=True)
     assumed: float | None = None
     channels: tuple[str, ...] = field(default=(), compare=False)
     fitted: bool | None = field(default=None, compare=False)

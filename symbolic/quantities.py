@@ -8,6 +8,8 @@ from .declarations import Quantity
 
 KAPPA = Quantity("kappa", "1", "longitudinal slip (omega R_e - V_x)/|V_x|; positive drives", typical=0.1)
 ALPHA = Quantity("alpha", "rad", "side slip angle", typical=0.1)
+#: What the lines read in place of alpha.
+ALPHA_FOLDED = Quantity("alpha_folded", "rad", "slip angle, beyond 90 deg its supplement")
 GAMMA = Quantity("gamma", "rad", "inclination (camber) angle", typical=0.05)
 FZ = Quantity("Fz", "N", "vertical load; positive presses the tire to the ground", "FNOMIN", 1000.0, lower=0.0)
 P = Quantity("p", "Pa", "inflation pressure", "INFLPRES", 2e5, lower=0.0)

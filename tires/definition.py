@@ -55,8 +55,8 @@ class TireDefinition:
     def __post_init__(self) -> None:
         if self.signs not in ("iso", "adapted-sae"):
             raise UnknownName("sign convention of a tire", self.signs, ("iso", "adapted-sae"))
-        if self.side not in ("left", "right", ""):
-            raise UnknownName("side of the vehicle", self.side, ("left", "right"))
+        if self.side not in ("left", "right", "symmetric", ""):
+            raise UnknownName("side of the vehicle", self.side, ("left", "right", "symmetric"))
         no_single_text("effects", self.effects)
         object.__setattr__(self, "added", with_library(self.model, self.effects or (), self.added))
         declarations = self.symbolic_model.coefficients

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from ..boundary.errors import DataError, UnknownName
+from ..boundary.errors import DataError
 from ..symbolic.model import Model
 from .code import Code, code_for, fastest_code
 from .definition import TireDefinition
 from .forces import Forces
 from .signs import MIRRORED, TABLE_INPUTS, convert_signs, reversed_columns
 from .states.simulation import StateSimulation, equilibrium
-from .states.transient import lagged_course, rolled_distance, with_pauses
+from .states.transient import lagged_course, lateral_slip, rolled_distance, with_pauses
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -53,13 +53,7 @@ class Conventions:
 
 
 def forces(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike], code: str = "auto") -> Forces:
-    """Return forces and moments in the tire's own signs, in steady state; `Tire.forces` documents the parameters.
-
-    Raises
-    ------
-    UnknownName
-        If an input is not in the public tables.
-    """
+    """Return forces and moments in the tire's own signs, in steady state; `Tire.forces` documents the parameters."""
     rows, shape = _broadcast(tire, inputs)
     chosen, parameters = _code(tire.symbolic_model, code, rows.shape[1]), tire.parameters()
     results = chosen.forces(equilibrium(tire.symbolic_model, chosen, rows, parameters, tire.states), parameters)
@@ -81,9 +75,6 @@ def quantities(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike]) -> dic
 
 def _broadcast(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike]) -> tuple[FloatArray, tuple[int, ...]]:
     """Return rows of the model's inputs, without those that request an absent effect, and the shape of the inputs."""
-    for name in inputs:
-        if name not in TABLE_INPUTS:
-            raise UnknownName("input", name, TABLE_INPUTS)
     columns = [np.asarray(inputs.get(name, tire.nominal(name)), dtype=np.float64) for name in tire.inputs]
     shape = np.broadcast_shapes(*(column.shape for column in columns))
     rows = np.stack([np.broadcast_to(column, shape).ravel() for column in columns])
@@ -187,7 +178,7 @@ def _acting(
         along, across = (sigma[tire.symbolic_model.quantity(role)] for role in ("relaxation_x", "relaxation_y"))
         slips = {
             "kappa": lagged_course(t, named["kappa"], named["V"], along, hold=hold),
-            "alpha": lagged_course(t, np.tan(named["alpha"]), named["V"], across, hold=hold),
+            "alpha": lagged_course(t, lateral_slip(named["alpha"]), named["V"], across, hold=hold),
         }
     fitted = [name for name in tire.states if tire.symbolic_model.states[name].start_is_fitted and name in table]
     starts = {name: rows[tire.inputs.index(name)] for name in fitted}

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy.typing as npt
 
 from ..boundary.errors import UnknownName
-from ..boundary.typed_numbers import check_typed
 from .definition import TireDefinition
 from .evaluation import Conventions, evaluate, forces
 from .forces import Forces
+from .input_check import SignedTable, checked_inputs, checked_table
 from .property_file.writing import write_tir
 from .summary import tire_html, tire_text
-from .table_argument import table_from
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -46,8 +45,9 @@ class Tire(TireDefinition):
         The range of each input in which the tire is known, by input name. If the model has coefficients for a range
         (KPUMIN, KPUMAX, ...), they have the same values.
     side : str
-        The side of the vehicle to which the coefficients apply, TYRESIDE of the file: "left", "right" or "".
-        It has no influence by itself; see `mirror` of `evaluate`.
+        The side of the vehicle to which the coefficients apply, TYRESIDE of the file: "left", "right", "symmetric"
+        or "". It has no influence by itself; see `mirror` of `evaluate`. The coefficients that differ between left
+        and right are 0 if a file with 'SYMMETRIC' is read.
     added : tuple of AddedEffect
         Effects beyond the book. Those of the library are added by their names in `effects`.
     other_entries : tuple of (str, str, str)
@@ -118,16 +118,19 @@ class Tire(TireDefinition):
         ------
         UnknownName
             If an input is none of the public tables.
+        WrongType
+            If an input is not numeric.
         TirefmuError
-            If a number or a short list is outside the range of its input in SI units, such as alpha = 5 (degrees)
-            or a negative Fz. Arrays are not checked.
+            If a value is outside the range of its input in SI units, such as alpha = 5 (degrees), slip in percent or a
+            negative Fz; if a load is far beyond those of the tire (above five times FZMAX, or 25 times FNOMIN without
+            it); or if the shapes do not broadcast. The formula itself has values beyond 90 deg: a table of
+            `tirefmu.evaluate` that declares ``alpha [deg]`` may have such rows, and so may inputs of an FMU.
         """
-        check_typed(inputs)
-        return forces(self, inputs, code)
+        return forces(self, checked_inputs(self, inputs), code)
 
     def evaluate(
         self,
-        table: pd.DataFrame | Any,
+        table: pd.DataFrame | SignedTable,
         *,
         signs: str | None = None,
         convention: str = "tno",
@@ -142,14 +145,12 @@ class Tire(TireDefinition):
 
         Parameters
         ----------
-        table : pandas.DataFrame, path or Recording
+        table : pandas.DataFrame or Recording
             Input columns in SI units, with the names of the public tables; an absent one takes the nominal
-            value, other columns are ignored. Files and recordings are checked as every command does; a
-            DataFrame may hold any finite inputs.
+            value, other columns are ignored. `tirefmu.evaluate` also takes the path of a file.
         signs : {"iso", "adapted-sae", "sae"}, optional
-            The table's convention; the result comes back in it. Where None: "iso" for a DataFrame, that of the
-            format for a file, a recording's own. Named quantities are those of the formula written in it
-            ("sae": in adapted SAE).
+            The table's convention; the result comes back in it. Where None: "iso" for a DataFrame, a recording's
+            own. Named quantities are those of the formula written in it ("sae": in adapted SAE).
         convention : {"tno", "book"}
             As in the industry's solvers, or as printed in Pacejka (2012), section 4.E. MF96 has one form.
         slip_angle : {"tan", "angle"}
@@ -178,7 +179,9 @@ class Tire(TireDefinition):
         Raises
         ------
         DataError
-            If an input is NaN or infinite, or a file or recording cannot be used.
+            If an input is NaN or infinite, in another unit than SI or of the wrong sign (a channel whose unit its file
+            declares is not checked; up to half of the loads may be negative, those of a lifted wheel with noise), or
+            a load is far beyond those of the tire (above five times FZMAX, or 25 times FNOMIN without it).
         UnknownName
             If a convention does not exist.
         WrongType
@@ -192,9 +195,9 @@ class Tire(TireDefinition):
         >>> published("trento_hoosier").evaluate(table)["Fy"].round().tolist()
         [-89.0, 1948.0]
         """
-        table, written = table_from(table, signs)
+        rows, written = checked_table(self, table, signs, limited=limits)
         conventions = Conventions(written, convention, slip_angle, limits, mirror, steady, hold)
-        return evaluate(self, table, conventions, code)
+        return evaluate(self, rows, conventions, code)
 
     def save(self, path: str | Path) -> None:
         """Write the tire as a .tir file, in ISO-W.

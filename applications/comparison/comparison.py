@@ -164,7 +164,7 @@ def _differences(first: Tire, second: Tire) -> list[Difference]:
 
 def _errors(tires: tuple[Tire, Tire], recording: Recording) -> list[ComparedChannel]:
     included = exclude_rows(recording).included
-    predicted = [tire.evaluate(recording.table, signs=recording.signs) for tire in tires]
+    predicted = [tire.evaluate(recording) for tire in tires]
     errors = []
     for channel in recording.measured():
         if not all(channel in table for table in predicted):

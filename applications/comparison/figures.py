@@ -17,6 +17,7 @@ from ...drawing.labels import axis_label, held_text, letter, level_text, note, p
 from ...drawing.style import DASHED, SOLID, level_styles
 from ...measurements import Recording
 from ...tires import Tire
+from ...tires.evaluation import Conventions, evaluate
 from .comparison import ROLES, Comparison
 from .sweeps import FURTHER, Sweep, sweeps
 
@@ -55,7 +56,7 @@ def comparison_figures(comparison: Comparison, recordings: Sequence[Recording], 
 
 
 def _evaluated(tire: Tire, held: dict[str, float], name: str, values: FloatArray, signs: str) -> pd.DataFrame:
-    return tire.evaluate(pd.DataFrame({**held, name: values}), signs=signs, steady=True)
+    return evaluate(tire, pd.DataFrame({**held, name: values}), Conventions(signs, steady=True))
 
 
 def _family(comparison: Comparison, ranges: Sequence[Sweep], channel: str, signs: str, *, slope: bool) -> Figure:

@@ -15,6 +15,7 @@ from ...fitting import fit
 from ...measurements import CHANNELS
 from ...symbolic.models import MODELS
 from ...tires import Tire, TireLike, tire_from, write_tir
+from ...tires.property_file.use import use_notes
 from .dialects import Host
 from .lacking import acting, nearest
 from .lint import LintMessage, host_named, lint, lost_effects
@@ -28,6 +29,10 @@ UNCHANGED = 1e-4
 NOT_ENFORCED = ("curvature", "friction_falling")
 #: Key and value that several hosts require and that a file may lack.
 GENERAL = {"LONGVL": 16.7, "VXLOW": 1.0}
+
+
+#: What is written if a tire does not state its side: hosts require it.
+ASSUMED_SIDE = "left"
 
 
 @dataclass(frozen=True)
@@ -81,7 +86,9 @@ def convert(tire: TireLike, path: str | Path, host: str, model: str | None = Non
     write_tir(written, path)
     findings = lint(path, host)
     stated = {finding.text for finding in findings}
-    lost = [*lost_effects(whole, rules, folded), *_lost_relaxation(whole, written)]
+    lost = [*lost_effects(whole, rules, folded), *_lost_relaxation(whole, written), *use_notes(whole)]
+    if not whole.side:
+        lost.append(f"the side of the tire is not stated: TYRESIDE = '{ASSUMED_SIDE.upper()}' is written")
     findings += [LintMessage("note", 0, text) for text in lost if text not in stated]
     return Conversion(Path(path), written, chosen, refitted, errors, findings)
 
@@ -99,7 +106,7 @@ def without_added(tire: Tire) -> Tire:
 def _for_host(tire: Tire, rules: Host, model: str) -> Tire:
     """Return a tire whose file has the entries that the host expects."""
     entries = dict(rules.dialects[model].entries)
-    side = {"left": "'LEFT'", "right": "'RIGHT'", "": "'LEFT'"}[tire.side]
+    side = f"'{(tire.side or ASSUMED_SIDE).upper()}'"
     entries["TYRESIDE"] = side
     values = {name: value for name, value in tire.values.items() if name not in tire.defaulted}
     declared = tire.symbolic_model.coefficients

@@ -11,6 +11,7 @@ from ...boundary.errors import UnknownName
 from ...boundary.escaping import quoted
 from ...tires import Tire
 from ...tires.property_file.reading import read_tir
+from ...tires.property_file.use import use_notes
 from .dialects import HOSTS, Dialect, Host
 from .lacking import acting
 
@@ -71,7 +72,8 @@ def lint(path: str | Path, host: str) -> list[LintMessage]:
     errors = [*_model_errors(entries, rules.dialects[tire.model]), *_unit_errors(entries, rules)]
     errors += [*_layout_errors(text, rules), *_number_errors(tire)]
     errors += _lacking_errors(entries, tire, rules.dialects[tire.model].lacking)
-    return errors + [LintMessage("note", 0, note) for note in (*lost_effects(tire, rules), *rules.notes)]
+    notes = (*lost_effects(tire, rules), *use_notes(tire), *rules.notes)
+    return errors + [LintMessage("note", 0, note) for note in notes]
 
 
 def lost_effects(tire: Tire, rules: Host, folded: Collection[str] = ()) -> list[str]:

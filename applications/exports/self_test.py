@@ -48,7 +48,8 @@ def operating_conditions(tire: Tire, rows: int, seed: int = 0) -> FloatArray:
     """Return operating conditions, shape (n_inputs, rows): special ones first, then random ones.
 
     Special are zero slip, no load, a tenth and three times the nominal load, a locked and a spinning wheel, slip angles
-    up to 1.2 rad, reverse, standstill. States of effects are between zero and 1.5 times their equilibrium.
+    up to 1.2 rad and beyond 90 deg, reverse, standstill. States of effects are between zero and 1.5 times their
+    equilibrium.
     """
     rng = np.random.default_rng(seed)
     nominal = {name: tire.nominal(name) for name in tire.inputs}
@@ -57,7 +58,7 @@ def operating_conditions(tire: Tire, rows: int, seed: int = 0) -> FloatArray:
         {}, {"Fz": 0.0}, {"Fz": -0.1 * load}, {"Fz": 0.1 * load, "alpha": 0.1}, {"Fz": 3.0 * load, "kappa": -0.1},
         {"kappa": -1.0}, {"kappa": 2.0, "alpha": -0.2}, {"alpha": 1.2}, {"alpha": -1.2, "kappa": 0.5},
         {"V": -10.0, "alpha": 0.1, "kappa": 0.1}, {"V": 0.0, "alpha": 0.1, "kappa": 0.1}, {"V": -3.0, "gamma": 0.1},
-        {"Fz": 0.0, "alpha": 0.1, "kappa": 0.1, "gamma": 0.1},
+        {"Fz": 0.0, "alpha": 0.1, "kappa": 0.1, "gamma": 0.1}, {"alpha": 2.0, "kappa": 0.1}, {"alpha": -3.0},
     ]  # fmt: skip
     random = {
         "kappa": rng.uniform(-0.9, 1.5, rows),

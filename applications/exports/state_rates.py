@@ -11,6 +11,7 @@ from ...symbolic.added.state import SPEED, SPEED_ENDING
 from ...symbolic.quantities import AT_ONCE
 from ...tires import Tire
 from ...tires.code import Code
+from ...tires.states.transient import lateral_slip
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -34,7 +35,7 @@ def state_rates(
         along = name == "kappa_lagged"
         length = quantities[tire.symbolic_model.quantity("relaxation_x" if along else "relaxation_y")]
         decay = np.abs(row["V"]) / np.maximum(length, AT_ONCE)
-        target = row["kappa"] if along else np.tan(row["alpha"])
+        target = row["kappa"] if along else lateral_slip(row["alpha"])
         rates |= {f"{name}_decay": decay, f"{name}_dot": decay * (target - lagged)}
         acting[tire.inputs.index("kappa" if along else "alpha")] = lagged if along else np.arctan(lagged)
     at_given, at_acting = (

@@ -20,6 +20,7 @@ from ...fitting.setup import Plan
 from ...measurements import OUTPUTS
 from ...measurements.nominal_values import NOMINAL
 from ...tires import Tire
+from ...tires.evaluation import forces as forces_at
 from ..explorer.measured_rows import MeasuredRows, measured_rows, rows_data, sampled
 from ..explorer.page_code import lagged_slips, module_expression, program_for_page
 from ..explorer.tire_data import switchable, tire_data
@@ -114,7 +115,7 @@ class Measured:
         tire = tire.in_signs("iso")
         present = [name for name in tire.inputs if name in self.table]
         inputs: dict[str, Any] = {name: self.table[name].to_numpy(dtype=np.float64) for name in present}
-        forces = tire.forces(**inputs)
+        forces = forces_at(tire, inputs)
         ends = np.cumsum([0, *(len(condition.table) for condition in self.conditions)])
         selected = slice(*map(int, ends[condition : condition + 2])) if 0 <= condition < len(ends) - 1 else slice(0, 0)
         channels: dict[str, Any] = {}

@@ -11,6 +11,7 @@ from collections.abc import Collection
 from dataclasses import replace
 
 from ...measurements import Recording
+from ...tires.evaluation import Conventions, evaluate
 from ...tires.tire import Tire
 
 #: The effect that predicts temperatures, the input that effects of temperature read, and the surroundings.
@@ -36,7 +37,7 @@ def with_predicted_temperature(recording: Recording, tire: Tire) -> Recording:
     predictable = EFFECT in tire.has or any(name in table for name in SURROUNDINGS)
     if TEMPERATURE in table or not predictable or not {"t", "V"} <= set(table):
         return recording
-    surface = predicting(tire, recording).evaluate(table, signs=recording.signs)["T_surface"]
+    surface = evaluate(predicting(tire, recording), table, Conventions(recording.signs))["T_surface"]
     return replace(recording, table=table.assign(**{TEMPERATURE: surface - 273.15}))
 
 

@@ -14,7 +14,7 @@ from ...measurements.state_starts import estimated_starts
 from ...symbolic.added.effect import owners_of
 from ...tires.code import Code, chosen_derivatives, fastest_code
 from ...tires.states.simulation import StateSimulation, equilibrium
-from ...tires.states.transient import Course, lagged_course, segment_starts
+from ...tires.states.transient import Course, lagged_course, lateral_slip, segment_starts
 from ...tires.tire import Tire
 from .signals import Signals
 
@@ -219,7 +219,7 @@ class Simulator:
             return {}
         named = dict(zip(self.signals.names, inputs, strict=True))
         sigma = np.maximum(self._code.quantities(inputs, parameters)[self._sigma], 0.0)
-        targets = {"kappa": named["kappa"], "alpha": np.tan(named["alpha"])}
+        targets = {"kappa": named["kappa"], "alpha": lateral_slip(named["alpha"])}
         return {
             name: lagged_course(self.signals.t, target, named["V"], length, hold=False)
             for (name, target), length in zip(targets.items(), sigma, strict=True)

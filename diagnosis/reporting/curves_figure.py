@@ -14,6 +14,7 @@ from ...drawing.style import BLUE, DASHED, GRAY, RED, SOLID
 from ...measurements import level_tolerance
 from ...measurements.operating_conditions.levels import held_levels
 from ...measurements.ties import graded
+from ...tires.evaluation import Conventions, evaluate
 from ...tires.signs import convert_signs
 from ...tires.tire import Tire
 from ..verdict.result import Diagnosis
@@ -84,7 +85,7 @@ def coincide(first: FloatArray, second: FloatArray, *drawn: FloatArray) -> bool:
 
 def _force(tire: Tire, diagnosis: Diagnosis, channel: str) -> FloatArray:
     inputs = [name for name in diagnosis.rows if name == "t" or name in tire.inputs]
-    forces = tire.evaluate(diagnosis.rows[inputs], signs=diagnosis.recording_signs)
+    forces = evaluate(tire, diagnosis.rows[inputs], Conventions(diagnosis.recording_signs))
     return np.asarray(forces[channel], dtype=np.float64)
 
 

@@ -20,6 +20,7 @@ from ...measurements import Recording, TableLike, recording_from, recordings_fro
 from ...measurements.recording import distinct
 from ...measurements.turn_slip import with_turn_slip
 from ...tires import TABLE_INPUTS
+from ...tires.evaluation import Conventions, evaluate
 from ...tires.tire import Tire
 from ..verdict.result import Diagnosis
 
@@ -115,7 +116,7 @@ def simulated_error(path: str | Path, tire: Tire, recording: Recording) -> tuple
             raise DataError(f"{recording.source}: row {row + 1}: {present[column]} is not a finite number")
         simulated = np.vstack([slave.run(run, time, rows, present, outputs) for run in runs])
     given = table[present].assign(t=time)
-    direct = np.vstack([tire.evaluate(given.iloc[run], hold=True)[outputs].to_numpy() for run in runs])
+    direct = np.vstack([evaluate(tire, given.iloc[run], Conventions(hold=True))[outputs].to_numpy() for run in runs])
     difference = float(np.max(np.abs(simulated - direct) / (1.0 + np.abs(direct))))
     answer = pd.DataFrame(simulated, columns=outputs, index=table.index)
     return table[measured] - answer[measured], difference if np.isfinite(difference) else float("inf")

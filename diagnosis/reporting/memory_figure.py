@@ -11,6 +11,7 @@ from ...drawing.labels import axis_label, drawn_unit, per_si
 from ...drawing.style import BLACK, BLUE, DASHED, RED, SOLID
 from ...measurements.ties import graded
 from ...symbolic.quantities import ALPHA, KAPPA
+from ...tires.evaluation import Conventions, evaluate
 from ...tires.tire import Tire
 from ..thresholds import MIN_ROWS_OF_CELL
 from ..verdict.result import Diagnosis
@@ -69,7 +70,7 @@ def _unit(tire: Tire, state: str) -> str:
 
 def _evaluated(diagnosis: Diagnosis, tire: Tire) -> pd.DataFrame:
     inputs = [name for name in diagnosis.rows if name == "t" or name in tire.inputs]
-    return tire.evaluate(diagnosis.rows[inputs], signs=diagnosis.recording_signs)
+    return evaluate(tire, diagnosis.rows[inputs], Conventions(diagnosis.recording_signs))
 
 
 def _force_panel(diagnosis: Diagnosis, computed: FloatArray, channel: str, slip: str, title: str) -> Panel:

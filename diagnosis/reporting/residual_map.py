@@ -18,6 +18,7 @@ from ...drawing.style import BLACK
 from ...measurements import Recording, TableLike, levels, recording_from
 from ...measurements.ties import graded
 from ...tires import TireLike, tire_from
+from ...tires.evaluation import Conventions, evaluate
 from ...tires.tire import Tire
 from ..thresholds import MIN_ROWS_OF_CELL
 
@@ -152,7 +153,7 @@ def residual_map(
     """
     tire, recording = tire_from(tire), recording_from(recording, parameter="recording")
     table = _usable_rows(tire, recording, channel, over)
-    computed = tire.evaluate(table, signs=recording.signs)[channel]
+    computed = evaluate(tire, table, Conventions(recording.signs))[channel]
     residual = (table[channel] - computed).to_numpy(dtype=float)
     first, second = (_edges(table[name], name, bins) for name in over)
     edges, steps = (first[0], second[0]), (first[1], second[1])

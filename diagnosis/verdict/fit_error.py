@@ -16,6 +16,7 @@ import pandas as pd
 from ...measurements import Recording
 from ...measurements.state_starts import with_fitted_starts
 from ...numerics.noise_floor import NoiseFloor, noise_floor
+from ...tires.evaluation import Conventions, evaluate
 from ...tires.signs import convert_signs
 from ...tires.tire import Tire
 from ..probing.effect_probing import Screen
@@ -141,7 +142,7 @@ def _residual(tire: Tire, recording: Recording, screen: Screen, rows: IntArray) 
     signals, removed = screen.signals, screen.problem.disturbances.columns @ screen.solution.disturbance
     recording = with_fitted_starts(tire, recording)
     inputs = [name for name in recording.table if name == "t" or name in tire.inputs]
-    computed = tire.evaluate(recording.table[inputs], signs=recording.signs)
+    computed = evaluate(tire, recording.table[inputs], Conventions(recording.signs))
     channels = list(signals.channels)
     both = (convert_signs(table[channels], recording.signs, FORMULA_SIGNS) for table in (recording.table, computed))
     measured, simulated = (table.to_numpy(dtype=np.float64)[rows].T for table in both)

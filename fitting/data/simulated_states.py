@@ -12,6 +12,7 @@ import pandas as pd
 
 from ...measurements.recording import Recording
 from ...measurements.state_starts import with_fitted_starts
+from ...tires.evaluation import Conventions, evaluate
 from ...tires.tire import Tire
 from .fit_data import FitData
 
@@ -28,6 +29,6 @@ def with_states(data: FitData, tire: Tire, free: Collection[str] = ()) -> pd.Dat
     names = list(tire.states)
     recordings = data.table.groupby("recording", sort=False)
     parts = [with_fitted_starts(tire, Recording(part, tire.signs, str(name)), free).table for name, part in recordings]
-    courses = pd.concat([tire.evaluate(part, signs=tire.signs)[names] for part in parts])
+    courses = pd.concat([evaluate(tire, part, Conventions(tire.signs))[names] for part in parts])
     fitted = data.fitted
     return fitted.assign(**courses.loc[fitted.index])

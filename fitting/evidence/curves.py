@@ -16,6 +16,7 @@ from ...measurements.ties import graded
 from ...numerics.arrays import BoolArray, FloatArray
 from ...numerics.slip_slope import SLOPE_WINDOW, read_slope
 from ...tires import TireLike, tire_from
+from ...tires.evaluation import Conventions, evaluate
 from ...tires.signs import convert_signs
 from ...tires.tire import Tire
 
@@ -167,7 +168,7 @@ class MeasuredCurves:
         if "gamma" in held and abs(held["gamma"]) <= _UPRIGHT * self.tolerance("gamma"):
             held["gamma"] = 0.0
         table = pd.DataFrame(columns).assign(**held)
-        return (tire or self.tire).evaluate(table, signs=self.signs)
+        return evaluate(tire or self.tire, table, Conventions(self.signs))
 
     def slopes_at_zero(self, family: CurveFamily) -> list[tuple[float, float]]:
         """Return the magnitudes of load and measured slope at zero slip of each group."""
@@ -249,7 +250,7 @@ def compare(tire: TireLike, recordings: TableLike | Iterable[TableLike], signs: 
         table = convert_signs(table.assign(**absent), "iso", signs)
         tables.append(table.assign(recording=number, **_sweeps(recording, table)))
     data = pd.concat(tables, ignore_index=True)
-    computed = tire.evaluate(data, signs=signs)
+    computed = evaluate(tire, data, Conventions(signs))
     fits = {
         f"{name}_fit": computed[name]
         for name in OUTPUTS

@@ -17,6 +17,7 @@ import pandas as pd
 from ...measurements import Recording
 from ...numerics.arrays import FloatArray
 from ...numerics.correlation import correlation_length
+from ...tires.evaluation import Conventions, evaluate
 from ...tires.tire import Tire
 from .solution import DELAY, DELAY_SPREAD
 
@@ -122,7 +123,7 @@ def _linearized(
     def computed(name: str = "", step: float = 0.0) -> FloatArray:
         table = _surface(recording, column, delay + (step if name == "delay" else 0.0))
         changed = tire.with_values(**{name: tire.values[name] + step}) if name in tire.values else tire
-        return changed.evaluate(table, signs=recording.signs)[channel].to_numpy(dtype=np.float64)
+        return evaluate(changed, table, Conventions(recording.signs))[channel].to_numpy(dtype=np.float64)
 
     now = computed()
     residual = recording.table[channel].to_numpy(dtype=np.float64) - now

@@ -17,10 +17,11 @@ from ...measurements.checks.columns.check import check_columns
 from ...measurements.recording import Recording
 from ...measurements.table_argument import TableLike, recording_from
 from ...tires import TABLE_INPUTS, TABLE_OUTPUTS, Tire
+from ...tires.evaluation import Conventions, evaluate
 from ...tires.signs import convert_signs
 from ..simulation.archive import unpacked
 from ..simulation.simulate import read_description, simulate
-from .channel_errors import ChannelErrors
+from .channel_errors import checked_channel
 from .resources import axes_of_inputs, embedded_tire
 from .result import CheckResult
 
@@ -111,9 +112,7 @@ def check(
         fmi_version=excerpt(description.fmiVersion),
         rows=len(table),
         segments=len(segments),
-        channels=tuple(
-            ChannelErrors.of(name, table, simulated, present).channel(unit_of(variables[name])) for name in measured
-        ),
+        channels=tuple(checked_channel(name, unit_of(variables[name]), table, simulated, present) for name in measured),
         evaluation_difference=None if tire is None else largest_difference(directly(tire, inputs_of_runs), simulated),
         problems=simulation.problems,
         tolerance=tolerance,
@@ -158,7 +157,8 @@ def times_of(table: pd.DataFrame) -> FloatArray:
 
 def directly(tire: Tire, runs: Iterable[pd.DataFrame]) -> pd.DataFrame:
     """Return the tire's outputs by direct evaluation of every run, with inputs constant over each step."""
-    return pd.concat([tire.evaluate(run, hold=True)[list(tire.outputs)] for run in runs], ignore_index=True)
+    results = (evaluate(tire, run, Conventions(hold=True)) for run in runs)
+    return pd.concat([result[list(tire.outputs)] for result in results], ignore_index=True)
 
 
 def largest_difference(direct: pd.DataFrame, simulated: pd.DataFrame) -> float:

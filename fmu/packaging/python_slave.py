@@ -9,7 +9,7 @@ from __future__ import annotations
 import importlib.util
 import json
 from collections.abc import Sequence
-from math import atan, inf, isfinite, nan, tan
+from math import atan, inf, isfinite, nan, pi, tan
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -142,7 +142,8 @@ class TireSlave(Fmi2Slave):
         return self.values[self.first_parameter : self.first_local]
 
     def _given_slips(self) -> list[float]:
-        return [self._input("kappa"), tan(self._input("alpha"))]
+        alpha = self._input("alpha")  # beyond 90 deg the lateral slip is that of the supplement, as in the formula
+        return [self._input("kappa"), -tan(alpha) if abs(alpha) > pi / 2 else tan(alpha)]
 
     def _lengths(self) -> list[float]:
         with np.errstate(all="ignore"):

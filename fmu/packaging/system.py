@@ -12,6 +12,7 @@ from typing import Any
 from ...boundary.errors import FmuError, path_from
 from ...boundary.escaping import visible
 from ...tires import Tire, TireLike, tire_from
+from ...tires.mirror import mirrored, sided
 from ...tires.property_file.writing import tir_text
 from ..description.interface import interface
 from ..description.system_structure import Component, parameter_mapping, parameter_set, system_structure
@@ -34,6 +35,7 @@ def export_system(
     quantities: bool = False,
     platforms: str | Iterable[str] = "host",
     vehicle: str | os.PathLike[str] | None = None,
+    mirror: bool = True,
 ) -> Path:
     """Write a system of tires as an SSP archive: FMUs, a parameter set for each tire, and its mapping.
 
@@ -53,6 +55,9 @@ def export_system(
     vehicle : path-like, optional
         An FMU of the same FMI version that is part of the system. Its inputs and outputs whose names begin with the
         name of a tire, such as FL_Fz, are connected to those of that tire; the system has no connectors of its own.
+    mirror : bool
+        Whether a corner whose tire is of the other side of the vehicle (TYRESIDE) has its mirror image. A tire that
+        states no side is used as it is.
 
     Returns
     -------
@@ -63,6 +68,8 @@ def export_system(
     ------
     FmuError
         As `export`, or if there is no tire, or the vehicle cannot be connected.
+    TireError
+        If a tire to be mirrored has an added effect without a mirror image.
 
     References
     ----------
@@ -81,6 +88,10 @@ def export_system(
     checked_interface(inputs, axes)
     options: dict[str, Any] = {"inputs": inputs, "axes": axes, "quantities": quantities}
     names = FOUR if len(loaded) == len(FOUR) else tuple(f"tire_{i}" for i in range(1, len(loaded) + 1))
+    if mirror:
+        loaded = [
+            mirrored(tire) if side_mismatch(name, tire) else tire for name, tire in zip(names, loaded, strict=True)
+        ]
     files: dict[str, bytes] = {}
     components: list[Component] = []
     for name, tire in zip(names, loaded, strict=True):
@@ -103,6 +114,30 @@ def export_system(
     files["SystemStructure.ssd"] = system_structure(version, c_identifier(target.stem), components, body)
     write_zip(target, files)
     return target
+
+
+def side_mismatch(name: str, tire: Tire) -> bool:
+    """Return whether a tire is of the other side of the vehicle than its corner, such as FR.
+
+    >>> side_mismatch("FR", tire_from("trento_hoosier")), side_mismatch("tire_2", tire_from("trento_hoosier"))
+    (True, False)
+    """
+    side = {"L": "left", "R": "right"}[name[1]] if name in FOUR else tire.side
+    return tire.side in ("left", "right") and tire.side != side
+
+
+def side_notes(tires: Sequence[Tire], mirror: bool) -> tuple[str, ...]:
+    """Return sentences on the corners of a car whose tires are of another side or state none."""
+    corners = list(zip(FOUR, tires, strict=True)) if len(tires) == len(FOUR) else []
+    other = [name for name, tire in corners if side_mismatch(name, tire) and sided(tire)]
+    unknown = [name for name, tire in corners if not tire.side and sided(tire)]
+    notes = []
+    if other:
+        how = "have the mirror image of" if mirror else "have, not mirrored,"
+        notes.append(f"{', '.join(other)} {how} a tire of the other side of the vehicle")
+    if unknown:
+        notes.append(f"{', '.join(unknown)}: the file states no side (TYRESIDE), so left and right are not mirrored")
+    return tuple(notes)
 
 
 def _connected(path: Path, fmi: int, tires: Sequence[Component]) -> Component:

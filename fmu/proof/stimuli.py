@@ -12,6 +12,7 @@ from ...boundary.errors import FmuError
 from ...measurements.recording import Recording
 from ...tires import Tire
 from ...tires.signs import convert_signs
+from ...tires.states.transient import lateral_slip
 
 #: Upper limit of rows in a proof; of longer tables, every n-th row of each segment is used.
 MAX_ROWS = 2000
@@ -57,7 +58,7 @@ def _column(table: pd.DataFrame, name: str, default: float) -> np.ndarray[Any, n
 def _rolling(table: pd.DataFrame, starts: Mapping[str, float], tire: Tire) -> dict[str, Any]:
     """Return the velocities of a wheel, as inputs of a wheel and of a hub."""
     V = _column(table, "V", starts.get("V_x", starts.get("v_x", 0.0)))
-    across = V * np.tan(_column(table, "alpha", 0.0))
+    across = V * lateral_slip(_column(table, "alpha", 0.0))
     spin = (1.0 + _column(table, "kappa", 0.0)) * V / tire.values["UNLOADED_RADIUS"]
     return {"V_x": V, "V_y": across, "v_x": V, "v_y": across, "omega": spin}
 

@@ -19,7 +19,7 @@ from ...measurements.recording import Recording
 from ...measurements.table_argument import TableLike, recording_from
 from ...tires import TABLE_INPUTS, TABLE_OUTPUTS, Tire
 from ...tires.signs import convert_signs
-from ..comparison.channel_errors import ChannelErrors
+from ..comparison.channel_errors import checked_channel
 from ..comparison.check import columns_of, directly, times_of, unit_of
 from ..comparison.resources import declared_interface, embedded_tire
 from ..comparison.result import EVALUATION_TOLERANCE
@@ -159,5 +159,5 @@ def _agreement(tire: Tire, recording: Recording, variables: Any) -> list[list[An
     present = [name for name in TABLE_INPUTS if name in recording.table]
     used = recording.table[present].assign(t=times_of(recording.table))
     direct = directly(tire, [used.iloc[segment] for segment in recording.segments()])
-    errors = [ChannelErrors.of(n, recording.table, direct, present).channel(unit_of(variables[n])) for n in measured]
+    errors = [checked_channel(n, unit_of(variables[n]), recording.table, direct, present) for n in measured]
     return [[c.name, c.measured, c.rmse, c.unit, c.r2 if np.isfinite(c.r2) else None] for c in errors]

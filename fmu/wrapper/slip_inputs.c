@@ -7,6 +7,16 @@
 static const int HOST_INDEX[] = HOST_INPUT_INDICES;
 static const double UNCONNECTED[] = UNCONNECTED_INPUTS;
 
+#if LAGS
+#define PI 3.14159265358979323846
+
+/* The slip angle, beyond 90 deg its supplement: the tire formula reads it, too.  The lateral slip is V_y/|V_x|. */
+static double folded(const double alpha)
+{
+    return fabs(alpha) > 0.5 * PI ? (alpha < 0.0 ? -PI : PI) - alpha : alpha;
+}
+#endif
+
 void contact_find(State *state)
 {
     Contact *contact = &state->contact;
@@ -22,6 +32,7 @@ void contact_find(State *state)
     contact->speed = contact->rolling = fabs(host_value(state, FIRST_INPUT + HOST_SPEED));
 #endif
 #if LAGS
+    contact->inputs[ALPHA] = folded(contact->inputs[ALPHA]);
     contact->target[LONGITUDINAL] = contact->inputs[KAPPA];
     contact->target[LATERAL] = tan(contact->inputs[ALPHA]);
     for (i = 0; i < N_SLIPS; i++) {
@@ -55,6 +66,8 @@ void contact_differentiate(const State *state, const double seeds[N_VALUES], Tan
         tangent->motion[ROLLING] *= -1.0;
 #endif
 #if LAGS
+    if (fabs(host_value(state, FIRST_INPUT + (size_t) HOST_INDEX[ALPHA])) > 0.5 * PI)
+        tangent->given[ALPHA] *= -1.0;
     for (i = 0; i < N_SLIPS; i++) {
         const double t = state->contact.target[i];
         const double by_slip = i == LATERAL ? tangent->given[ALPHA] * (1.0 + t * t) : tangent->given[KAPPA];

@@ -80,7 +80,18 @@ static inline double double_of(uint64_t bits)
 }
 #endif
 
+#define PI 3.14159265358979323846
+
 static inline double square(double x) { return x*x; }
+
+static EXPANDED number number_sgn(number x)
+{
+    return NUMBER_VALUE((NUMBER_BITS(NUMBER_EACH(1.0)) & NUMBER_WHERE(x != 0.0))
+        | (NUMBER_BITS(x) & NUMBER_BITS(NUMBER_EACH(-0.0))) | NUMBER_WHERE(x != x));
+}
+
+/* No branches, which are unpredictable here and which compilers make of comparisons; NaN stays NaN. */
+static inline double sgn(double x) { return NUMBER_ALONE(number_sgn, x); }
 
 /* Elementary functions without branches and calls, so that a processor overlaps what does not depend on each other, in
    all lanes of a vector register. Reduction of the argument is the classical one (Cody and Waite, Software Manual for
@@ -205,6 +216,9 @@ void brush_quantities(const double inputs[], const double parameters[], double r
     const double NPATCH = parameters[BRUSH_NPATCH];
     const double SIGNS = parameters[BRUSH_SIGNS];
 
+    /* Inputs */
+    const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
+
     /* Contact patch with bristles */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
     const double load_ratio = F_z/FNOMIN; /* [tirefmu] load per nominal load */
@@ -216,7 +230,7 @@ void brush_quantities(const double inputs[], const double parameters[], double r
     const double K_xkappa = CKAPPA*stiffness_ratio; /* [3.2.2] longitudinal slip stiffness */
     const double K_yalpha = CALPHA*side*stiffness_ratio; /* [3.2.1] cornering stiffness */
     const double a = PATCH*pow(load_ratio, NPATCH); /* [tirefmu] half length of the contact patch */
-    const double tan_alpha = fast_tan(alpha); /* [3.2.3] lateral sliding velocity of the wheel per forward velocity */
+    const double tan_alpha = fast_tan(alpha_folded); /* [3.2.3] lateral sliding velocity of the wheel per forward velocity */
     const double rolling = (fabs(1.0 + kappa) < 1e-06 ? 1e-06 : fabs(1.0 + kappa)); /* [3.2.3] rolling velocity per forward velocity, limited to positive values */
     const double slip_x = kappa/rolling; /* [3.2.3] theoretical longitudinal slip: sliding per rolling velocity */
     const double slip_y = tan_alpha/rolling; /* [3.2.3] theoretical side slip: sliding per rolling velocity */
@@ -265,12 +279,13 @@ void brush_forces(const double inputs[], const double parameters[], double resul
     const double SIGNS = parameters[BRUSH_SIGNS];
 
     /* Two calls of a function that do not depend on each other are computed at a time */
+    const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
     const double side = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sign of Fy at a positive slip angle: -1 in ISO */
     const double rolling = (fabs(1.0 + kappa) < 1e-06 ? 1e-06 : fabs(1.0 + kappa)); /* [3.2.3] rolling velocity per forward velocity, limited to positive values */
     const double load_ratio = F_z/FNOMIN; /* [tirefmu] load per nominal load */
     const double slip_x = kappa/rolling; /* [3.2.3] theoretical longitudinal slip: sliding per rolling velocity */
-    const double tan_alpha_tan = fast_tan(alpha);
+    const double tan_alpha_tan = fast_tan(alpha_folded);
     const pair pair_1 = fast_pair_pow(PAIR(load_ratio, load_ratio), PAIR(NSTIFF, NMU));
     const double stiffness_ratio_pow = PAIR_AT(pair_1, 0);
     const double friction_ratio_pow = PAIR_AT(pair_1, 1);

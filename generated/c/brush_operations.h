@@ -12,91 +12,93 @@ enum {
 /* Slots: inputs, parameters, the speed at which a wheel turns, constants, results of operations. */
 
 #define BRUSH_N_LEAVES 15
-#define BRUSH_N_CONSTANTS 11
-#define BRUSH_N_OPERATIONS 79
+#define BRUSH_N_CONSTANTS 13
+#define BRUSH_N_OPERATIONS 85
 
-#define BRUSH_N_SLOTS 105
+#define BRUSH_N_SLOTS 113
 
 #define BRUSH_ROLLING_RADIUS 3
 
 #define BRUSH_CONSTANTS { \
-    1e-06, 0.5, 1.0, -1.0, 0.3333333333333333, 1e-30, 3.0, 2.0, 0.0, 9.0, 4.0 \
+    1.5707963267948966, 3.141592653589793, 1e-06, 0.5, 1.0, -1.0, 0.3333333333333333, 1e-30, 3.0, 2.0, 0.0, 9.0, 4.0 \
 }
 
 #define BRUSH_FORCE_SLOTS { \
-    89, 92, 104 \
+    97, 100, 112 \
 }
 
 #define BRUSH_QUANTITY_SLOTS { \
-    31, 32, 35, 37, 39, 45, 46, 62, 93, 102 \
+    39, 40, 43, 45, 47, 53, 54, 70, 101, 110 \
 }
 
 #define BRUSH_OPERATIONS { \
+    /* [tirefmu] alpha_folded */ \
+    {ABSOLUTE,1}, {LESS,15,28}, {SGN,1}, {MULTIPLY,16,30}, {SUBTRACT,31,1}, {CHOOSE,29,32,1}, \
     /* [tirefmu] F_z */ \
-    {AT_MOST,2,15}, {CHOOSE,26,15,2}, \
+    {AT_MOST,2,17}, {CHOOSE,34,17,2}, \
     /* [tirefmu] load_ratio */ \
-    {DIVIDE,27,4}, \
+    {DIVIDE,35,4}, \
     /* [tirefmu] stiffness_ratio */ \
-    {POWER,28,10}, \
+    {POWER,36,10}, \
     /* [tirefmu] friction_ratio */ \
-    {POWER,28,11}, \
+    {POWER,36,11}, \
     /* [tirefmu] mu_x */ \
-    {MULTIPLY,7,30}, \
+    {MULTIPLY,7,38}, \
     /* [tirefmu] mu_y */ \
-    {MULTIPLY,8,30}, \
+    {MULTIPLY,8,38}, \
     /* [tirefmu] side */ \
-    {LESS,16,13}, {CHOOSE,33,17,18}, \
+    {LESS,18,13}, {CHOOSE,41,19,20}, \
     /* [3.2.2] K_xkappa */ \
-    {MULTIPLY,5,29}, \
+    {MULTIPLY,5,37}, \
     /* [3.2.1] K_yalpha */ \
-    {MULTIPLY,6,34}, {MULTIPLY,29,36}, \
+    {MULTIPLY,6,42}, {MULTIPLY,37,44}, \
     /* [tirefmu] a */ \
-    {POWER,28,12}, {MULTIPLY,9,38}, \
+    {POWER,36,12}, {MULTIPLY,9,46}, \
     /* [3.2.3] tan_alpha */ \
-    {TAN,1}, \
+    {TAN,33}, \
     /* [3.2.3] rolling */ \
-    {ADD,17,0}, {ABSOLUTE,41}, {LESS,42,15}, {CHOOSE,43,15,42}, \
+    {ADD,19,0}, {ABSOLUTE,49}, {LESS,50,17}, {CHOOSE,51,17,50}, \
     /* [3.2.3] slip_x */ \
-    {DIVIDE,0,44}, \
+    {DIVIDE,0,52}, \
     /* [3.2.3] slip_y */ \
-    {DIVIDE,40,44}, \
+    {DIVIDE,48,52}, \
     /* [3.2.3] reach_x */ \
-    {MULTIPLY,19,35}, {MULTIPLY,45,47}, {MULTIPLY,27,31}, {DIVIDE,48,49}, \
+    {MULTIPLY,21,43}, {MULTIPLY,53,55}, {MULTIPLY,35,39}, {DIVIDE,56,57}, \
     /* [3.2.3] reach_y */ \
-    {MULTIPLY,19,37}, {MULTIPLY,46,51}, {MULTIPLY,27,32}, {DIVIDE,52,53}, \
+    {MULTIPLY,21,45}, {MULTIPLY,54,59}, {MULTIPLY,35,40}, {DIVIDE,60,61}, \
     /* [3.2.3] psi_squared */ \
-    {MULTIPLY,50,50}, {MULTIPLY,54,54}, {ADD,55,56}, \
+    {MULTIPLY,58,58}, {MULTIPLY,62,62}, {ADD,63,64}, \
     /* [3.2.3] psi_bounded */ \
-    {AT_MOST,17,57}, {LESS,57,20}, {CHOOSE,59,20,57}, {CHOOSE,58,17,60}, \
+    {AT_MOST,19,65}, {LESS,65,22}, {CHOOSE,67,22,65}, {CHOOSE,66,19,68}, \
     /* [3.2.3] psi */ \
-    {ROOT,61}, \
+    {ROOT,69}, \
     /* [tirefmu] sliding_squared */ \
-    {MULTIPLY,0,0}, {MULTIPLY,31,31}, {MULTIPLY,63,64}, {MULTIPLY,32,32}, {MULTIPLY,40,40}, {MULTIPLY,66,67}, \
-    {ADD,65,68}, \
+    {MULTIPLY,0,0}, {MULTIPLY,39,39}, {MULTIPLY,71,72}, {MULTIPLY,40,40}, {MULTIPLY,48,48}, {MULTIPLY,74,75}, \
+    {ADD,73,76}, \
     /* [tirefmu] sliding_nonzero */ \
-    {LESS,69,20}, {CHOOSE,70,20,69}, \
+    {LESS,77,22}, {CHOOSE,78,22,77}, \
     /* [tirefmu] sliding */ \
-    {MULTIPLY,62,62}, {MULTIPLY,22,62}, {SUBTRACT,21,73}, {MULTIPLY,27,72}, {MULTIPLY,74,75}, {ROOT,71}, \
-    {DIVIDE,76,77}, \
+    {MULTIPLY,70,70}, {MULTIPLY,24,70}, {SUBTRACT,23,81}, {MULTIPLY,35,80}, {MULTIPLY,82,83}, {ROOT,79}, \
+    {DIVIDE,84,85}, \
     /* [3.2.3] sticking */ \
-    {SUBTRACT,17,62}, {MULTIPLY,79,79}, {DIVIDE,80,44}, \
+    {SUBTRACT,19,70}, {MULTIPLY,87,87}, {DIVIDE,88,52}, \
     /* [3.2.3] F_y_sticking */ \
-    {MULTIPLY,37,81}, \
+    {MULTIPLY,45,89}, \
     /* [3.2.3] F_y_sliding */ \
-    {MULTIPLY,34,78}, {MULTIPLY,66,83}, \
+    {MULTIPLY,42,86}, {MULTIPLY,74,91}, \
     /* [3.2.3] Fx */ \
-    {MULTIPLY,35,81}, {MULTIPLY,64,78}, {ADD,85,86}, {MULTIPLY,0,87}, {CHOOSE,26,23,88}, \
+    {MULTIPLY,43,89}, {MULTIPLY,72,86}, {ADD,93,94}, {MULTIPLY,0,95}, {CHOOSE,34,25,96}, \
     /* [3.2.3] Fy */ \
-    {ADD,82,84}, {MULTIPLY,40,90}, {CHOOSE,26,23,91}, \
+    {ADD,90,92}, {MULTIPLY,48,98}, {CHOOSE,34,25,99}, \
     /* [3.2.1] D_t */ \
-    {MULTIPLY,19,39}, \
+    {MULTIPLY,21,47}, \
     /* [3.2.1] arm_sliding */ \
-    {MULTIPLY,24,80}, {DIVIDE,94,74}, \
+    {MULTIPLY,26,88}, {DIVIDE,102,82}, \
     /* [3.2.1] trail */ \
-    {MULTIPLY,84,95}, {MULTIPLY,25,62}, {SUBTRACT,17,97}, {MULTIPLY,82,98}, {ADD,96,99}, {MULTIPLY,93,100}, \
-    {DIVIDE,101,90}, \
+    {MULTIPLY,92,103}, {MULTIPLY,27,70}, {SUBTRACT,19,105}, {MULTIPLY,90,106}, {ADD,104,107}, {MULTIPLY,101,108}, \
+    {DIVIDE,109,98}, \
     /* [3.2.1] Mz */ \
-    {MULTIPLY,92,102}, {SUBTRACT,23,103}, \
+    {MULTIPLY,100,110}, {SUBTRACT,25,111}, \
 }
 
 #endif

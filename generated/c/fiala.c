@@ -77,6 +77,8 @@ static inline double double_of(uint64_t bits)
 }
 #endif
 
+#define PI 3.14159265358979323846
+
 static inline double square(double x) { return x*x; }
 
 static inline double cube(double x) { return x*x*x; }
@@ -178,10 +180,13 @@ void fiala_quantities(const double inputs[], const double parameters[], double r
     const double REL_LEN_LAT = parameters[FIALA_REL_LEN_LAT];
     const double SIGNS = parameters[FIALA_SIGNS];
 
+    /* Inputs */
+    const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
+
     /* Fiala tire */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
     const double sense = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE */
-    const double tan_alpha = fast_tan(alpha); /* [tirefmu] tangent of the side slip angle */
+    const double tan_alpha = fast_tan(alpha_folded); /* [tirefmu] tangent of the side slip angle */
     const double S_square = square(kappa) + square(tan_alpha); /* [Adams] comprehensive slip, squared */
     const double S_square_inside = ((S_square >= 1.0) || (S_square <= 0.0) ? 1.0 : S_square); /* [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of */
     const double S_s_alpha = (S_square <= 0.0 ? 0.0 : sqrt(S_square_inside)); /* [Adams] comprehensive slip, 1 at most */
@@ -239,6 +244,7 @@ void fiala_forces(const double inputs[], const double parameters[], double resul
     const double SIGNS = parameters[FIALA_SIGNS];
 
     /* Two calls of a function that do not depend on each other are computed at a time */
+    const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
     const double sense = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE */
     const double mu_x_fall = UMAX - UMIN; /* [Adams] what mu_x loses up to comprehensive slip 1 */
@@ -247,7 +253,7 @@ void fiala_forces(const double inputs[], const double parameters[], double resul
     const double F_x_linear = K_xkappa*kappa; /* [Adams] longitudinal force without sliding */
     const double K_yalpha = CALPHA*sense; /* [Adams] cornering stiffness */
     const double My = (Fz <= 1e-06 ? 0.0 : F_z*ROLLING_RESISTANCE*sense*sgn(V)); /* [Adams] rolling resistance moment */
-    const double tan_alpha_tan = fast_tan(alpha);
+    const double tan_alpha_tan = fast_tan(alpha_folded);
     const double tan_alpha = tan_alpha_tan; /* [tirefmu] tangent of the side slip angle */
     const double S_square = square(kappa) + square(tan_alpha); /* [Adams] comprehensive slip, squared */
     const double F_y_linear = K_yalpha*tan_alpha; /* [Adams] side force without sliding */

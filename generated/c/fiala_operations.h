@@ -12,73 +12,75 @@ enum {
 /* Slots: inputs, parameters, the speed at which a wheel turns, constants, results of operations. */
 
 #define FIALA_N_LEAVES 19
-#define FIALA_N_CONSTANTS 9
-#define FIALA_N_OPERATIONS 71
+#define FIALA_N_CONSTANTS 11
+#define FIALA_N_OPERATIONS 77
 
-#define FIALA_N_SLOTS 99
+#define FIALA_N_SLOTS 107
 
 #define FIALA_ROLLING_RADIUS 4
 
 #define FIALA_CONSTANTS { \
-    1e-06, 0.5, 1.0, -1.0, 0.0, 0.25, 3.0, 0.3333333333333333, -3.0 \
+    1.5707963267948966, 3.141592653589793, 1e-06, 0.5, 1.0, -1.0, 0.0, 0.25, 3.0, 0.3333333333333333, -3.0 \
 }
 
 #define FIALA_FORCE_SLOTS { \
-    59, 79, 88, 93 \
+    67, 87, 96, 101 \
 }
 
 #define FIALA_QUANTITY_SLOTS { \
-    41, 42, 44, 44, 44, 42, 9, 49, 60, 65, 80, 15, 16, 95, 98, 8, 11 \
+    49, 50, 52, 52, 52, 50, 9, 57, 68, 73, 88, 15, 16, 103, 106, 8, 11 \
 }
 
 #define FIALA_OPERATIONS { \
+    /* [tirefmu] alpha_folded */ \
+    {ABSOLUTE,1}, {LESS,19,30}, {SGN,1}, {MULTIPLY,20,32}, {SUBTRACT,33,1}, {CHOOSE,31,34,1}, \
     /* [tirefmu] F_z */ \
-    {AT_MOST,2,19}, {CHOOSE,28,19,2}, \
+    {AT_MOST,2,21}, {CHOOSE,36,21,2}, \
     /* [tirefmu] sense */ \
-    {LESS,20,17}, {CHOOSE,30,21,22}, \
+    {LESS,22,17}, {CHOOSE,38,23,24}, \
     /* [tirefmu] tan_alpha */ \
-    {TAN,1}, \
+    {TAN,35}, \
     /* [Adams] S_square */ \
-    {MULTIPLY,0,0}, {MULTIPLY,32,32}, {ADD,33,34}, \
+    {MULTIPLY,0,0}, {MULTIPLY,40,40}, {ADD,41,42}, \
     /* [tirefmu] S_square_inside */ \
-    {AT_MOST,21,35}, {AT_MOST,35,23}, {OR,36,37}, {CHOOSE,38,21,35}, \
+    {AT_MOST,23,43}, {AT_MOST,43,25}, {OR,44,45}, {CHOOSE,46,23,43}, \
     /* [Adams] S_s_alpha */ \
-    {ROOT,39}, {CHOOSE,37,23,40}, \
+    {ROOT,47}, {CHOOSE,45,25,48}, \
     /* [Adams] mu_x_fall */ \
     {SUBTRACT,13,12}, \
     /* [Adams] U */ \
-    {MULTIPLY,41,42}, {SUBTRACT,13,43}, \
+    {MULTIPLY,49,50}, {SUBTRACT,13,51}, \
     /* [Adams] F_x_limit */ \
-    {MULTIPLY,29,44}, \
+    {MULTIPLY,37,52}, \
     /* [Adams] F_x_linear */ \
     {MULTIPLY,0,9}, \
     /* [Adams] kappa_crit */ \
-    {MULTIPLY,20,45}, {DIVIDE,47,9}, {ABSOLUTE,48}, \
+    {MULTIPLY,22,53}, {DIVIDE,55,9}, {ABSOLUTE,56}, \
     /* [Adams] Fx */ \
-    {ABSOLUTE,46}, {AT_MOST,50,47}, {SGN,46}, {MULTIPLY,45,52}, {MULTIPLY,45,45}, {MULTIPLY,24,54}, {DIVIDE,55,46}, \
-    {SUBTRACT,53,56}, {CHOOSE,51,46,57}, {CHOOSE,28,23,58}, \
+    {ABSOLUTE,54}, {AT_MOST,58,55}, {SGN,54}, {MULTIPLY,53,60}, {MULTIPLY,53,53}, {MULTIPLY,26,62}, {DIVIDE,63,54}, \
+    {SUBTRACT,61,64}, {CHOOSE,59,54,65}, {CHOOSE,36,25,66}, \
     /* [Adams] K_yalpha */ \
-    {MULTIPLY,10,31}, \
+    {MULTIPLY,10,39}, \
     /* [Adams] F_y_linear */ \
-    {MULTIPLY,32,60}, \
+    {MULTIPLY,40,68}, \
     /* [Adams] alpha_crit */ \
-    {MULTIPLY,25,45}, {DIVIDE,62,60}, {ABSOLUTE,63}, {ATAN,64}, \
+    {MULTIPLY,27,53}, {DIVIDE,70,68}, {ABSOLUTE,71}, {ATAN,72}, \
     /* [Adams] sliding_y */ \
-    {ABSOLUTE,61}, {AT_MOST,62,66}, {SGN,61}, {MULTIPLY,26,61}, {DIVIDE,69,45}, {CHOOSE,67,68,70}, \
+    {ABSOLUTE,69}, {AT_MOST,70,74}, {SGN,69}, {MULTIPLY,28,69}, {DIVIDE,77,53}, {CHOOSE,75,76,78}, \
     /* [Adams] Fy */ \
-    {MULTIPLY,71,71}, {ADD,25,72}, {ABSOLUTE,71}, {MULTIPLY,25,74}, {SUBTRACT,73,75}, {MULTIPLY,45,71}, \
-    {MULTIPLY,76,77}, {CHOOSE,28,23,78}, \
+    {MULTIPLY,79,79}, {ADD,27,80}, {ABSOLUTE,79}, {MULTIPLY,27,82}, {SUBTRACT,81,83}, {MULTIPLY,53,79}, \
+    {MULTIPLY,84,85}, {CHOOSE,36,25,86}, \
     /* [Adams] t_0 */ \
-    {MULTIPLY,26,5}, \
+    {MULTIPLY,28,5}, \
     /* [Adams] Mz */ \
-    {SUBTRACT,21,74}, {MULTIPLY,81,81}, {MULTIPLY,81,82}, {MULTIPLY,27,45}, {MULTIPLY,71,84}, {MULTIPLY,80,85}, \
-    {MULTIPLY,83,86}, {CHOOSE,28,23,87}, \
+    {SUBTRACT,23,82}, {MULTIPLY,89,89}, {MULTIPLY,89,90}, {MULTIPLY,29,53}, {MULTIPLY,79,92}, {MULTIPLY,88,93}, \
+    {MULTIPLY,91,94}, {CHOOSE,36,25,95}, \
     /* [Adams] My */ \
-    {SGN,3}, {MULTIPLY,14,29}, {MULTIPLY,31,90}, {MULTIPLY,89,91}, {CHOOSE,28,23,92}, \
+    {SGN,3}, {MULTIPLY,14,37}, {MULTIPLY,39,98}, {MULTIPLY,97,99}, {CHOOSE,36,25,100}, \
     /* [Adams] rho */ \
-    {DIVIDE,29,7}, {CHOOSE,28,23,94}, \
+    {DIVIDE,37,7}, {CHOOSE,36,25,102}, \
     /* [Adams] R_l */ \
-    {LESS,95,4}, {SUBTRACT,4,95}, {CHOOSE,96,97,23}, \
+    {LESS,103,4}, {SUBTRACT,4,103}, {CHOOSE,104,105,25}, \
 }
 
 #endif

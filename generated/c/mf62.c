@@ -507,11 +507,12 @@ void mf62_quantities(const double inputs[], const double parameters[], double re
     const double SIGNS = parameters[MF62_SIGNS];
 
     /* Inputs */
+    const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
     const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
     const double fade_smooth = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/VXLOW) : 1.0) : 1.0); /* [MFeval] reduction of the shifts, the trail and the residual moment at low speed */
-    const double phit_in = (LIMITS > 0.5 ? fade*phit*(V < 0.0 ? -1.0 : 1.0)*fast_cos(alpha) : phit); /* [MFeval] turn slip, within limits */
-    const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha)) : 1.0); /* [MFeval] rolling and sliding speed */
-    const double alpha_low = (LIMITS > 0.5 ? (VXLOW > speed_sum ? alpha*speed_sum/VXLOW : alpha) : alpha); /* [MFeval] slip angle, faded out at low speed */
+    const double phit_in = (LIMITS > 0.5 ? fade*phit*(V < 0.0 ? -1.0 : 1.0)*fast_cos(alpha_folded) : phit); /* [MFeval] turn slip, within limits */
+    const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha_folded)) : 1.0); /* [MFeval] rolling and sliding speed */
+    const double alpha_low = (LIMITS > 0.5 ? (VXLOW > speed_sum ? alpha_folded*speed_sum/VXLOW : alpha_folded) : alpha_folded); /* [MFeval] slip angle, faded out at low speed */
     const double kappa_raised = (LIMITS > 0.5 ? (KPUMIN > fade*kappa ? KPUMIN : fade*kappa) : fade*kappa); /* [MFeval] kappa, with limits not below the lowest */
     const double kappa_in = (LIMITS > 0.5 ? (KPUMAX < kappa_raised ? KPUMAX : kappa_raised) : kappa_raised); /* [MFeval] kappa, within limits */
     const double alpha_raised = (LIMITS > 0.5 ? (ALPMIN > alpha_low ? ALPMIN : alpha_low) : alpha_low); /* [MFeval] alpha, with limits not below the lowest */
@@ -1113,11 +1114,12 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double SIGNS = parameters[MF62_SIGNS];
 
     /* Inputs */
+    const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
     const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
     const double fade_smooth = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/VXLOW) : 1.0) : 1.0); /* [MFeval] reduction of the shifts, the trail and the residual moment at low speed */
-    const double phit_in = (LIMITS > 0.5 ? fade*phit*(V < 0.0 ? -1.0 : 1.0)*fast_cos(alpha) : phit); /* [MFeval] turn slip, within limits */
-    const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha)) : 1.0); /* [MFeval] rolling and sliding speed */
-    const double alpha_low = (LIMITS > 0.5 ? (VXLOW > speed_sum ? alpha*speed_sum/VXLOW : alpha) : alpha); /* [MFeval] slip angle, faded out at low speed */
+    const double phit_in = (LIMITS > 0.5 ? fade*phit*(V < 0.0 ? -1.0 : 1.0)*fast_cos(alpha_folded) : phit); /* [MFeval] turn slip, within limits */
+    const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha_folded)) : 1.0); /* [MFeval] rolling and sliding speed */
+    const double alpha_low = (LIMITS > 0.5 ? (VXLOW > speed_sum ? alpha_folded*speed_sum/VXLOW : alpha_folded) : alpha_folded); /* [MFeval] slip angle, faded out at low speed */
     const double kappa_raised = (LIMITS > 0.5 ? (KPUMIN > fade*kappa ? KPUMIN : fade*kappa) : fade*kappa); /* [MFeval] kappa, with limits not below the lowest */
     const double kappa_in = (LIMITS > 0.5 ? (KPUMAX < kappa_raised ? KPUMAX : kappa_raised) : kappa_raised); /* [MFeval] kappa, within limits */
     const double alpha_raised = (LIMITS > 0.5 ? (ALPMIN > alpha_low ? ALPMIN : alpha_low) : alpha_low); /* [MFeval] alpha, with limits not below the lowest */
@@ -1396,10 +1398,11 @@ static void relaxation_general(const double inputs[], const double parameters[],
     const double LIMITS = parameters[MF62_LIMITS];
 
     /* Inputs */
+    const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
     const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
-    const double phit_in = (LIMITS > 0.5 ? fade*phit*(V < 0.0 ? -1.0 : 1.0)*fast_cos(alpha) : phit); /* [MFeval] turn slip, within limits */
-    const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha)) : 1.0); /* [MFeval] rolling and sliding speed */
-    const double alpha_low = (LIMITS > 0.5 ? (VXLOW > speed_sum ? alpha*speed_sum/VXLOW : alpha) : alpha); /* [MFeval] slip angle, faded out at low speed */
+    const double phit_in = (LIMITS > 0.5 ? fade*phit*(V < 0.0 ? -1.0 : 1.0)*fast_cos(alpha_folded) : phit); /* [MFeval] turn slip, within limits */
+    const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha_folded)) : 1.0); /* [MFeval] rolling and sliding speed */
+    const double alpha_low = (LIMITS > 0.5 ? (VXLOW > speed_sum ? alpha_folded*speed_sum/VXLOW : alpha_folded) : alpha_folded); /* [MFeval] slip angle, faded out at low speed */
     const double alpha_raised = (LIMITS > 0.5 ? (ALPMIN > alpha_low ? ALPMIN : alpha_low) : alpha_low); /* [MFeval] alpha, with limits not below the lowest */
     const double alpha_in = (LIMITS > 0.5 ? (ALPMAX < alpha_raised ? ALPMAX : alpha_raised) : alpha_raised); /* [MFeval] alpha, within limits */
     const double gamma_raised = (LIMITS > 0.5 ? (CAMMIN > gamma ? CAMMIN : gamma) : gamma); /* [MFeval] gamma, with limits not below the lowest */
@@ -1622,6 +1625,7 @@ void mf62_forces_straight(const double inputs[], const double parameters[], doub
     const double SSZ4 = parameters[MF62_SSZ4];
 
     /* Two calls of a function that do not depend on each other are computed at a time */
+    const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
     const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
     const double dpi = (p - NOMPRES)/NOMPRES; /* [4.E2b] normalized change in pressure */
@@ -1665,7 +1669,7 @@ void mf62_forces_straight(const double inputs[], const double parameters[], doub
     const pair pair_2 = fast_pair_atan(PAIR(M_x_hump_atan_of, Mx_atan_of));
     const double M_x_hump_atan = PAIR_AT(pair_2, 0);
     const double Mx_atan = PAIR_AT(pair_2, 1);
-    const double tan_alpha_tan = fast_tan(alpha);
+    const double tan_alpha_tan = fast_tan(alpha_folded);
     const pair pair_3 = fast_pair_shifted_sin(PAIR(gamma, M_y_near_locked_sin_of), PAIR(0.0, 0.0));
     const double gamma_star_sin = PAIR_AT(pair_3, 0);
     const double M_y_near_locked_sin = PAIR_AT(pair_3, 1);

@@ -80,7 +80,18 @@ static inline double double_of(uint64_t bits)
 }
 #endif
 
+#define PI 3.14159265358979323846
+
 static inline double square(double x) { return x*x; }
+
+static EXPANDED number number_sgn(number x)
+{
+    return NUMBER_VALUE((NUMBER_BITS(NUMBER_EACH(1.0)) & NUMBER_WHERE(x != 0.0))
+        | (NUMBER_BITS(x) & NUMBER_BITS(NUMBER_EACH(-0.0))) | NUMBER_WHERE(x != x));
+}
+
+/* No branches, which are unpredictable here and which compilers make of comparisons; NaN stays NaN. */
+static inline double sgn(double x) { return NUMBER_ALONE(number_sgn, x); }
 
 /* Elementary functions without branches and calls, so that a processor overlaps what does not depend on each other, in
    all lanes of a vector register. Reduction of the argument is the classical one (Cody and Waite, Software Manual for
@@ -313,6 +324,9 @@ void mf96_quantities(const double inputs[], const double parameters[], double re
     const double SSZ3 = parameters[MF96_SSZ3];
     const double SSZ4 = parameters[MF96_SSZ4];
 
+    /* Inputs */
+    const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
+
     /* Normalized inputs */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
     const double F_z01 = FNOMIN*LFZ0; /* [4.E1] nominal load, scaled */
@@ -340,7 +354,7 @@ void mf96_quantities(const double inputs[], const double parameters[], double re
     /* Side force, pure slip */
     const double S_Hy = LHY*(PHY1 + PHY2*dfz + PHY3*gamma_s); /* [4.E27] horizontal shift */
     const double S_Vy = F_z*LMUY*LVY*(PVY1 + PVY2*dfz + gamma_s*(PVY3 + PVY4*dfz)); /* [4.E29] vertical shift */
-    const double alpha_y = S_Hy + alpha; /* [4.E20] slip angle, shifted */
+    const double alpha_y = S_Hy + alpha_folded; /* [4.E20] slip angle, shifted */
     const double sign_alpha_y = alpha_y/sqrt(1e-06 + square(alpha_y)); /* [Trento] smoothed sign */
     const double C_y = LCY*PCY1; /* [4.E21] shape factor */
     const double mu_y = LMUY*(1.0 - PDY3*square(gamma_s))*(PDY1 + PDY2*dfz); /* [4.E23] peak friction */
@@ -357,22 +371,22 @@ void mf96_quantities(const double inputs[], const double parameters[], double re
 
     /* Forces, combined slip */
     const double B_xalpha = LXA*RBX1/sqrt(1.0 + square(RBX2)*square(kappa)); /* [4.E54] stiffness of G_xa */
-    const double G_xa_w = RCX1*fast_atan(B_xalpha*(RHX1 + alpha)); /* [4.E51] angle of the weighting function */
+    const double G_xa_w = RCX1*fast_atan(B_xalpha*(RHX1 + alpha_folded)); /* [4.E51] angle of the weighting function */
     const double G_xa_w0 = RCX1*fast_atan(B_xalpha*RHX1); /* [4.E52] the same at zero slip */
     const double G_xa = fast_cos(G_xa_w)/fast_cos(G_xa_w0); /* [4.E51] weighting of Fx by side slip */
-    const double B_ykappa = LYK*RBY1/sqrt(1.0 + square(RBY2)*square(alpha - RBY3)); /* [4.E62] stiffness of G_yk */
+    const double B_ykappa = LYK*RBY1/sqrt(1.0 + square(RBY2)*square(alpha_folded - RBY3)); /* [4.E62] stiffness of G_yk */
     const double G_yk_w = RCY1*fast_atan(B_ykappa*(RHY1 + kappa)); /* [4.E59] angle of the weighting function */
     const double G_yk_w0 = RCY1*fast_atan(B_ykappa*RHY1); /* [4.E60] the same at zero slip */
     const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk_w0); /* [4.E59] weighting of Fy by longitudinal slip */
-    const double D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/sqrt(1.0 + square(RVY4)*square(alpha)); /* [4.E67] peak of S_Vyk */
+    const double D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/sqrt(1.0 + square(RVY4)*square(alpha_folded)); /* [4.E67] peak of S_Vyk */
     const double S_Vyk = D_Vyk*LVYK*fast_sin(RVY5*fast_atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
     const double Fy = (Fz <= 1e-06 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
 
     /* Aligning moment */
     const double S_Hf = S_Hy + S_Vy/K_yalpha; /* [4.E38] shift of the residual moment */
     const double S_Ht = QHZ1 + QHZ2*dfz + gamma_s*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
-    const double alpha_t = S_Ht + alpha; /* [4.E34] slip angle of the trail */
-    const double alpha_r = S_Hf + alpha; /* [4.E37] slip angle of the residual moment */
+    const double alpha_t = S_Ht + alpha_folded; /* [4.E34] slip angle of the trail */
+    const double alpha_r = S_Hf + alpha_folded; /* [4.E37] slip angle of the residual moment */
     const double B_t = LKY*(1.0 + QBZ4*gamma_s + QBZ5*sign_gamma)*(QBZ1 + QBZ2*dfz + QBZ3*square(dfz))/LMUY; /* [4.E40] stiffness factor of the trail */
     const double C_t = QCZ1; /* [4.E41] shape factor of the trail */
     const double D_t = F_z*LT*UNLOADED_RADIUS*(QDZ1 + QDZ2*dfz)*(1.0 + QDZ3*gamma_s + QDZ4*square(gamma_s))/FNOMIN; /* [4.E43] peak factor of the trail */
@@ -382,8 +396,8 @@ void mf96_quantities(const double inputs[], const double parameters[], double re
     const double trail_0_u = B_t*alpha_t; /* [4.1] B x */
     const double trail_0_v = trail_0_u - E_t*(trail_0_u - fast_atan(trail_0_u)); /* [4.1] B x bent by E */
     const double trail_0_w = C_t*fast_atan(trail_0_v); /* [4.1] angle of the Magic Formula */
-    const double trail_0 = D_t*fast_cos(alpha)*fast_cos(trail_0_w); /* [4.E33] trail in pure slip */
-    const double M_zr0 = D_r*fast_cos(alpha)/sqrt(1.0 + square(B_r)*square(alpha_r)); /* [4.E36] residual moment in pure slip */
+    const double trail_0 = D_t*fast_cos(alpha_folded)*fast_cos(trail_0_w); /* [4.E33] trail in pure slip */
+    const double M_zr0 = D_r*fast_cos(alpha_folded)/sqrt(1.0 + square(B_r)*square(alpha_r)); /* [4.E36] residual moment in pure slip */
     const double M_z0 = M_zr0 - F_y0*trail_0; /* [4.E31] aligning moment in pure slip */
     const double kappa_share = square(K_xkappa)*square(kappa)/square(K_yalpha); /* [4.E77] equivalent slip angle of kappa, squared */
     const double alpha_teq = alpha_t*sqrt(1.0 + kappa_share/(1e-06 + square(alpha_t))); /* [4.E77] equivalent slip of the trail */
@@ -391,8 +405,8 @@ void mf96_quantities(const double inputs[], const double parameters[], double re
     const double trail_u = B_t*alpha_teq; /* [4.1] B x */
     const double trail_v = trail_u - E_t*(trail_u - fast_atan(trail_u)); /* [4.1] B x bent by E */
     const double trail_w = C_t*fast_atan(trail_v); /* [4.1] angle of the Magic Formula */
-    const double trail = D_t*fast_cos(alpha)*fast_cos(trail_w); /* [4.E73] pneumatic trail */
-    const double M_zr = D_r*fast_cos(alpha)/sqrt(1.0 + square(B_r)*square(alpha_req)); /* [4.E75] residual moment */
+    const double trail = D_t*fast_cos(alpha_folded)*fast_cos(trail_w); /* [4.E73] pneumatic trail */
+    const double M_zr = D_r*fast_cos(alpha_folded)/sqrt(1.0 + square(B_r)*square(alpha_req)); /* [4.E75] residual moment */
     const double s = LS*UNLOADED_RADIUS*(SSZ1 + gamma_s*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
 
     results[0] = F_z01;
@@ -555,22 +569,21 @@ void mf96_forces(const double inputs[], const double parameters[], double result
     const double SSZ4 = parameters[MF96_SSZ4];
 
     /* Two calls of a function that do not depend on each other are computed at a time */
+    const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
     const double F_z01 = FNOMIN*LFZ0; /* [4.E1] nominal load, scaled */
     const double gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */
     const double C_x = LCX*PCX1; /* [4.E11] shape factor */
     const double C_y = LCY*PCY1; /* [4.E21] shape factor */
     const double B_xalpha = LXA*RBX1/sqrt(1.0 + square(RBX2)*square(kappa)); /* [4.E54] stiffness of G_xa */
-    const double B_ykappa = LYK*RBY1/sqrt(1.0 + square(RBY2)*square(alpha - RBY3)); /* [4.E62] stiffness of G_yk */
     const double S_Vyk_atan_of = RVY6*kappa;
     const double C_t = QCZ1; /* [4.E41] shape factor of the trail */
     const double dfz = -1.0 + F_z/F_z01; /* [4.E2a] normalized change in load */
     const double sign_gamma = gamma_s/sqrt(1e-06 + square(gamma_s)); /* [Trento] smoothed sign */
     const double K_yalpha_w_atan_of = F_z/(F_z01*PKY2);
-    const double G_xa_w_atan_of = B_xalpha*(RHX1 + alpha);
+    const double G_xa_w_atan_of = B_xalpha*(RHX1 + alpha_folded);
     const double G_xa_w0_atan_of = B_xalpha*RHX1;
-    const double G_yk_w_atan_of = B_ykappa*(RHY1 + kappa);
-    const double G_yk_w0_atan_of = B_ykappa*RHY1;
+    const double B_ykappa = LYK*RBY1/sqrt(1.0 + square(RBY2)*square(alpha_folded - RBY3)); /* [4.E62] stiffness of G_yk */
     const double S_Hx = LHX*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
     const double mu_x = LMUX*(1.0 - PDX3*square(gamma_s))*(PDX1 + PDX2*dfz); /* [4.E13] peak friction */
     const double K_xkappa_exp_of = -PKX3*dfz;
@@ -578,16 +591,18 @@ void mf96_forces(const double inputs[], const double parameters[], double result
     const double S_Hy = LHY*(PHY1 + PHY2*dfz + PHY3*gamma_s); /* [4.E27] horizontal shift */
     const double S_Vy = F_z*LMUY*LVY*(PVY1 + PVY2*dfz + gamma_s*(PVY3 + PVY4*dfz)); /* [4.E29] vertical shift */
     const double mu_y = LMUY*(1.0 - PDY3*square(gamma_s))*(PDY1 + PDY2*dfz); /* [4.E23] peak friction */
+    const double G_yk_w_atan_of = B_ykappa*(RHY1 + kappa);
+    const double G_yk_w0_atan_of = B_ykappa*RHY1;
     const double S_Ht = QHZ1 + QHZ2*dfz + gamma_s*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
     const double B_t = LKY*(1.0 + QBZ4*gamma_s + QBZ5*sign_gamma)*(QBZ1 + QBZ2*dfz + QBZ3*square(dfz))/LMUY; /* [4.E40] stiffness factor of the trail */
     const double D_t = F_z*LT*UNLOADED_RADIUS*(QDZ1 + QDZ2*dfz)*(1.0 + QDZ3*gamma_s + QDZ4*square(gamma_s))/FNOMIN; /* [4.E43] peak factor of the trail */
     const double D_r = F_z*LMR*LMUY*UNLOADED_RADIUS*(QDZ6 + QDZ7*dfz + gamma_s*(QDZ8 + QDZ9*dfz)); /* [4.E47] peak factor of the residual moment */
     const double kappa_x = S_Hx + kappa; /* [4.E10] longitudinal slip, shifted */
     const double D_x = F_z*mu_x; /* [4.E12] peak factor */
-    const double alpha_y = S_Hy + alpha; /* [4.E20] slip angle, shifted */
+    const double alpha_y = S_Hy + alpha_folded; /* [4.E20] slip angle, shifted */
     const double D_y = F_z*mu_y; /* [4.E22] peak factor */
-    const double D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/sqrt(1.0 + square(RVY4)*square(alpha)); /* [4.E67] peak of S_Vyk */
-    const double alpha_t = S_Ht + alpha; /* [4.E34] slip angle of the trail */
+    const double D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/sqrt(1.0 + square(RVY4)*square(alpha_folded)); /* [4.E67] peak of S_Vyk */
+    const double alpha_t = S_Ht + alpha_folded; /* [4.E34] slip angle of the trail */
     const double sign_kappa_x = kappa_x/sqrt(1e-06 + square(kappa_x)); /* [Trento] smoothed sign */
     const double sign_alpha_y = alpha_y/sqrt(1e-06 + square(alpha_y)); /* [Trento] smoothed sign */
     const double E_t_atan_of = B_t*C_t*alpha_t;
@@ -603,7 +618,7 @@ void mf96_forces(const double inputs[], const double parameters[], double result
     const double G_yk_w0_atan = PAIR_AT(pair_3, 0);
     const double S_Vyk_atan = PAIR_AT(pair_3, 1);
     const double E_t_atan = fast_atan(E_t_atan_of);
-    const double trail_cos = fast_cos(alpha);
+    const double trail_cos = fast_cos(alpha_folded);
     const double K_xkappa_exp = fast_exp(K_xkappa_exp_of);
     const double K_xkappa = F_z*K_xkappa_exp*LKXK*(PKX1 + PKX2*dfz); /* [4.E15] longitudinal slip stiffness */
     const double K_yalpha_w = 2.0*K_yalpha_w_atan; /* [4.E25] how far K_yalpha is up */
@@ -634,7 +649,7 @@ void mf96_forces(const double inputs[], const double parameters[], double result
     const double S_Hf = S_Hy + S_Vy/K_yalpha; /* [4.E38] shift of the residual moment */
     const double kappa_share = square(K_xkappa)*square(kappa)/square(K_yalpha); /* [4.E77] equivalent slip angle of kappa, squared */
     const double F_y0_u = B_y*alpha_y; /* [4.1] B x */
-    const double alpha_r = S_Hf + alpha; /* [4.E37] slip angle of the residual moment */
+    const double alpha_r = S_Hf + alpha_folded; /* [4.E37] slip angle of the residual moment */
     const double B_r = B_y*C_y*QBZ10 + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
     const double alpha_teq = alpha_t*sqrt(1.0 + kappa_share/(1e-06 + square(alpha_t))); /* [4.E77] equivalent slip of the trail */
     const double alpha_req = alpha_r*sqrt(1.0 + kappa_share/(1e-06 + square(alpha_r))); /* [4.E78] equivalent slip of the residual moment */

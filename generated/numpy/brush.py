@@ -48,6 +48,9 @@ def quantities(inputs, parameters, xp=np):
         UNLOADED_RADIUS, FNOMIN, CKAPPA, CALPHA, MUX, MUY, PATCH, NSTIFF, NMU, NPATCH, SIGNS
     ) = parameters
 
+    # Inputs
+    alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
+
     # Contact patch with bristles
     F_z = xp.where(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, limited to positive values
     load_ratio = F_z/FNOMIN  # [tirefmu] load per nominal load
@@ -59,7 +62,7 @@ def quantities(inputs, parameters, xp=np):
     K_xkappa = CKAPPA*stiffness_ratio  # [3.2.2] longitudinal slip stiffness
     K_yalpha = CALPHA*side*stiffness_ratio  # [3.2.1] cornering stiffness
     a = PATCH*load_ratio**NPATCH  # [tirefmu] half length of the contact patch
-    tan_alpha = xp.tan(alpha)  # [3.2.3] lateral sliding velocity of the wheel per forward velocity
+    tan_alpha = xp.tan(alpha_folded)  # [3.2.3] lateral sliding velocity of the wheel per forward velocity
     rolling = xp.where(xp.abs(1 + kappa) < 1e-06, 1e-06, xp.abs(1 + kappa))  # [3.2.3] rolling velocity per forward velocity, limited to positive values
     slip_x = kappa/rolling  # [3.2.3] theoretical longitudinal slip: sliding per rolling velocity
     slip_y = tan_alpha/rolling  # [3.2.3] theoretical side slip: sliding per rolling velocity
@@ -99,6 +102,9 @@ def forces(inputs, parameters, xp=np):
         UNLOADED_RADIUS, FNOMIN, CKAPPA, CALPHA, MUX, MUY, PATCH, NSTIFF, NMU, NPATCH, SIGNS
     ) = parameters
 
+    # Inputs
+    alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
+
     # Contact patch with bristles
     F_z = xp.where(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, limited to positive values
     load_ratio = F_z/FNOMIN  # [tirefmu] load per nominal load
@@ -110,7 +116,7 @@ def forces(inputs, parameters, xp=np):
     K_xkappa = CKAPPA*stiffness_ratio  # [3.2.2] longitudinal slip stiffness
     K_yalpha = CALPHA*side*stiffness_ratio  # [3.2.1] cornering stiffness
     a = PATCH*load_ratio**NPATCH  # [tirefmu] half length of the contact patch
-    tan_alpha = xp.tan(alpha)  # [3.2.3] lateral sliding velocity of the wheel per forward velocity
+    tan_alpha = xp.tan(alpha_folded)  # [3.2.3] lateral sliding velocity of the wheel per forward velocity
     rolling = xp.where(xp.abs(1 + kappa) < 1e-06, 1e-06, xp.abs(1 + kappa))  # [3.2.3] rolling velocity per forward velocity, limited to positive values
     slip_x = kappa/rolling  # [3.2.3] theoretical longitudinal slip: sliding per rolling velocity
     slip_y = tan_alpha/rolling  # [3.2.3] theoretical side slip: sliding per rolling velocity

@@ -53,10 +53,13 @@ def quantities(inputs, parameters, xp=np):
         UMIN, UMAX, ROLLING_RESISTANCE, REL_LEN_LON, REL_LEN_LAT, SIGNS
     ) = parameters
 
+    # Inputs
+    alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
+
     # Fiala tire
     F_z = xp.where(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, limited to positive values
     sense = xp.where(SIGNS > 0.5, 1, -1)  # [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE
-    tan_alpha = xp.tan(alpha)  # [tirefmu] tangent of the side slip angle
+    tan_alpha = xp.tan(alpha_folded)  # [tirefmu] tangent of the side slip angle
     S_square = kappa**2 + tan_alpha**2  # [Adams] comprehensive slip, squared
     S_square_inside = xp.where(xp.logical_or(S_square >= 1, S_square <= 0), 1, S_square)  # [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of
     S_s_alpha = xp.where(S_square <= 0, 0, xp.sqrt(S_square_inside))  # [Adams] comprehensive slip, 1 at most
@@ -108,10 +111,13 @@ def forces(inputs, parameters, xp=np):
         UMIN, UMAX, ROLLING_RESISTANCE, REL_LEN_LON, REL_LEN_LAT, SIGNS
     ) = parameters
 
+    # Inputs
+    alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
+
     # Fiala tire
     F_z = xp.where(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, limited to positive values
     sense = xp.where(SIGNS > 0.5, 1, -1)  # [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE
-    tan_alpha = xp.tan(alpha)  # [tirefmu] tangent of the side slip angle
+    tan_alpha = xp.tan(alpha_folded)  # [tirefmu] tangent of the side slip angle
     S_square = kappa**2 + tan_alpha**2  # [Adams] comprehensive slip, squared
     S_square_inside = xp.where(xp.logical_or(S_square >= 1, S_square <= 0), 1, S_square)  # [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of
     S_s_alpha = xp.where(S_square <= 0, 0, xp.sqrt(S_square_inside))  # [Adams] comprehensive slip, 1 at most

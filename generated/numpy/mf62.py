@@ -139,11 +139,12 @@ def quantities(inputs, parameters, xp=np):
     ) = parameters
 
     # Inputs
+    alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
     fade = xp.where(LIMITS > 0.5, xp.where(VXLOW >= xp.abs(V), xp.abs(V)/VXLOW, 1), 1)  # [MFeval] reduction of kappa and phit at low speed
     fade_smooth = xp.where(LIMITS > 0.5, xp.where(VXLOW >= xp.abs(V), 0.5 - 0.5*xp.cos(xp.pi*V/VXLOW), 1), 1)  # [MFeval] reduction of the shifts, the trail and the residual moment at low speed
-    phit_in = xp.where(LIMITS > 0.5, fade*phit*xp.where(V < 0, -1, 1)*xp.cos(alpha), phit)  # [MFeval] turn slip, within limits
-    speed_sum = xp.where(LIMITS > 0.5, xp.abs(V) + xp.abs(V*xp.tan(alpha)), 1)  # [MFeval] rolling and sliding speed
-    alpha_low = xp.where(LIMITS > 0.5, xp.where(VXLOW > speed_sum, alpha*speed_sum/VXLOW, alpha), alpha)  # [MFeval] slip angle, faded out at low speed
+    phit_in = xp.where(LIMITS > 0.5, fade*phit*xp.where(V < 0, -1, 1)*xp.cos(alpha_folded), phit)  # [MFeval] turn slip, within limits
+    speed_sum = xp.where(LIMITS > 0.5, xp.abs(V) + xp.abs(V*xp.tan(alpha_folded)), 1)  # [MFeval] rolling and sliding speed
+    alpha_low = xp.where(LIMITS > 0.5, xp.where(VXLOW > speed_sum, alpha_folded*speed_sum/VXLOW, alpha_folded), alpha_folded)  # [MFeval] slip angle, faded out at low speed
     kappa_raised = xp.where(LIMITS > 0.5, xp.where(KPUMIN > fade*kappa, KPUMIN, fade*kappa), fade*kappa)  # [MFeval] kappa, with limits not below the lowest
     kappa_in = xp.where(LIMITS > 0.5, xp.where(KPUMAX < kappa_raised, KPUMAX, kappa_raised), kappa_raised)  # [MFeval] kappa, within limits
     alpha_raised = xp.where(LIMITS > 0.5, xp.where(ALPMIN > alpha_low, ALPMIN, alpha_low), alpha_low)  # [MFeval] alpha, with limits not below the lowest
@@ -563,11 +564,12 @@ def forces(inputs, parameters, xp=np):
     ) = parameters
 
     # Inputs
+    alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
     fade = xp.where(LIMITS > 0.5, xp.where(VXLOW >= xp.abs(V), xp.abs(V)/VXLOW, 1), 1)  # [MFeval] reduction of kappa and phit at low speed
     fade_smooth = xp.where(LIMITS > 0.5, xp.where(VXLOW >= xp.abs(V), 0.5 - 0.5*xp.cos(xp.pi*V/VXLOW), 1), 1)  # [MFeval] reduction of the shifts, the trail and the residual moment at low speed
-    phit_in = xp.where(LIMITS > 0.5, fade*phit*xp.where(V < 0, -1, 1)*xp.cos(alpha), phit)  # [MFeval] turn slip, within limits
-    speed_sum = xp.where(LIMITS > 0.5, xp.abs(V) + xp.abs(V*xp.tan(alpha)), 1)  # [MFeval] rolling and sliding speed
-    alpha_low = xp.where(LIMITS > 0.5, xp.where(VXLOW > speed_sum, alpha*speed_sum/VXLOW, alpha), alpha)  # [MFeval] slip angle, faded out at low speed
+    phit_in = xp.where(LIMITS > 0.5, fade*phit*xp.where(V < 0, -1, 1)*xp.cos(alpha_folded), phit)  # [MFeval] turn slip, within limits
+    speed_sum = xp.where(LIMITS > 0.5, xp.abs(V) + xp.abs(V*xp.tan(alpha_folded)), 1)  # [MFeval] rolling and sliding speed
+    alpha_low = xp.where(LIMITS > 0.5, xp.where(VXLOW > speed_sum, alpha_folded*speed_sum/VXLOW, alpha_folded), alpha_folded)  # [MFeval] slip angle, faded out at low speed
     kappa_raised = xp.where(LIMITS > 0.5, xp.where(KPUMIN > fade*kappa, KPUMIN, fade*kappa), fade*kappa)  # [MFeval] kappa, with limits not below the lowest
     kappa_in = xp.where(LIMITS > 0.5, xp.where(KPUMAX < kappa_raised, KPUMAX, kappa_raised), kappa_raised)  # [MFeval] kappa, within limits
     alpha_raised = xp.where(LIMITS > 0.5, xp.where(ALPMIN > alpha_low, ALPMIN, alpha_low), alpha_low)  # [MFeval] alpha, with limits not below the lowest
@@ -808,10 +810,11 @@ def relaxation(inputs, parameters, xp=np):
     ) = parameters
 
     # Inputs
+    alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
     fade = xp.where(LIMITS > 0.5, xp.where(VXLOW >= xp.abs(V), xp.abs(V)/VXLOW, 1), 1)  # [MFeval] reduction of kappa and phit at low speed
-    phit_in = xp.where(LIMITS > 0.5, fade*phit*xp.where(V < 0, -1, 1)*xp.cos(alpha), phit)  # [MFeval] turn slip, within limits
-    speed_sum = xp.where(LIMITS > 0.5, xp.abs(V) + xp.abs(V*xp.tan(alpha)), 1)  # [MFeval] rolling and sliding speed
-    alpha_low = xp.where(LIMITS > 0.5, xp.where(VXLOW > speed_sum, alpha*speed_sum/VXLOW, alpha), alpha)  # [MFeval] slip angle, faded out at low speed
+    phit_in = xp.where(LIMITS > 0.5, fade*phit*xp.where(V < 0, -1, 1)*xp.cos(alpha_folded), phit)  # [MFeval] turn slip, within limits
+    speed_sum = xp.where(LIMITS > 0.5, xp.abs(V) + xp.abs(V*xp.tan(alpha_folded)), 1)  # [MFeval] rolling and sliding speed
+    alpha_low = xp.where(LIMITS > 0.5, xp.where(VXLOW > speed_sum, alpha_folded*speed_sum/VXLOW, alpha_folded), alpha_folded)  # [MFeval] slip angle, faded out at low speed
     alpha_raised = xp.where(LIMITS > 0.5, xp.where(ALPMIN > alpha_low, ALPMIN, alpha_low), alpha_low)  # [MFeval] alpha, with limits not below the lowest
     alpha_in = xp.where(LIMITS > 0.5, xp.where(ALPMAX < alpha_raised, ALPMAX, alpha_raised), alpha_raised)  # [MFeval] alpha, within limits
     gamma_raised = xp.where(LIMITS > 0.5, xp.where(CAMMIN > gamma, CAMMIN, gamma), gamma)  # [MFeval] gamma, with limits not below the lowest
@@ -897,13 +900,14 @@ def forces_straight(inputs, parameters, xp=np):
     ) = parameters
 
     # Inputs
+    alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
     F_z = xp.where(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
 
     # Normalized inputs
     F_z01 = FNOMIN*LFZO  # [4.E1] nominal load, scaled
     dfz = (F_z - F_z01)/F_z01  # [4.E2a] normalized change in load
     dpi = (p - NOMPRES)/NOMPRES  # [4.E2b] normalized change in pressure
-    tan_alpha = xp.tan(alpha)  # [2.11] lateral slip
+    tan_alpha = xp.tan(alpha_folded)  # [2.11] lateral slip
     V_c = xp.sqrt(1 + tan_alpha**2)*xp.abs(V)  # [2.12] speed of the contact point
     cos_alpha = V/(1e-06 + V_c)  # [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed
     alpha_star = tan_alpha*xp.sign(V)  # [4.E3] lateral slip alpha*

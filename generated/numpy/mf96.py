@@ -76,6 +76,9 @@ def quantities(inputs, parameters, xp=np):
         SSZ1, SSZ2, SSZ3, SSZ4
     ) = parameters
 
+    # Inputs
+    alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
+
     # Normalized inputs
     F_z = xp.where(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, limited to positive values
     F_z01 = FNOMIN*LFZ0  # [4.E1] nominal load, scaled
@@ -103,7 +106,7 @@ def quantities(inputs, parameters, xp=np):
     # Side force, pure slip
     S_Hy = LHY*(PHY1 + PHY2*dfz + PHY3*gamma_s)  # [4.E27] horizontal shift
     S_Vy = F_z*LMUY*LVY*(PVY1 + PVY2*dfz + gamma_s*(PVY3 + PVY4*dfz))  # [4.E29] vertical shift
-    alpha_y = S_Hy + alpha  # [4.E20] slip angle, shifted
+    alpha_y = S_Hy + alpha_folded  # [4.E20] slip angle, shifted
     sign_alpha_y = alpha_y/xp.sqrt(1e-06 + alpha_y**2)  # [Trento] smoothed sign
     C_y = LCY*PCY1  # [4.E21] shape factor
     mu_y = LMUY*(1 - PDY3*gamma_s**2)*(PDY1 + PDY2*dfz)  # [4.E23] peak friction
@@ -120,22 +123,22 @@ def quantities(inputs, parameters, xp=np):
 
     # Forces, combined slip
     B_xalpha = LXA*RBX1/xp.sqrt(1 + RBX2**2*kappa**2)  # [4.E54] stiffness of G_xa
-    G_xa_w = RCX1*xp.atan(B_xalpha*(RHX1 + alpha))  # [4.E51] angle of the weighting function
+    G_xa_w = RCX1*xp.atan(B_xalpha*(RHX1 + alpha_folded))  # [4.E51] angle of the weighting function
     G_xa_w0 = RCX1*xp.atan(B_xalpha*RHX1)  # [4.E52] the same at zero slip
     G_xa = xp.cos(G_xa_w)/xp.cos(G_xa_w0)  # [4.E51] weighting of Fx by side slip
-    B_ykappa = LYK*RBY1/xp.sqrt(1 + RBY2**2*(alpha - RBY3)**2)  # [4.E62] stiffness of G_yk
+    B_ykappa = LYK*RBY1/xp.sqrt(1 + RBY2**2*(alpha_folded - RBY3)**2)  # [4.E62] stiffness of G_yk
     G_yk_w = RCY1*xp.atan(B_ykappa*(RHY1 + kappa))  # [4.E59] angle of the weighting function
     G_yk_w0 = RCY1*xp.atan(B_ykappa*RHY1)  # [4.E60] the same at zero slip
     G_yk = xp.cos(G_yk_w)/xp.cos(G_yk_w0)  # [4.E59] weighting of Fy by longitudinal slip
-    D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/xp.sqrt(1 + RVY4**2*alpha**2)  # [4.E67] peak of S_Vyk
+    D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/xp.sqrt(1 + RVY4**2*alpha_folded**2)  # [4.E67] peak of S_Vyk
     S_Vyk = D_Vyk*LVYK*xp.sin(RVY5*xp.atan(RVY6*kappa))  # [4.E66] side force made by longitudinal slip
     Fy = xp.where(Fz <= 1e-06, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
 
     # Aligning moment
     S_Hf = S_Hy + S_Vy/K_yalpha  # [4.E38] shift of the residual moment
     S_Ht = QHZ1 + QHZ2*dfz + gamma_s*(QHZ3 + QHZ4*dfz)  # [4.E35] shift of the trail
-    alpha_t = S_Ht + alpha  # [4.E34] slip angle of the trail
-    alpha_r = S_Hf + alpha  # [4.E37] slip angle of the residual moment
+    alpha_t = S_Ht + alpha_folded  # [4.E34] slip angle of the trail
+    alpha_r = S_Hf + alpha_folded  # [4.E37] slip angle of the residual moment
     B_t = LKY*(1 + QBZ4*gamma_s + QBZ5*sign_gamma)*(QBZ1 + QBZ2*dfz + QBZ3*dfz**2)/LMUY  # [4.E40] stiffness factor of the trail
     C_t = QCZ1  # [4.E41] shape factor of the trail
     D_t = F_z*LT*UNLOADED_RADIUS*(QDZ1 + QDZ2*dfz)*(1 + QDZ3*gamma_s + QDZ4*gamma_s**2)/FNOMIN  # [4.E43] peak factor of the trail
@@ -145,8 +148,8 @@ def quantities(inputs, parameters, xp=np):
     trail_0_u = B_t*alpha_t  # [4.1] B x
     trail_0_v = trail_0_u - E_t*(trail_0_u - xp.atan(trail_0_u))  # [4.1] B x bent by E
     trail_0_w = C_t*xp.atan(trail_0_v)  # [4.1] angle of the Magic Formula
-    trail_0 = D_t*xp.cos(alpha)*xp.cos(trail_0_w)  # [4.E33] trail in pure slip
-    M_zr0 = D_r*xp.cos(alpha)/xp.sqrt(1 + B_r**2*alpha_r**2)  # [4.E36] residual moment in pure slip
+    trail_0 = D_t*xp.cos(alpha_folded)*xp.cos(trail_0_w)  # [4.E33] trail in pure slip
+    M_zr0 = D_r*xp.cos(alpha_folded)/xp.sqrt(1 + B_r**2*alpha_r**2)  # [4.E36] residual moment in pure slip
     M_z0 = M_zr0 - F_y0*trail_0  # [4.E31] aligning moment in pure slip
     kappa_share = K_xkappa**2*kappa**2/K_yalpha**2  # [4.E77] equivalent slip angle of kappa, squared
     alpha_teq = alpha_t*xp.sqrt(1 + kappa_share/(1e-06 + alpha_t**2))  # [4.E77] equivalent slip of the trail
@@ -154,8 +157,8 @@ def quantities(inputs, parameters, xp=np):
     trail_u = B_t*alpha_teq  # [4.1] B x
     trail_v = trail_u - E_t*(trail_u - xp.atan(trail_u))  # [4.1] B x bent by E
     trail_w = C_t*xp.atan(trail_v)  # [4.1] angle of the Magic Formula
-    trail = D_t*xp.cos(alpha)*xp.cos(trail_w)  # [4.E73] pneumatic trail
-    M_zr = D_r*xp.cos(alpha)/xp.sqrt(1 + B_r**2*alpha_req**2)  # [4.E75] residual moment
+    trail = D_t*xp.cos(alpha_folded)*xp.cos(trail_w)  # [4.E73] pneumatic trail
+    M_zr = D_r*xp.cos(alpha_folded)/xp.sqrt(1 + B_r**2*alpha_req**2)  # [4.E75] residual moment
     s = LS*UNLOADED_RADIUS*(SSZ1 + gamma_s*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)  # [4.E76] moment arm of Fx
 
     return (
@@ -224,6 +227,9 @@ def forces(inputs, parameters, xp=np):
         SSZ1, SSZ2, SSZ3, SSZ4
     ) = parameters
 
+    # Inputs
+    alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
+
     # Normalized inputs
     F_z = xp.where(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, limited to positive values
     F_z01 = FNOMIN*LFZ0  # [4.E1] nominal load, scaled
@@ -250,7 +256,7 @@ def forces(inputs, parameters, xp=np):
     # Side force, pure slip
     S_Hy = LHY*(PHY1 + PHY2*dfz + PHY3*gamma_s)  # [4.E27] horizontal shift
     S_Vy = F_z*LMUY*LVY*(PVY1 + PVY2*dfz + gamma_s*(PVY3 + PVY4*dfz))  # [4.E29] vertical shift
-    alpha_y = S_Hy + alpha  # [4.E20] slip angle, shifted
+    alpha_y = S_Hy + alpha_folded  # [4.E20] slip angle, shifted
     sign_alpha_y = alpha_y/xp.sqrt(1e-06 + alpha_y**2)  # [Trento] smoothed sign
     C_y = LCY*PCY1  # [4.E21] shape factor
     mu_y = LMUY*(1 - PDY3*gamma_s**2)*(PDY1 + PDY2*dfz)  # [4.E23] peak friction
@@ -266,14 +272,14 @@ def forces(inputs, parameters, xp=np):
 
     # Forces, combined slip
     B_xalpha = LXA*RBX1/xp.sqrt(1 + RBX2**2*kappa**2)  # [4.E54] stiffness of G_xa
-    G_xa_w = RCX1*xp.atan(B_xalpha*(RHX1 + alpha))  # [4.E51] angle of the weighting function
+    G_xa_w = RCX1*xp.atan(B_xalpha*(RHX1 + alpha_folded))  # [4.E51] angle of the weighting function
     G_xa_w0 = RCX1*xp.atan(B_xalpha*RHX1)  # [4.E52] the same at zero slip
     G_xa = xp.cos(G_xa_w)/xp.cos(G_xa_w0)  # [4.E51] weighting of Fx by side slip
-    B_ykappa = LYK*RBY1/xp.sqrt(1 + RBY2**2*(alpha - RBY3)**2)  # [4.E62] stiffness of G_yk
+    B_ykappa = LYK*RBY1/xp.sqrt(1 + RBY2**2*(alpha_folded - RBY3)**2)  # [4.E62] stiffness of G_yk
     G_yk_w = RCY1*xp.atan(B_ykappa*(RHY1 + kappa))  # [4.E59] angle of the weighting function
     G_yk_w0 = RCY1*xp.atan(B_ykappa*RHY1)  # [4.E60] the same at zero slip
     G_yk = xp.cos(G_yk_w)/xp.cos(G_yk_w0)  # [4.E59] weighting of Fy by longitudinal slip
-    D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/xp.sqrt(1 + RVY4**2*alpha**2)  # [4.E67] peak of S_Vyk
+    D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/xp.sqrt(1 + RVY4**2*alpha_folded**2)  # [4.E67] peak of S_Vyk
     S_Vyk = D_Vyk*LVYK*xp.sin(RVY5*xp.atan(RVY6*kappa))  # [4.E66] side force made by longitudinal slip
     Fx = xp.where(Fz <= 1e-06, 0, F_x0*G_xa)  # [4.E50] longitudinal force
     Fy = xp.where(Fz <= 1e-06, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
@@ -281,8 +287,8 @@ def forces(inputs, parameters, xp=np):
     # Aligning moment
     S_Hf = S_Hy + S_Vy/K_yalpha  # [4.E38] shift of the residual moment
     S_Ht = QHZ1 + QHZ2*dfz + gamma_s*(QHZ3 + QHZ4*dfz)  # [4.E35] shift of the trail
-    alpha_t = S_Ht + alpha  # [4.E34] slip angle of the trail
-    alpha_r = S_Hf + alpha  # [4.E37] slip angle of the residual moment
+    alpha_t = S_Ht + alpha_folded  # [4.E34] slip angle of the trail
+    alpha_r = S_Hf + alpha_folded  # [4.E37] slip angle of the residual moment
     B_t = LKY*(1 + QBZ4*gamma_s + QBZ5*sign_gamma)*(QBZ1 + QBZ2*dfz + QBZ3*dfz**2)/LMUY  # [4.E40] stiffness factor of the trail
     C_t = QCZ1  # [4.E41] shape factor of the trail
     D_t = F_z*LT*UNLOADED_RADIUS*(QDZ1 + QDZ2*dfz)*(1 + QDZ3*gamma_s + QDZ4*gamma_s**2)/FNOMIN  # [4.E43] peak factor of the trail
@@ -295,8 +301,8 @@ def forces(inputs, parameters, xp=np):
     trail_u = B_t*alpha_teq  # [4.1] B x
     trail_v = trail_u - E_t*(trail_u - xp.atan(trail_u))  # [4.1] B x bent by E
     trail_w = C_t*xp.atan(trail_v)  # [4.1] angle of the Magic Formula
-    trail = D_t*xp.cos(alpha)*xp.cos(trail_w)  # [4.E73] pneumatic trail
-    M_zr = D_r*xp.cos(alpha)/xp.sqrt(1 + B_r**2*alpha_req**2)  # [4.E75] residual moment
+    trail = D_t*xp.cos(alpha_folded)*xp.cos(trail_w)  # [4.E73] pneumatic trail
+    M_zr = D_r*xp.cos(alpha_folded)/xp.sqrt(1 + B_r**2*alpha_req**2)  # [4.E75] residual moment
     s = LS*UNLOADED_RADIUS*(SSZ1 + gamma_s*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)  # [4.E76] moment arm of Fx
     Mz = xp.where(Fz <= 1e-06, 0, M_zr + Fx*s - trail*(Fy - S_Vyk))  # [4.E71] aligning moment
 

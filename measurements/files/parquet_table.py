@@ -1,10 +1,8 @@
-"""Parquet tables, with columns as in CSV tables: as a whole, or in parts of a few rows."""
+"""Parquet tables, with columns as in CSV tables."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
@@ -12,7 +10,6 @@ from ...boundary.errors import DataError
 from ..interpretation import Interpretation
 from ..recording import Recording
 from . import native_reader
-from .columns import Column, converted_channels, parse_header
 from .table_recording import table_recording
 
 EXTRA = "Parquet needs pyarrow, which the extra 'parquet' installs: pip install 'tirefmu[parquet]'"
@@ -29,35 +26,7 @@ def read_parquet_table(path: Path, signs: str, interpretation: Interpretation) -
 
 def parquet_cells(path: Path) -> pd.DataFrame:
     """Return the table of a Parquet file; raises `DataError` if it is none or pyarrow is not installed."""
-    return _loaded("parquet", path)  # type: ignore[no-any-return]
-
-
-def parquet_header(path: Path) -> tuple[list[Column], int]:
-    """Return the columns of a Parquet file and its number of rows.
-
-    Raises `DataError` if pyarrow is not installed, the file is not a Parquet file, or its columns cannot be used.
-    """
-    names, rows = _loaded("parquet header", path)
-    return parse_header(names, str(path)), rows
-
-
-def parquet_parts(path: Path, columns: Sequence[Column], most: int) -> Iterator[tuple[int, pd.DataFrame]]:
-    """Yield the number of the first row of each part and at most `most` of its rows, channels in SI.
-
-    Raises `DataError` if a channel cannot be used. The message counts rows from 1.
-    """
-    start = 0
-    while (table := _loaded("parquet part", path, start, most)) is not None:
-        yield start, converted_channels(table, columns, str(path), _numbered_from(start))
-        start += len(table)
-
-
-def _numbered_from(start: int) -> Callable[[int], str]:
-    return lambda row: f"row {start + row + 1}"
-
-
-def _loaded(wanted: str, path: Path, *arguments: int) -> Any:
     try:
-        return native_reader.load(wanted, path, *arguments)
+        return native_reader.load("parquet", path)  # type: ignore[no-any-return]
     except native_reader.MissingPackage:
         raise DataError(f"{path}: {EXTRA}") from None

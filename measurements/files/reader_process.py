@@ -13,7 +13,7 @@ import pickle
 import signal
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any, BinaryIO
 
 
@@ -85,55 +85,13 @@ def load_excel(path: str) -> Any:
     return table.loc[:, named]
 
 
-def load_parquet_header(path: str) -> tuple[list[str], int]:
-    """Return the names of the columns and the number of rows of a Parquet file."""
-    file = _parquet_file(path)
-    return [str(name) for name in file.schema_arrow.empty_table().to_pandas().columns], file.metadata.num_rows
-
-
-class _Parts:
-    """A Parquet file that is read part by part, in the order of its rows.
-
-    The parts continue if the next request is for the row after the last one: the file is not opened again.
-    """
-
-    def __init__(self, path: str, most: int) -> None:
-        self.path, self.next_row = path, 0
-        self._parts: Iterator[Any] = _parquet_file(path).iter_batches(batch_size=most)
-
-    def following(self) -> Any:
-        """Return the next rows as a table; None at the end."""
-        for part in self._parts:
-            if part.num_rows:
-                self.next_row += part.num_rows
-                return part.to_pandas()
-        return None
-
-
-_reading: _Parts | None = None
-
-
-def load_parquet_part(path: str, start: int, most: int) -> Any:
-    """Return at most `most` rows of a Parquet file from a row on; None beyond the last row."""
-    global _reading
-    if _reading is None or (_reading.path, _reading.next_row) != (path, start) or start == 0:
-        _reading = _Parts(path, most)
-        while _reading.next_row < start and _reading.following() is not None:
-            pass
-    return _reading.following()
-
-
-def _parquet_file(path: str) -> Any:
+def _declared_size(path: str) -> int:
+    """Return the bytes of the numbers that a Parquet file declares: constant columns are compressed without limit."""
     try:
         from pyarrow.parquet import ParquetFile
     except ImportError:
         raise MissingPackage("Parquet") from None
-    return ParquetFile(path, buffer_size=1 << 20, pre_buffer=False)  # does not read a group of rows as a whole
-
-
-def _declared_size(path: str) -> int:
-    """Return the bytes of the numbers that a Parquet file declares: constant columns are compressed without limit."""
-    metadata = _parquet_file(path).metadata
+    metadata = ParquetFile(path).metadata
     return 8 * int(metadata.num_rows) * int(metadata.num_columns)
 
 
@@ -142,8 +100,6 @@ LOADERS: dict[str, Callable[..., Any]] = {
     "matlab": load_matlab,
     "mdf": load_mdf,
     "parquet": load_parquet,
-    "parquet header": load_parquet_header,
-    "parquet part": load_parquet_part,
 }
 
 
@@ -151,7 +107,7 @@ def answer(wanted: str, path: str, largest: int, arguments: tuple[Any, ...] = ()
     """Return the pickled answer to a request: ("loaded", content), ("missing", kind) or ("refused", reason)."""
     too_large = pickle.dumps(("refused", "its content is far larger than a file of its size can contain"))
     try:
-        if wanted in ("parquet", "parquet header") and _declared_size(path) > largest:
+        if wanted == "parquet" and _declared_size(path) > largest:
             return too_large
         content = pickle.dumps(("loaded", LOADERS[wanted](path, *arguments)))
         return content if len(content) <= largest else too_large

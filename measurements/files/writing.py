@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 
@@ -40,50 +38,15 @@ def write_table(table: pd.DataFrame, path: str | PathLike[str]) -> None:
     ...     print((Path(folder) / "out.csv").read_text().split())
     ['Fy', '0.30000000000000004']
     """
-    with _replaced(Path(path)) as part:
-        if Path(path).suffix.lower() == ".csv":
-            table.to_csv(part, index=False, lineterminator="\n")
-        else:
-            table.to_parquet(part, index=False)
-
-
-def write_tables(tables: Iterable[pd.DataFrame], path: str | PathLike[str]) -> None:
-    """Write tables with the same columns one after another into one file, as `write_table` writes one.
-
-    Only one of them has to be in memory at a time.
-    """
-    with _replaced(Path(path)) as part:
-        if Path(path).suffix.lower() == ".csv":
-            with part.open("w", encoding="utf-8", newline="") as file:
-                for number, table in enumerate(tables):
-                    table.to_csv(file, index=False, lineterminator="\n", header=number == 0)
-        else:
-            _write_parquet(tables, part)
-
-
-def _write_parquet(tables: Iterable[pd.DataFrame], path: Path) -> None:
-    import pyarrow as pa
-    from pyarrow.parquet import ParquetWriter
-
-    writer = None
-    try:
-        for table in tables:
-            rows = pa.Table.from_pandas(table, preserve_index=False)
-            writer = writer or ParquetWriter(path, rows.schema)
-            writer.write_table(rows)
-    finally:
-        if writer is not None:
-            writer.close()
-
-
-@contextmanager
-def _replaced(target: Path) -> Iterator[Path]:
-    """Give a temporary file that replaces the target if nothing fails."""
+    target = Path(path)
     kind = target.suffix.lower()
     if kind not in (".csv", ".parquet"):
         raise DataError(f"{target}: unknown kind of table {target.suffix!r}: known are .csv, .parquet")
     try:
         with writing(target, DataError), replacing(target) as part:
-            yield part
+            if kind == ".csv":
+                table.to_csv(part, index=False, lineterminator="\n")
+            else:
+                table.to_parquet(part, index=False)
     except ImportError:
         raise DataError(f"{target}: {EXTRA}") from None

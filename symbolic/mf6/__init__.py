@@ -65,9 +65,18 @@ ALIASES = {
 }
 
 
+#: Values of FITTYP without one meaning in use.
+DISPUTED = {
+    5: "MF-Tyre wrote it for MF5.1, MFeval reads it as MF6.1",
+    51: "MFeval reads it as MF6.1",
+    52: "MFeval reads it as MF6.1",
+}
+
+
 def _file(fittyp: tuple[int, ...], formats: tuple[str, ...], differs_from: str) -> PropertyFile:
     shared = ("USER", "MF-SWIFT", "SWIFT")
-    return PropertyFile(fittyp, formats, shared, differs_from, aliases=ALIASES)
+    disputed = {number: DISPUTED[number] for number in fittyp if number in DISPUTED}
+    return PropertyFile(fittyp, formats, shared, differs_from, aliases=ALIASES, disputed=disputed)
 
 
 def _model(name: str, title: str, file: PropertyFile, carcass: tuple[str, ...] = ()) -> Model:

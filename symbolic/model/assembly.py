@@ -11,8 +11,9 @@ from ...boundary.errors import EffectError, nearest
 from ...boundary.escaping import quoted
 from ..added import AddedEffect
 from ..declarations import Effect
+from ..functions import absolute, sgn, where
 from ..notation import Chapter, Equation, Variant
-from ..quantities import ACTED_ON
+from ..quantities import ACTED_ON, ALPHA, ALPHA_FOLDED
 from .extension import acting_name
 from .lines import reaching, replaced
 
@@ -41,6 +42,8 @@ def assembled(
         from .state_lines import state_lines
 
         lines += state_lines(added)
+    folded = _folded_angle()
+    lines = _reading([folded, *lines], {ALPHA.symbol: folded})
     return tuple(reaching(lines, set(outputs) | {line.symbol.name for line in lines if line.named}))
 
 
@@ -81,6 +84,17 @@ def _acting_inputs(added: Sequence[AddedEffect]) -> dict[sp.Symbol, Equation]:
         quantity = ACTED_ON[name]
         eq("tirefmu", _target(name, {}), quantity.symbol, quantity.unit, f"{quantity.description}, as it acts")
     return {ACTED_ON[name].symbol: line for name, line in zip(names, eq.equations, strict=True)}
+
+
+def _folded_angle() -> Equation:
+    """Return the line of the slip angle that all other lines read in place of the input: their one law beyond 90 deg.
+
+    The wheel then moves backwards. The lateral slip is V_y/|V_x|, so that the side force opposes the sliding velocity.
+    """
+    eq, alpha = Chapter("Inputs"), ALPHA.symbol
+    folded = where(absolute(alpha) > sp.pi / 2, sp.pi * sgn(alpha) - alpha, alpha)
+    eq("tirefmu", ALPHA_FOLDED.name, folded, ALPHA_FOLDED.unit, ALPHA_FOLDED.description, named=False)
+    return eq.equations[0]
 
 
 def _reading(lines: list[Equation], acting: Mapping[sp.Symbol, Equation]) -> list[Equation]:

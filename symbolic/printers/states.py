@@ -18,12 +18,17 @@ from ..functions import absolute, where
 from ..model import Model
 from ..model.lines import reaching
 from ..notation import Chapter, Equation
-from ..quantities import ALPHA, AT_ONCE, KAPPA, KAPPA_LAGGED, TAN_ALPHA_LAGGED, V
+from ..quantities import ALPHA_FOLDED, AT_ONCE, KAPPA, KAPPA_LAGGED, TAN_ALPHA_LAGGED, V
 
 #: Slips that lag: the state, its target, the replacement of the wheel's slip, the role of its length.
 SLIPS = (
     (KAPPA_LAGGED, KAPPA.symbol, {KAPPA.symbol: KAPPA_LAGGED.symbol}, "relaxation_x"),
-    (TAN_ALPHA_LAGGED, sp.tan(ALPHA.symbol), {ALPHA.symbol: sp.atan(TAN_ALPHA_LAGGED.symbol)}, "relaxation_y"),
+    (
+        TAN_ALPHA_LAGGED,
+        sp.tan(ALPHA_FOLDED.symbol),
+        {ALPHA_FOLDED.symbol: sp.atan(TAN_ALPHA_LAGGED.symbol)},
+        "relaxation_y",
+    ),
 )
 #: Endings of the results: derivative; rate of the exponential that approaches the state's target.
 ENDINGS = ("dot", "decay")

@@ -53,6 +53,20 @@ def test_the_system_runs_in_fmpy(car, tires):
         assert run[f"{name}_Fy"] == run[f"{name}.Fy"]
 
 
+@pytest.mark.parametrize("side", ["left", "right", "symmetric", ""])
+def test_corners_of_the_other_side_have_the_mirror_image(side, tires, tmp_path, monkeypatch):
+    monkeypatch.setattr("tirefmu.fmu.packaging.system.export", lambda tire, path, **options: car_file(path))
+    tire = replace(tires["first"], side=side)
+    other = {"left": ("FR", "RR"), "right": ("FL", "RL")}.get(side, ())
+    for mirror in (True, False):
+        path = export_system([tire] * 4, tmp_path / "car.ssp", mirror=mirror)
+        for name in ("FL", "FR", "RL", "RR"):
+            values = {p.name: float(p.value) for p in read_ssv(str(path), f"resources/{name}.ssv").parameters}
+            sign = -1.0 if mirror and name in other else 1.0
+            assert (values["PHY1"], values["PDY1"]) == (sign * tire.values["PHY1"], tire.values["PDY1"]), name
+    assert tire.values["PHY1"]
+
+
 def _mappings(car):
     with zipfile.ZipFile(car) as archive:
         return [Path(name).name for name in archive.namelist() if name.endswith(".ssm")]

@@ -60,3 +60,14 @@ def test_a_serialized_slip_of_nan_is_rejected(rolling):
     bad = content[:position] + struct.pack("d", np.nan) + content[position + 8 :]
     assert rolling.deserialize(bad)[0] == ERROR
     assert rolling.log[-1] == "the bytes are not a serialized state of this FMU"
+
+
+@pytest.mark.parametrize("alpha", [2.0, -2.9])
+def test_beyond_90_degrees_the_slip_is_that_of_the_supplement(hosts, lagging, fmi, alpha):
+    shown = []
+    for angle in (alpha, np.copysign(np.pi, alpha) - alpha):
+        host = hosts(lagging, fmi).start(**STRAIGHT)
+        assert host.set(**POINT | {"alpha": angle}) == OK
+        assert host.step(0.0, 0.02) == OK
+        shown.append(host.get(*host.outputs, *SLIPS))
+    assert distance(np.array(shown[0]), np.array(shown[1])) < 1e-9

@@ -8,26 +8,20 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.symbolic.models import MODELS
+from tirefmu.tires import mirror
 from tirefmu.tires.signs import MIRRORED, reversed_columns
 
-#: Coefficients that make a tire asymmetric, in every model. QBZ4 and QDZ3 are linear in the inclination where
-#: a symmetric tire has its square or its size.
-ASYMMETRIC = (
-    "PHY1", "PHY2", "PVY1", "PVY2", "PEY3",
-    "RHX1", "RBY3", "RVY1", "RVY2",
-    "QBZ4", "QDZ3", "QDZ6", "QDZ7", "QEZ4", "QHZ1", "QHZ2", "SSZ1",
-)  # fmt: skip
-#: PKY3 and QBZ5 have the sign of the inclination in MF96, its size later; an overturning moment at rest has a side.
-ASYMMETRIC_BY_MODEL = {"mf96": (*ASYMMETRIC, "PKY3", "QBZ5")} | dict.fromkeys(
-    ("mf52", "mf61", "mf62"), (*ASYMMETRIC, "QSX1")
-)
-CASES = [(model, name) for model, names in ASYMMETRIC_BY_MODEL.items() for name in names]
+CASES = [
+    (model, name)
+    for model in ("mf96", "mf52", "mf61", "mf62")
+    for name, declared in MODELS[model].coefficients.items()
+    if declared.sided
+]
 
 
 def symmetric(tire, **values):
-    return replace(
-        tire, values={**tire.values, **dict.fromkeys(ASYMMETRIC_BY_MODEL.get(tire.model, ()), 0.0), **values}
-    )
+    return replace(tire, values={**mirror.symmetric(tire).values, **values})
 
 
 def signs_of(names, reversed_names):
@@ -49,6 +43,15 @@ def test_each_asymmetric_coefficient_makes_left_and_right_differ(made, points, f
     tire = made(model, 0)
     asymmetric = symmetric(tire, **{name: tire.values[name]})
     assert np.max(asymmetry(asymmetric, points(tire), forces_of) / scale_of(tire)) > 1e-6
+
+
+def test_the_image_of_a_tire_has_the_mirrored_forces(tire, points, forces_of, scale_of):
+    rows, image = points(tire), mirror.mirrored(tire)
+    turned = forces_of(image, rows * signs_of(tire.inputs, MIRRORED)) * signs_of(tire.outputs, MIRRORED)
+    assert np.max(np.abs(turned - forces_of(tire, rows)) / scale_of(tire)) < 1e-12
+    assert mirror.mirrored(image) == tire
+    for name in MIRRORED & tire.ranges.keys():
+        assert image.ranges[name] == tuple(-end for end in reversed(tire.ranges[name]))
 
 
 def test_iso_and_adapted_sae_are_mirrors(tire, points, forces_of, scale_of):
@@ -76,7 +79,7 @@ def test_mirrored_twice_is_the_same_tire(tire):
     assert tire.in_signs("iso").in_signs("adapted-sae") == tire
 
 
-@pytest.mark.parametrize("model", ASYMMETRIC_BY_MODEL)
+@pytest.mark.parametrize("model", ["mf96", "mf52", "mf61", "mf62"])
 def test_every_declared_sign_change_is_necessary(made, points, model):
     """A sign that is not mirrored changes a force or the deflection."""
     tire = made(model, 0)

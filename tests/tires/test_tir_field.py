@@ -185,7 +185,9 @@ def test_a_json_file_is_named(tmp_path):
         read_tir(path)
 
 
-@pytest.mark.parametrize(("side", "read"), [("LEFT", "left"), ("Right", "right"), ("UNKNOWN", ""), ("", "")])
+@pytest.mark.parametrize(
+    ("side", "read"), [("LEFT", "left"), ("Right", "right"), ("SYMMETRIC", "symmetric"), ("UNKNOWN", ""), ("", "")]
+)
 def test_the_side_of_the_vehicle(side, read, tmp_path):
     tire = read_tir(written(tmp_path / "t.tir", small("", f"FITTYP = 61\nTYRESIDE = '{side}'")))
     assert tire.side == read
@@ -308,3 +310,53 @@ def test_faults_in_the_sections_of_tirefmu_are_reported(lines, message, tmp_path
         read_tir(path)
     assert str(caught.value).startswith(f"{path}:8: ")
     assert message in str(caught.value)
+
+
+OFFSETS = "[LATERAL_COEFFICIENTS]\nPHY1 = 0.004\nPVY1 = 0.03\n[ALIGNING_COEFFICIENTS]\nQDZ6 = 0.01\n"
+
+
+@pytest.mark.parametrize("text", ["SYMMETRIC", "Symmetric", "symmetrical", " SYMMETRIC ", "SYM"])
+@pytest.mark.parametrize("fittyp", [6, 61, 62])
+def test_a_symmetric_tire_has_no_force_at_zero_slip(text, fittyp, tmp_path):
+    reading = read_tir_with_notes(
+        written(tmp_path / "t.tir", small(OFFSETS, f"FITTYP = {fittyp}\nTYRESIDE = '{text}'"))
+    )
+    forces = reading.tire.forces(alpha=[0.0, 0.1, -0.1])
+    assert forces["Fy"][0] == 0.0
+    assert forces["Fy"][1] == -forces["Fy"][2]
+    assert any("PHY1, PVY1, QDZ6" in note for note in reading.notes)
+    path = written(tmp_path / "again.tir", tir_text(reading.tire))
+    again = read_tir_with_notes(path)
+    assert again.tire.side == "symmetric"
+    assert not [note for note in again.notes if "SYMMETRIC" in note]
+
+
+@pytest.mark.parametrize(
+    ("line", "note"),
+    [
+        ("TYRESIDE = 'BOTH'", "none of LEFT, RIGHT, SYMMETRIC"),
+        ("USE_MODE = 0", "no slip forces"),
+        ("USE_MODE = 11", "Fx and My only"),
+        ("USE_MODE = 112", "Fy, Mx and Mz only"),
+        ("USE_MODE = 13", "without combined slip"),
+        ("USE_MODE = -14", "mirror"),
+        ("USE_MODE = 19", "unknown"),
+        ("USE_MODE = 'all'", "no whole number"),
+        ("MFSAFE2 = 1", "limits forces"),
+        ("FE_METHOD = 'YES'", "friction ellipse"),
+    ],
+)
+def test_what_a_file_requests_and_tirefmu_does_not_do_is_stated(line, note, tmp_path):
+    reading = read_tir_with_notes(written(tmp_path / "t.tir", small("", f"FITTYP = 61\n{line}")))
+    assert any(line.split(" ")[0] in stated and note in stated for stated in reading.notes), reading.notes
+
+
+def test_what_agrees_is_not_stated(tmp_path):
+    lines = "FITTYP = 61\nTYRESIDE = 'LEFT'\nUSE_MODE = 124\nMFSAFE1 = 0\nVXLOW = 1\nLONGVL = 16.7\nFE_METHOD = 'NO'"
+    assert read_tir_with_notes(written(tmp_path / "t.tir", small("", lines))).notes == ()
+
+
+@pytest.mark.parametrize("fittyp", [5, 51, 52])
+def test_a_number_without_one_meaning_is_noted(fittyp, tmp_path):
+    notes = read_tir_with_notes(written(tmp_path / "t.tir", small("", f"FITTYP = {fittyp}"))).notes
+    assert [note for note in notes if f"FITTYP {fittyp} is read as mf52" in note and "MFeval" in note]

@@ -19,6 +19,7 @@ from ...drawing.labels import axis_label, held_text, letter, level_text, note, p
 from ...drawing.style import BLACK, LIGHT_GRAY, level_styles, some_of
 from ..definition import TireDefinition
 from ..evaluation import Conventions, evaluate
+from ..input_check import checked_inputs
 from ..signs import REVERSED, SIGNS, convert_signs
 
 FloatArray = npt.NDArray[np.float64]
@@ -54,7 +55,7 @@ def sketched(
     if signs not in SIGNS:
         raise UnknownName("sign convention", signs, SIGNS)
     measured = None if points is None else convert_signs(points, "iso", signs)
-    given = default_loads(tire) if loads is None else _checked(loads)
+    given = default_loads(tire) if loads is None else _checked(tire, loads)
     return Sketch(tire, signs, given, measured, None if kappa is None else _checked_range(kappa))
 
 
@@ -174,10 +175,11 @@ class Sketch:
         return angles
 
 
-def _checked(loads: Sequence[float]) -> tuple[float, ...]:
+def _checked(tire: TireDefinition, loads: Sequence[float]) -> tuple[float, ...]:
     for load in loads:
         if not (isfinite(load) and load > 0.0):
             raise TirefmuError(f"load {load:g} N: a load is above 0")
+        checked_inputs(tire, {"Fz": load})
     if not loads:
         raise TirefmuError("no load to draw the tire at")
     # Rounded to the digits of the file names, which distinguish them.

@@ -39,7 +39,7 @@ def model_of(
         return _named(stated["TIREFMU_MODEL"], path), ()
     fittyp = _last("FITTYP", entries)
     if fittyp and unquoted(fittyp.value):
-        return _numbered(fittyp, path), ()
+        return _numbered(fittyp, path)
     format_ = _last("PROPERTY_FILE_FORMAT", entries)
     if format_ is None or not unquoted(format_.value):
         raise TirError(f"{path}: no FITTYP in [MODEL]: which model is it?")
@@ -70,14 +70,15 @@ def _named(entry: Entry, path: Path) -> str:
     return name
 
 
-def _numbered(entry: Entry, path: Path) -> str:
+def _numbered(entry: Entry, path: Path) -> tuple[str, tuple[str, ...]]:
     number, _ = number_and_rest(entry.value)
     if math.isnan(number):
         raise TirError(f"{path}:{entry.line}: FITTYP = {quoted(entry.value)} is not a number")
     fittyp = {name: model.property_file.fittyp for name, model in MODELS.items() if model.property_file.fittyp}
     for name, numbers in fittyp.items():
         if number in numbers:
-            return name
+            disputed = MODELS[name].property_file.disputed.get(int(number))
+            return name, (f"FITTYP {number:g} is read as {name}; {disputed}",) if disputed else ()
     listed = ", ".join(f"{' '.join(map(str, sorted(numbers)))} ({name})" for name, numbers in fittyp.items())
     raise TirError(
         f"{path}:{entry.line}: FITTYP {excerpt(entry.value)} is not a model of this version: known are {listed}"

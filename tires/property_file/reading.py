@@ -24,6 +24,7 @@ from ...symbolic.model import INDISPENSABLE, Model
 from ...symbolic.models import with_library
 from ..code.printed import model_with
 from ..definition import RANGES
+from ..mirror import sided, symmetric
 from ..tire import Tire
 from .model_identification import model_of
 from .names import (
@@ -41,6 +42,7 @@ from .other_entries import other_entries
 from .text import Entry, Row, number_and_rest, read_lines, unquoted, without_comment
 from .unit_system import unit_system
 from .units import unit_contradicts
+from .use import side_of, use_notes
 
 #: Sections with ``KEY = value`` only, in addition to those of the coefficients.
 STRICT = ("UNITS", "MODEL", *OWN_SECTIONS)
@@ -149,7 +151,8 @@ class _Reader:
                         other_entries=entries)  # fmt: skip
         except TirefmuError as error:
             raise TirError(f"{self.path}: {error}") from error
-        return TirReading(tire, tuple(self.notes))
+        tire = self._without_side(tire)
+        return TirReading(tire, (*self.notes, *use_notes(tire)))
 
     def _add_radius(self, values: dict[str, float]) -> None:
         """Add the radius that the caller gives to a file without one."""
@@ -315,11 +318,18 @@ class _Reader:
 
     def _side(self) -> str:
         entry = self.unread.get(("MODEL", "TYRESIDE"))
-        side = unquoted(entry.value).lower() if entry else ""
-        if side in ("left", "right"):
+        side = side_of(entry.value) if entry else ""
+        if side:
             self._take("MODEL", "TYRESIDE")
-            return side
-        return ""
+        return side
+
+    def _without_side(self, tire: Tire) -> Tire:
+        """Return the tire of a file that states that left and right do not differ."""
+        if tire.side != "symmetric":
+            return tire
+        if differing := sided(tire):
+            self.notes.append(f"TYRESIDE = 'SYMMETRIC': {', '.join(differing)} would make left and right differ: 0")
+        return symmetric(tire)
 
     def _refuse_rows(self, model: Model) -> None:
         strict = {*STRICT, *(section.title for section in model.sections)}

@@ -201,6 +201,15 @@ def vector_recursion(start: FloatArray, matrix: FloatArray, gained: FloatArray) 
     return np.asarray(dtbsv(2 * m - 1, band, right, lower=1, diag=1)).reshape(-1, m)
 
 
+def lateral_slip(alpha: npt.ArrayLike) -> FloatArray:
+    """Return V_y/|V_x| of slip angles, rad: tan(alpha), beyond 90 deg that of the supplement as in the lines.
+
+    >>> lateral_slip(np.radians([-45.0, 60.0, 120.0])).round(3).tolist()
+    [-1.0, 1.732, 1.732]
+    """
+    return np.where(np.abs(alpha) > np.pi / 2, -np.tan(alpha), np.tan(alpha))
+
+
 def lagged_course(t: FloatArray, slip: FloatArray, speed: FloatArray, sigma: FloatArray, *, hold: bool) -> Course:
     """Return the time history of the slip that acts in each row of a recording.
 

@@ -1,0 +1,100 @@
+"""Inputs in another unit or sign and loads far beyond a tire are refused, one number or an array alike."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu import draw, evaluate
+from tirefmu.boundary.errors import DataError, TirefmuError, WrongType
+from tirefmu.measurements import Recording
+from tirefmu.tires import published
+
+TIRE = published("trento_hoosier").in_signs("iso")
+MANY = np.linspace(-1.0, 1.0, 49)
+WRONG = {
+    "degrees": ({"alpha": 12.0 * MANY}, "alpha from -12 to 12 .*in degrees"),
+    "camber in degrees": ({"gamma": np.array([0.0, 2.0, 4.0])}, "gamma from 0 to 4 .*in degrees"),
+    "percent": ({"kappa": 20.0 * MANY}, "kappa from -20 to 20 .*in percent"),
+    "km/h": ({"V": [0.0, 200.0]}, "V from 0 to 200 .*36 km/h is 10"),
+    "one of many rows": ({"alpha": np.append(0.1 * MANY, 5.0)}, "alpha from -0.1 to 5"),
+    "far load": ({"Fz": np.array([900.0, 90e3])}, "Fz from 900 to 90000 N is far beyond .* 6100 N, 5 times FZMAX"),
+}
+
+
+@pytest.mark.parametrize("kind", WRONG)
+@pytest.mark.parametrize("shape", [np.asarray, lambda x: np.asarray(x)[:, None], list, pd.Series])
+def test_wrong_units_are_refused_in_every_form(kind, shape):
+    given, message = WRONG[kind]
+    with pytest.raises(TirefmuError, match=message):
+        TIRE.forces(**{name: shape(values) for name, values in given.items()})
+    for function in (TIRE.evaluate, lambda table: evaluate(TIRE, table)):
+        with pytest.raises(TirefmuError) as caught:
+            function(pd.DataFrame(given).assign(**({} if "Fz" in given else {"Fz": 900.0})))
+        assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["alpha", "gamma", "kappa", "Fz", "V"])
+def test_a_number_and_an_array_have_one_rule(name):
+    for value in (-11.0, 0.5, 5.0, 200.0, 1e4):
+        outcomes = []
+        for given in (value, np.array([value]), [[value]] * 30):
+            try:
+                TIRE.forces(**{name: given})
+                outcomes.append("")
+            except TirefmuError as error:
+                outcomes.append(str(error))
+        assert len(set(outcomes)) == 1, outcomes
+
+
+def test_pressures_that_are_not_in_pascal_are_refused():
+    tire = published("unicamp_small_tire")
+    for pressure in (2.0, 83.0, np.full(30, 200.0)):
+        with pytest.raises(TirefmuError, match="it is in Pa"):
+            tire.forces(alpha=0.1, p=pressure)
+    assert np.isfinite(tire.forces(alpha=0.1, p=[0.0, 2e5])["Fy"]).all()
+
+
+def test_loads_of_the_wrong_sign_are_refused():
+    with pytest.raises(TirefmuError, match="positive where the wheel is pressed to the road"):
+        TIRE.forces(alpha=np.full(5, 0.1), Fz=np.full(5, -900.0))
+    table = pd.DataFrame({"alpha": 0.1, "Fz": np.full(5, -900.0)})
+    with pytest.raises(DataError, match="Fz is negative in 100 % of the rows: signs='sae'"):
+        TIRE.evaluate(table)
+    with pytest.raises(DataError, match="Fz is positive in 100 % of the rows"):
+        TIRE.evaluate(table.assign(Fz=900.0), signs="sae")
+    assert len(TIRE.evaluate(table, signs="sae")) == 5
+
+
+def test_shapes_and_types_that_do_not_fit_are_our_errors():
+    with pytest.raises(TirefmuError, match=r"do not broadcast: alpha \(3,\), Fz \(2,\)"):
+        TIRE.forces(alpha=[0.1, 0.2, 0.3], Fz=[500.0, 900.0])
+    for given in ("abc", [[0.1], [0.1, 0.2]], np.array([0.1 + 1j]), object()):
+        with pytest.raises(WrongType, match="alpha is"):
+            TIRE.forces(alpha=given)
+
+
+def test_what_a_simulation_needs_is_accepted():
+    assert not TIRE.forces(kappa=[0.1, 9.0], Fz=0.0)["Fx"].any()
+    assert np.isfinite(TIRE.forces(kappa=np.array([-1.0, 0.0, 10.0]), V=[0.0, -3.0, 80.0])["Fx"]).all()
+    np.testing.assert_array_equal(np.isnan(TIRE.forces(alpha=[0.1, np.nan])["Fy"]), [False, True])
+    lifted = pd.DataFrame({"alpha": 0.1, "Fz": [900.0, 400.0, -3.0]})  # noise of a load cell
+    assert TIRE.evaluate(lifted)["Fy"].iloc[2] == 0.0
+    spin = Recording(pd.DataFrame({"alpha": [0.1, 2.0], "Fz": 900.0}), "iso", "spin.csv", {"declared": "alpha"})
+    assert np.isfinite(TIRE.evaluate(spin)["Fy"]).all()
+
+
+def test_a_load_beyond_the_range_is_evaluated_and_a_far_one_is_not(tmp_path):
+    assert np.isfinite(TIRE.forces(alpha=0.1, Fz=[1220.0, 6100.0])["Fy"]).all()
+    with pytest.raises(TirefmuError, match="far beyond the loads of this tire"):
+        draw(TIRE, tmp_path, loads=[90e3])
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_convention_of_a_recording_is_its_own():
+    recording = Recording(pd.DataFrame({"alpha": [0.1], "Fz": [-900.0]}), "sae", "run.csv")
+    with pytest.raises(DataError, match="the recording is in sae signs, not iso"):
+        TIRE.evaluate(recording, signs="iso")
+    with pytest.raises(WrongType, match=r"tirefmu\.evaluate takes a path"):
+        TIRE.evaluate("run.csv")

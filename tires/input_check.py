@@ -1,0 +1,179 @@
+"""Inputs that no tire has in SI units and in its signs, or far beyond the loads of a tire: one check for all ways in.
+
+Numbers, lists and arrays are treated alike. NaN is no error here: the forces there are NaN.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from ..boundary.errors import DataError, TirefmuError, UnknownName, WrongType
+from ..boundary.typed_numbers import MAX_WRONG_LOADS, RANGES, SMALLEST_PRESSURE
+from .definition import TireDefinition
+from .signs import TABLE_INPUTS, convert_signs
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class SignedTable(Protocol):
+    """A table with its sign convention and origin: `tirefmu.measurements.Recording`."""
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """Columns of the public tables, SI."""
+
+    @property
+    def signs(self) -> str:
+        """The sign convention of the table."""
+
+    @property
+    def source(self) -> str:
+        """Where the table comes from."""
+
+    @property
+    def about(self) -> Mapping[str, str]:
+        """Metadata; `declared` has the channels whose unit the file declares."""
+
+
+#: Loads above this multiple of a tire's largest load are refused. Judgement: an impact reaches several times the static
+#: load, and the polynomials of the load change the sign of the friction within this multiple.
+FAR_LOAD = 5.0
+#: The largest load of a tire without a stated range, as a multiple of its nominal load: the Trento tire has 220 N for
+#: loads up to 1220 N.
+NOMINAL_SHARE = 5.0
+
+
+def load_limit(tire: TireDefinition) -> float:
+    """Return the load above which a tire is not evaluated, N: five times FZMAX, 25 times FNOMIN if that is not stated.
+
+    >>> from tirefmu.tires import published
+    >>> load_limit(published("trento_hoosier"))
+    6100.0
+    """
+    nominal = tire.values["FNOMIN"]
+    _, highest = tire.ranges.get("Fz", (0.0, NOMINAL_SHARE * nominal))
+    return FAR_LOAD * max(highest, nominal)
+
+
+def checked_inputs(tire: TireDefinition, inputs: Mapping[str, Any]) -> dict[str, FloatArray]:
+    """Return given inputs of `Tire.forces` as arrays.
+
+    Raises `UnknownName` for an input that is none of the public tables, `WrongType` for one that is not numeric, and
+    `TirefmuError` for values in another unit or sign, loads far beyond the range of the tire, and shapes that do not
+    broadcast.
+
+    >>> from tirefmu.tires import published
+    >>> checked_inputs(published("trento_hoosier"), {"V": [10.0, 200.0]})
+    Traceback (most recent call last):
+    ...
+    tirefmu.boundary.errors.TirefmuError: V from 10 to 200 is outside -150 to 150: it is in m/s (in km/h? 36 km/h is 10)
+    """
+    arrays = {}
+    for name, given in inputs.items():
+        if name not in TABLE_INPUTS:
+            raise UnknownName("input", name, TABLE_INPUTS)
+        arrays[name] = _numbers(name, given)
+        if problem := _problem(name, arrays[name]):
+            raise TirefmuError(problem)
+    if problem := _far_load(tire, arrays.get("Fz")):
+        raise TirefmuError(problem)
+    try:
+        np.broadcast_shapes(*(values.shape for values in arrays.values()))
+    except ValueError:
+        shapes = ", ".join(f"{name} {values.shape}" for name, values in arrays.items() if values.ndim)
+        raise TirefmuError(f"the shapes of the inputs do not broadcast: {shapes}") from None
+    return arrays
+
+
+def checked_table(
+    tire: TireDefinition, table: pd.DataFrame | SignedTable, signs: str | None, *, limited: bool = False
+) -> tuple[pd.DataFrame, str]:
+    """Return the rows of a DataFrame or a recording and their sign convention.
+
+    `signs`: the convention of a DataFrame, "iso" if None. `limited`: whether the formula limits loads to the range of
+    the tire, so that none is too far. As in a recording, some loads may have the wrong sign, since a sensor has noise
+    around a lifted wheel; channels whose unit a file declares may have any value. Raises `DataError` if a column is in
+    another unit or sign, has loads far beyond those of the tire, or `signs` contradicts the recording. Raises
+    `WrongType` if it is neither.
+
+    >>> import pandas as pd
+    >>> from tirefmu.tires import published
+    >>> checked_table(published("trento_hoosier"), pd.DataFrame({"Fz": [-900.0]}), "iso")
+    Traceback (most recent call last):
+    ...
+    tirefmu.boundary.errors.DataError: table: Fz is negative in 100 % of the rows: signs='sae'?
+    """
+    import pandas as pd  # here, because every import of tirefmu imports this module
+
+    if isinstance(table, pd.DataFrame):
+        rows, written, declared, source = table, signs or "iso", [], "table"
+    elif isinstance(getattr(table, "table", None), pd.DataFrame):
+        rows, written, source = table.table, table.signs, table.source
+        declared = table.about.get("declared", "").split()
+        if signs not in (None, written):
+            raise DataError(f"{source}: the recording is in {written} signs, not {signs} (with_signs converts it)")
+    else:
+        raise WrongType("table", table, "a DataFrame or a Recording (tirefmu.evaluate takes a path)")
+    given = convert_signs(rows[[name for name in RANGES if name in rows]], written, "iso")
+    for name in given:
+        values = _numbers(name, given[name])
+        values = values[np.isfinite(values)]  # others are errors of their row
+        problem = _wrong_load_signs(values, written) if name == "Fz" else ""
+        if name not in declared:
+            problem = problem or _problem(name, np.abs(values) if name == "Fz" else values)
+        if name == "Fz" and not limited:
+            problem = problem or _far_load(tire, values)
+        if problem:
+            raise DataError(f"{source}: {problem}")
+    return rows, written
+
+
+def _numbers(name: str, given: Any) -> FloatArray:
+    try:
+        if np.iscomplexobj(given):
+            raise TypeError
+        return np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise WrongType(name, given, "a number or an array of numbers") from None
+
+
+def _problem(name: str, values: FloatArray) -> str:
+    """Return a sentence if a value is outside the range of its input; empty otherwise."""
+    low, high, unit = RANGES.get(name, (-np.inf, np.inf, ""))
+    with np.errstate(invalid="ignore"):
+        outside = bool(np.any((values < low) | (values > high)))
+    if outside:
+        return f"{name} {_extent(values)} is outside {low:g} to {high:g}: it is {unit}"
+    if name == "p" and np.any(values > 0.0) and np.median(values[values > 0.0]) < SMALLEST_PRESSURE:
+        return f"p {_extent(values)} is no pressure of a tire: it is {unit}"
+    return ""
+
+
+def _wrong_load_signs(values: FloatArray, signs: str) -> str:
+    share = float(np.mean(values < 0.0)) if values.size else 0.0
+    if share <= MAX_WRONG_LOADS:
+        return ""
+    sign, advice = ("positive", "not 'sae'?") if signs == "sae" else ("negative", "signs='sae'?")
+    return f"Fz is {sign} in {100.0 * share:.0f} % of the rows: {advice}"
+
+
+def _far_load(tire: TireDefinition, values: FloatArray | None) -> str:
+    """Return a sentence if a load is far beyond those of the tire; empty otherwise."""
+    limit = load_limit(tire)
+    if values is None or not values.size or not np.any(values > limit):
+        return ""
+    stated = f"{FAR_LOAD:g} times FZMAX" if "Fz" in tire.ranges else f"{FAR_LOAD * NOMINAL_SHARE:g} times FNOMIN"
+    return f"Fz {_extent(values)} N is far beyond the loads of this tire: the limit is {limit:g} N, {stated}"
+
+
+def _extent(values: FloatArray) -> str:
+    finite = values[~np.isnan(values)]
+    low, high = float(finite.min()), float(finite.max())
+    return f"= {low:g}" if low == high else f"from {low:g} to {high:g}"
