@@ -13,7 +13,7 @@ from .tires.table_argument import read_tables_with
 if TYPE_CHECKING:
     from .applications.batch.diagnose_many import diagnose_many
     from .applications.batch.fit_many import fit_many
-    from .applications.batch.intervals import bootstrap, profile
+    from .applications.batch.intervals import bootstrap
     from .applications.batch.study import study
     from .applications.driving.drive import drive
     from .applications.driving.result import Drive
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 _NAMES = {
     "batch.diagnose_many": ("diagnose_many",),
     "batch.fit_many": ("fit_many",),
-    "batch.intervals": ("bootstrap", "profile"),
+    "batch.intervals": ("bootstrap",),
     "batch.study": ("study",),
     "boundary.errors": ("TirefmuError",),
     "diagnosis": ("Diagnosis", "diagnose"),
@@ -69,7 +69,6 @@ __all__ = [
     "fit",
     "fit_many",
     "load",
-    "profile",
     "published",
     "read_recording",
     "repeat_proof",

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence, Set
-from dataclasses import replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from math import nan
 
@@ -25,11 +25,10 @@ from .problem.recipe import Freed, Stage
 from .problem.rows import Rows
 from .problem.weighted_residuals import Problem, coefficients_by_output
 from .problem.weights import emphasis, equal_weights, limits_of, noise_weights
-from .results.checkpoint import Checkpoint, Ended, FitState, Release
 from .results.fit_result import FitResult
 from .results.goodness_of_fit import channel_fits
 from .results.records import FitRecord, FittedCoefficient, StageFit
-from .results.solved_stage import FitSolution, SolvedStage
+from .results.solved_stage import Ended, FitSolution, SolvedStage
 from .setup import Setup
 from .solvers.convergence import noise_of
 from .solvers.interruption import Interruption
@@ -44,6 +43,15 @@ RIDGE = {"equal": 1e-8, "noise": 1e-5}
 #: How often a stage is solved again with states that its own result has driven. States change forces by some percent
 #: and forces drive states, so that each round reduces the change by a factor of ten or more.
 STATE_ROUNDS = 2
+
+
+@dataclass(frozen=True)
+class Release:
+    """A freed coefficient: its first guess and last bounds, the last stage that determined it, whether one did."""
+
+    bounds: Freed
+    stage: str
+    determined: bool
 
 
 class FitRun:
@@ -81,63 +89,25 @@ class FitRun:
                 self._fit_data = replace(data, table=self._data)  # its columns share no memory with these
         self._done = 0  # completed stages of the recipe
 
-    def run(self, checkpoint: Checkpoint | None = None) -> None:
-        """Solve the stages until a stop is requested; save each completed stage to the checkpoint."""
+    def run(self) -> None:
+        """Solve the stages until a stop is requested; report the tire of each completed stage."""
         self._interruption.plan(self._work)
-        for stage in self._plan.stages[self._done :]:
+        for stage in self._plan.stages:
             if self._stop():
                 break
             self._run(stage)
             if self._stop():
                 break
             self._done += 1
-            if checkpoint:
-                checkpoint.save(self.state())
+            self._interruption.completed(self._tire)
 
     def _work(self) -> list[tuple[str, float]]:
         """Return the names and the work of the stages to come: rows times coefficients."""
-        sizes = [
-            (stage, len(self._table(stage)[0]), len(self._candidates(stage)))
-            for stage in self._plan.stages[self._done :]
-        ]
+        sizes = [(stage, len(self._table(stage)[0]), len(self._candidates(stage))) for stage in self._plan.stages]
         return [(stage.name, float(min(rows, stage.rows or rows) * free)) for stage, rows, free in sizes if rows]
 
     def _stop(self) -> bool:
         return self._interruption.requested
-
-    def state(self) -> FitState:
-        """Return the state from which the next stage continues."""
-        violated = [(constraint.name, points) for constraint, points in self._constraints.violated]
-        ended = [end for end, _ in self._ends]
-        return FitState(self._done, dict(self._tire.values), self._freed, violated, self._stages, ended, self._notes)
-
-    def restore(self, state: FitState, source: str) -> None:
-        """Continue from a state; raise FitError with its source if it does not belong to this fit."""
-        declared = {constraint.name: constraint for constraint, _ in self._constraints.of(self._fitted)}
-        self._check_state(state, declared.keys(), source)
-        self._constraints.violated = [(declared[name], points) for name, points in state.violated]
-        for end in state.ended:
-            stage = self._plan.stages[end.stage]
-            table, channels = self._table(stage)
-            tire = replace(self._tire, values=end.values)
-            rows = Rows.of(table, tire, channels).sample(stage.rows)
-            self._ends.append((end, self._problem_of(stage, tire, rows, end.free)))
-        self._tire = replace(self._tire, values=state.values)
-        self._done, self._freed, self._stages, self._notes = state.done, state.freed, state.stages, state.notes
-
-    def _check_state(self, state: FitState, constraints: Set[str], source: str) -> None:
-        stages, inputs = len(self._plan.stages), len(self._tire.inputs)
-        tires = [state.values, *(end.values for end in state.ended)]
-        if (
-            state.done > stages
-            or any(values.keys() != self._tire.values.keys() for values in tires)
-            or not state.freed.keys() <= self._model.coefficients.keys()
-            or not all(end.free and end.free.keys() <= state.freed.keys() for end in state.ended)
-            or not {name for name, _ in state.violated} <= constraints
-            or any(len(points) != inputs for _, points in state.violated)
-            or any(end.stage >= stages or len(end.x) != len(end.free) for end in state.ended)
-        ):
-            raise FitError(f"{source}: invalid progress file (its stages or coefficients are not those of this fit)")
 
     def _table(self, stage: Stage) -> tuple[pd.DataFrame, list[str]]:
         """Return all rows of a stage, and its channels."""
@@ -245,7 +215,6 @@ class FitRun:
         return {name: freed for name, freed in bounds.items() if name in seen}
 
     def _solve(self, stage: Stage, rows: Rows, free: dict[str, Freed], channels: Sequence[str]) -> None:
-        before = dict(self._tire.values)
         problem = self._problem_of(stage, self._tire, rows, free)
         scale = problem.scale
         start = np.array([f.guess for f in free.values()]) / scale
@@ -265,7 +234,7 @@ class FitRun:
         self._tire = replace(self._tire, values={**self._tire.values, **values})
         if stage.rows is None or len(rows) < stage.rows:
             # A random sample has no correlation in time.
-            self._ends.append((Ended(self._plan.stages.index(stage), before, free, solution.x), problem))
+            self._ends.append((Ended(self._plan.stages.index(stage), free, solution.x), problem))
         self._stages.append(
             StageFit(
                 stage.name, len(rows), len(free), solution.iterations, solution.converged, solution.reason,

@@ -25,7 +25,6 @@ from .report_text import (
     bootstrap_text,
     extrapolation_text,
     interval_text,
-    profile_text,
     ripple_texts,
     significant_differences,
     worst_text,
@@ -93,7 +92,6 @@ def report_page(
         "known": interval_text,
         "condition": condition_text,
         "bootstrap": partial(bootstrap_text, result),
-        "profile": partial(profile_text, result),
     }
     errors = [(c.recording, c.channel, worst_text(result, c.recording, c.channel)) for c in result.channels]
     largest = [error for error in errors if error[2]]
