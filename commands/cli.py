@@ -255,6 +255,7 @@ def draw(
     from ..tires import tire_from
     from ..tires.drawing.files import draw as run
     from ..tires.drawing.tire_figures import default_loads
+    from ..tires.limits import limits_of
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
@@ -282,6 +283,7 @@ def draw(
     terminal.print(f"figures at {', '.join(f'{load:g}' for load in loads)} N, signs {shown}:")
     for path in drawn:
         terminal.print(f"  {path}")
+    terminal.print(*(f"note: {note}" for note in limits_of(loaded)))
     return 0
 
 

@@ -134,6 +134,7 @@ def export(
     from ..fmu import export_parameters, export_sti, export_system
     from ..fmu.description.standstill import with_lengths
     from ..tires import tire_from
+    from ..tires.limits import limits_of
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
@@ -168,6 +169,7 @@ def export(
     terminal.print(f"{form}, {tires_of}{shown}{size / 1024:.0f} KB: {written}")
     if (inputs != "slip" or kind == "sti") and (note := with_lengths(loaded[0])[1]):
         terminal.print(f"note: {note}")
+    terminal.print(*(f"note: {note}" for tire in loaded for note in limits_of(tire)))
     if proof.path:
         terminal.print(f"next: {command_text('check', written)}")
     else:

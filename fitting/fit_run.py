@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import partial
-from math import nan
+from math import inf, nan
 
 import numpy as np
 import pandas as pd
 
 from ..boundary.errors import FitError
 from ..measurements.recording import distinct
+from ..numerics.coverage import coverage_texts
 from ..tires.code import fastest_code
-from ..tires.property_file.names import assumed_lines, in_written_order
+from ..tires.limits import idle_effects, idle_notes
+from ..tires.property_file.names import assumed_lines, in_written_order, not_measured_lines, unmeasured_coefficients
 from ..tires.tire import Tire
 from .constraints.physical import operating_range
 from .constraints.verification import VerifiedConstraints
+from .data.ellipse import ellipse_values
 from .data.simulated_states import with_states
+from .evidence.coverage import coverage
 from .evidence.residuals import Residuals
 from .problem.effective_weights import effective_weights
 from .problem.influence import generic, influence, typical_size
@@ -64,6 +68,7 @@ class FitRun:
         self._fixed = plan.options.fixed.keys()
         self._given = plan.start is not None  # generic values do not replace those of a start tire
         self._assumed = setup.assumed  # coefficients with assumed values, unless the fit determines them
+        self._inherited = frozenset[str]() if plan.start is None else unmeasured_coefficients(plan.start)
         self._family = plan.family
         self._read = setup.read  # initial values read from the data; all others are generic
         self._model, self._tire, self._plan = plan.symbolic_model, tire, plan.recipe
@@ -297,6 +302,8 @@ class FitRun:
             raise KeyboardInterrupt  # no values to return yet
         if not self._stages:
             raise FitError("no stage of the recipe found rows to fit: " + "; ".join(self._notes))
+        determined = {name for name, release in self._freed.items() if release.determined}
+        self._set_unmeasured(determined)
         ranges = {name: bounds for name, bounds in self._ranges.items() if name in self._data and bounds[0] < bounds[1]}
         about = {**self._tire.about, "recipe": self._plan.name, "data": ", ".join(recordings)}
         declarations = self._model.coefficients
@@ -305,10 +312,7 @@ class FitRun:
             for name, value in self._tire.values.items()
             if not declarations[name].section.endswith("_RANGE")
         }
-        determined = {name for name, release in self._freed.items() if release.determined}
-        assumed = assumed_lines(self._assumed - determined, self._model)
-        entries = in_written_order(assumed, self._model)
-        tire = replace(self._tire, values=values, ranges=ranges, about=about, other_entries=entries)  # inputs in ISO
+        tire = replace(self._tire, values=values, ranges=ranges, about=about)  # inputs in ISO
         fitted = {name: self._fitted_coefficient(name) for name in self._model.coefficients if name in self._freed}
         ends = [(self._plan.stages[end.stage].name, problem, end.x) for end, problem in self._ends]
         uncertainty = uncertainty_of_stages(
@@ -325,9 +329,12 @@ class FitRun:
         undetermined = [c.name for c in coefficients if not c.determined]
         if undetermined:
             self._notes.append(f"not determined by these data, unchanged: {', '.join(undetermined)}")
+        self._notes += idle_notes(n for n in idle_effects(tire) if n in (self._options.effects or ()))
         sources = distinct(recordings)
         residuals, solved = Residuals.of(self._data, sources, self._tire), [self._solved(*end) for end in self._ends]
         channels = channel_fits(self._fit_data, residuals, uncertainty.effective_rows)
+        unidentified = {c.name for c in coefficients if c.interval == inf and not c.from_family}
+        tire = replace(tire, other_entries=self._origin(determined, unidentified, residuals))
         return FitResult(
             tire.in_signs("iso"), self._tire.signs, coefficients, channels,
             FitRecord(tuple(self._stages), self._plan.name, self._options.method, seconds, self._interrupted()),
@@ -336,6 +343,28 @@ class FitRun:
             covariance=uncertainty.covariance,
             solution=FitSolution(residuals, uncertainty.complete, tuple(solved), uncertainty.discrepancies),
         )  # fmt: skip
+
+    def _set_unmeasured(self, determined: Set[str]) -> None:
+        """Set coefficients of combined slip that neither data nor a given tire determine: the friction ellipse."""
+        unknown = (self._assumed & self._model.live(self._tire.has)) - determined
+        values = {} if self._given or self._family else ellipse_values(self._tire, unknown)
+        if values:
+            shown = ", ".join(f"{name} {value:.3g}" for name, value in values.items())
+            self._notes.append(f"combined slip that was not measured keeps to the friction ellipse: {shown}")
+            self._tire = replace(self._tire, values={**self._tire.values, **values})
+
+    def _origin(
+        self, determined: Set[str], unidentified: Set[str], residuals: Residuals
+    ) -> tuple[tuple[str, str, str], ...]:
+        """Return the entries of the tire file with what nobody gave, and what the data do not show."""
+        unmeasured = (self._assumed | self._inherited) - determined | unidentified
+        unmeasured &= self._model.live(self._tire.has)
+        names = [n for n, declaration in self._model.coefficients.items() if n in unmeasured and declaration.fitted]
+        lines = [
+            *assumed_lines(self._assumed - determined, self._model),
+            *not_measured_lines(coverage_texts(coverage(residuals)), names),
+        ]
+        return in_written_order(lines, self._model)
 
     def _solved(self, end: Ended, problem: Problem) -> SolvedStage:
         """Return the record of a stage from which it can be solved again."""

@@ -29,8 +29,8 @@ SHAPE, CURVATURE = 1.4, -0.5
 class Coverage:
     """Whether data determine a characteristic of a channel.
 
-    - `characteristic`: "peak friction", "slip stiffness", "aligning moment", "combined slip", or "influence of load",
-      "influence of camber", "influence of pressure".
+    - `characteristic`: "peak friction", "slip stiffness", "combined slip", or "influence of load", "influence of
+      camber", "influence of pressure"; empty for a channel as a whole.
     - `share`: of the peak friction, the largest share of the peak that the data reach; of the slip stiffness, the
       smallest one.
     - `reason`: what the data lack; empty if they lack nothing. A determined peak may lack loads.
@@ -97,7 +97,13 @@ def coverage_texts(coverage: Iterable[Coverage]) -> list[str]:
         if entry.reason:
             by_reason.setdefault((entry.characteristic, entry.determined, entry.reason), []).append(entry.channel)
     return [
-        f"the {characteristic} {'on' if characteristic.startswith('influence') else 'of'} {', '.join(channels)} "
-        f"is {'extrapolated' if determined else 'not determined'}: {reason}"
+        f"{_subject(characteristic, channels)} {'extrapolated' if determined else 'not determined'}: {reason}"
         for (characteristic, determined, reason), channels in by_reason.items()
     ]
+
+
+def _subject(characteristic: str, channels: list[str]) -> str:
+    names = ", ".join(channels)
+    if not characteristic:
+        return f"{names} {'is' if len(channels) == 1 else 'are'}"
+    return f"the {characteristic} {'on' if characteristic.startswith('influence') else 'of'} {names} is"

@@ -23,6 +23,8 @@ POINTS = 41
 PARTS = 3
 #: Slip, rad or 1, and inclination, rad, that count as zero.
 NO_SLIP, NO_INCLINATION = 0.02, 0.01
+#: What is not measured of an absent output.
+ABSENT = {"Mz": "neither moment nor pneumatic trail are measured"}
 #: Range of load and of pressure, as a share of the largest value, that counts as none.
 ONE_LOAD, ONE_PRESSURE = 0.1, 0.03
 
@@ -61,11 +63,10 @@ def coverage(residuals: Residuals) -> tuple[Coverage, ...]:
     found: list[Coverage] = []
     for slip, channel in FORCES.items():
         found += _of_force(residuals, slip, channel)
-    if "Mz" in residuals.tire.outputs and "Mz" not in residuals.channels:
-        found.append(Coverage("aligning moment", "Mz", False, "Mz is not measured, and so is the pneumatic trail"))
     for channel in residuals.channels:
         found += _influences(residuals, channel)
-    return tuple(found)
+    absent = [output for output in residuals.tire.outputs if output not in residuals.channels]
+    return (*found, *(Coverage("", output, False, ABSENT.get(output, "not measured")) for output in absent))
 
 
 def _of_force(residuals: Residuals, slip: str, channel: str) -> Iterator[Coverage]:
@@ -138,7 +139,7 @@ def _reach(residuals: Residuals, rows: BoolArray, slip: str, channel: str) -> Re
         return None
     load = float(np.median(residuals.table["Fz"].to_numpy(dtype=float)[rows]))
     flat, share, _ = max(found, key=lambda side: side[1])
-    return Reach(load, flat, share, min(least for *_, least in found))
+    return Reach(load, flat, share, max(min(least for *_, least in found), 0.0))
 
 
 def _curve(residuals: Residuals, rows: BoolArray, slip: str, channel: str, slips: FloatArray) -> FloatArray:

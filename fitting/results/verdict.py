@@ -91,7 +91,7 @@ def verdict_of(result: FitResult) -> Verdict:
     wrong += _few_rows(result, 1)
     limits = [
         *_missing_forces(result),
-        *coverage_texts(result.findings.coverage),
+        *coverage_texts(c for c in result.findings.coverage if c.characteristic or c.channel == "Mz"),
         *(_quality_reason(c) for c in poor),
         *(floor_reason(c) for c in result.channels if lacks_something(c)),
         *_stiffness_reasons(result.findings),
