@@ -12,7 +12,7 @@ from .boundary.on_demand import on_demand
 if TYPE_CHECKING:
     from .applications.batch.diagnose_many import diagnose_many
     from .applications.batch.fit_many import fit_many
-    from .applications.batch.intervals import bootstrap, profile
+    from .applications.batch.intervals import bootstrap
     from .applications.batch.study import study
     from .applications.driving.drive import drive
     from .applications.driving.result import Drive
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 _NAMES = {
     "applications.batch.diagnose_many": ("diagnose_many",),
     "applications.batch.fit_many": ("fit_many",),
-    "applications.batch.intervals": ("bootstrap", "profile"),
+    "applications.batch.intervals": ("bootstrap",),
     "applications.batch.study": ("study",),
     "boundary.errors": ("TirefmuError",),
     "diagnosis": ("Diagnosis", "diagnose"),
@@ -68,7 +68,6 @@ __all__ = [
     "fit",
     "fit_many",
     "load",
-    "profile",
     "published",
     "read_recording",
     "repeat_proof",

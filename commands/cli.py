@@ -241,6 +241,7 @@ def draw(
     from ..tires import tire_from
     from ..tires.drawing.files import draw as run
     from ..tires.drawing.tire_figures import default_loads
+    from ..tires.limits import limits_of
     from ..tires.property_file.use import use_notes
     from .terminal import Terminal
 
@@ -270,6 +271,7 @@ def draw(
     for path in drawn:
         terminal.print(f"  {path}")
     terminal.print(*(f"note: {note}" for note in use_notes(loaded)))
+    terminal.print(*(f"note: {note}" for note in limits_of(loaded)))
     return 0
 
 

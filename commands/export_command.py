@@ -138,6 +138,7 @@ def export(
     from ..fmu.description.standstill import with_lengths
     from ..fmu.packaging.system import side_notes
     from ..tires import tire_from
+    from ..tires.limits import limits_of
     from ..tires.property_file.use import use_notes
     from .terminal import Terminal
 
@@ -175,6 +176,7 @@ def export(
     terminal.print(*(f"note: {note}" for note in dict.fromkeys(notes)))
     if (inputs != "slip" or kind == "sti") and (note := with_lengths(loaded[0])[1]):
         terminal.print(f"note: {note}")
+    terminal.print(*(f"note: {note}" for tire in loaded for note in limits_of(tire)))
     if proof.path:
         terminal.print(f"next: {command_text('check', written)}")
     else:

@@ -37,11 +37,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Checks:
-    """What is computed of a fit in addition: cross-validation, bootstrap, profile likelihoods."""
+    """What is computed of a fit in addition: cross-validation, bootstrap."""
 
     folds: int | None
     replicates: int | None
-    profiled: tuple[str, ...]
 
 
 def _weight(text: str) -> tuple[str, float]:
@@ -110,24 +109,21 @@ def _weight(text: str) -> tuple[str, float]:
 @click.option("--temperature", metavar="COLUMN",
               help="Also fit the effect temperature to this recorded temperature, deg C  [default: T, if --effects "
                    "has temperature]")  # fmt: skip
-@click.option("--resume", is_flag=True, help="Continue an interrupted fit.")
 @click.option("--cross-validate", "folds", type=click.IntRange(min=2),
               help="Also predict operating conditions out of sample, with this number of folds.")  # fmt: skip
 @click.option("--bootstrap", "replicates", type=int, metavar="N",
               help="Percentile intervals from N fits with random weights of sweeps (200 or more).")  # fmt: skip
-@click.option("--profile", "profiled", callback=names, default="none",
-              help="Intervals from the profile likelihood of these coefficients: PKY1,PDY1.")  # fmt: skip
 @click.option("--workers", type=click.IntRange(min=1),
-              help="Processes for --bootstrap and --profile  [default: the processors], and for --cross-validate  "
+              help="Processes for --bootstrap  [default: the processors], and for --cross-validate  "
                    "[default: the one of the fit]")  # fmt: skip
-@click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler for --bootstrap, --profile and --cross-validate.")
+@click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler for --bootstrap and --cross-validate.")
 @click.option("--figures", type=FILE, help="Folder for figures of the fit against the data.")
 @click.option("--report", type=FILE, help="HTML report with tables and figures.")
 @click.option("--all", "every", is_flag=True, help="List every coefficient, constraint and stage.")
 @common
 @grouped(checks=Checks, spread=Spread)
 def fit(
-    tables: tuple[Path, ...], model: str | None, output: Path, selection: TableOptions, resume: bool, checks: Checks,
+    tables: tuple[Path, ...], model: str | None, output: Path, selection: TableOptions, checks: Checks,
     spread: Spread, figures: Path | None, report: Path | None, every: bool, quiet: bool, json_file: Path | None,
     **options: Any,
 ) -> int:  # fmt: skip
@@ -136,8 +132,7 @@ def fit(
     TABLES are bench files, CSV or Parquet. The output starts with a verdict: good, usable with limits, or not usable
     (exit code 1), with the reasons.
 
-    Ctrl-C stops a fit; the best values so far are written, and the exit code is 1. NAME.progress.json, in the folder of
-    the tire, has the completed stages. --resume continues after them. The file is deleted when all results are written.
+    Ctrl-C stops a fit; the best values so far are written, and the exit code is 1.
     """
     check_output_paths(output, json_file, report, folder=figures)
     check_input_paths(*tables)
@@ -150,17 +145,18 @@ def fit(
         check_columns(recording)
     terminal.selection(*recordings)
     from ..applications.batch.cross_validation import cross_validate as distributed
-    from ..applications.batch.intervals import bootstrap, check_intervals, profile
+    from ..applications.batch.intervals import bootstrap
     from ..fitting import assign_folds, cross_validate
     from ..fitting import fit as run
+    from ..fitting.resampling.bootstrap import check_replicates
 
-    check_intervals(recordings, checks.replicates, checks.profiled, model)
+    if checks.replicates is not None:
+        check_replicates(checks.replicates, recordings)
     if checks.folds:
         assign_folds(recordings, checks.folds)  # raises before the fit if there are too few parts
-    finished_stages = output.with_name(f"{output.stem}.progress.json")
     workers = vars(spread)
     with terminal.fitting() as progress:
-        result = run(recordings, model, progress=progress, checkpoint=finished_stages, resume=resume, **options)
+        result = run(recordings, model, progress=progress, **options)
     if checks.folds and not result.run.interrupted:
         # The fit of a fold has the other folds' rows.
         distributes = any(workers.values())
@@ -179,17 +175,11 @@ def fit(
         with terminal.counting("bootstrap") as counted:
             seed: int = options["seed"]
             result = bootstrap(result, recordings, checks.replicates, seed=seed, progress=counted, **workers)
-    if checks.profiled and not result.run.interrupted:
-        with terminal.counting("profile likelihood") as counted:
-            result = profile(result, checks.profiled, progress=counted, **workers)
     residual = _residual_findings(result.tire, output, tables, recordings, selection.arguments)
     result = replace(result, data_findings=(*result.data_findings, *residual))
     write_json(json_file, result.to_json())
     terminal.fit_result(result, every)
     terminal.print(f"tire: {output}")
-    if result.run.interrupted and finished_stages.exists():
-        resuming = "" if resume else " --resume"
-        terminal.print(f"completed stages: {finished_stages}; to continue: {command_line()}{resuming}")
     drawn = None
     if figures:
         from ..drawing.picture import write_figures
@@ -207,7 +197,6 @@ def fit(
             write_report(result, recordings, report, drawn, findings=result.data_findings, command=command_line())
         terminal.print(f"report: {report}")
     if not result.run.interrupted:
-        finished_stages.unlink(missing_ok=True)  # last: until then --resume has every result without the fit
         terminal.print(f"next: {_next_command(result, output, tables, selection.arguments)}")
     return 0 if result.verdict.usable else 1
 
@@ -218,7 +207,7 @@ def _next_command(result: FitResult, tire: Path, tables: Sequence[Path], chosen:
     The options `chosen` select and interpret the rows.
     """
     from ..fitting.results.verdict import lacks_something
-    from ..measurements.ties import graded
+    from ..numerics.ties import graded
 
     sources = list(dict.fromkeys(c.recording for c in result.channels))
     lacking = [c for c in result.channels if lacks_something(c)]

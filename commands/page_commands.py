@@ -64,7 +64,7 @@ def compare(
         columns = [f"{what} {name}" for name in result.names for what in ("RMSE", "R2")]
         terminal.table("", (["recording", "channel", "rows", *columns], quality))
     values = [
-        [difference.name, short(difference.first), short(difference.second), difference.unit, difference.description]
+        [difference.name, short(difference.first), short(difference.second), difference.unit, difference.remark]
         for difference in result.differences
     ]
     terminal.table("", (["coefficient", *result.names, "unit", "description"], values), most=10_000 if every else 12)

@@ -4,17 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from time import monotonic
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 
 from ..boundary.escaping import visible
 from ..numerics.forecast import Forecast, left_text, seconds_left
 
+if TYPE_CHECKING:
+    from ..tires import Tire
+
 #: Shares of a counted computation that have a line where there is no terminal.
 REPORTED = (0.25, 0.5, 0.75, 1.0)
 #: What a fit does before its first stage and after its last one.
 PREPARING, EVIDENCE = "preparing the fit", "evidence and intervals"
+#: Takes the tire after each stage of a fit: set by a program that draws it while the fit runs.
+follower: ContextVar[Callable[[Tire], None] | None] = ContextVar("follower", default=None)
 
 
 class Stages:
@@ -121,6 +128,12 @@ class FitProgress:
     def planned(self, work: Sequence[tuple[str, float]]) -> None:
         """Announce the work of the stages; that of the evidence is similar to that of the last stage."""
         self._stages.plan([*work, *((EVIDENCE, last) for _, last in work[-1:])])
+
+    def completed(self, tire: Tire) -> None:
+        """Pass the tire of a completed stage to who follows the fit."""
+        follow = follower.get()
+        if follow is not None:
+            follow(tire)
 
     def __call__(self, stage: str, iteration: int, cost: float) -> None:
         """Report an iteration of a stage."""

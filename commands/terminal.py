@@ -156,7 +156,7 @@ def _unit(tire: Tire, name: str) -> str:
 
 
 def _about_the_file(summary: Mapping[str, Any], every: bool) -> list[str]:
-    lines = [f"  {note}" for note in summary["notes"]]
+    lines = [f"  {note}" for note in (*summary["notes"], *summary["not_measured"])]
     names = ", ".join(summary["missing"]) if every else f"{len(summary['missing'])} coefficients"
     lines += [f"  missing in the file, default values assumed: {names}"] if summary["missing"] else []
     assumed = ", ".join(f"{name} = {value:g}" for name, value in summary["assumed"].items())

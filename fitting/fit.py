@@ -5,22 +5,18 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable
 from dataclasses import replace
-from importlib.metadata import version
-from pathlib import Path
 from typing import Any
 
 from ..boundary.errors import FitError
 from ..measurements import TableLike, check_columns, recordings_from
-from ..measurements.provenance import table_digest
 from ..numerics.one_thread import one_blas_thread
 from ..tires import TireLike
 from .fit_run import FitRun
 from .options import FitOptions
 from .resampling.bounds import with_consequences
 from .resampling.second_solutions import with_second_solutions
-from .results.checkpoint import Checkpoint
 from .results.fit_result import FitResult
-from .setup import FEATURES, Plan, Setup
+from .setup import Plan, Setup
 from .solvers.interruption import Interruption, Progress
 from .temperature.selection import forces_alone, temperature_column, with_temperature
 from .temperature.temperature_fit import fit_temperature
@@ -34,8 +30,6 @@ def fit(
     signs: str | None = None,
     options: FitOptions | None = None,
     progress: Progress | None = None,
-    checkpoint: str | Path | None = None,
-    resume: bool = False,
     **settings: Any,
 ) -> FitResult:
     """Fit a tire to recordings of a test bench.
@@ -56,11 +50,8 @@ def fit(
         What is fitted and how: effects, recipe, loss, nominal values, weights, constraints.
     progress : callable, optional
         Called with stage, iteration and cost. Its method ``planned``, if it has one, is called before the first stage
-        with the names of the stages and their work (rows times coefficients).
-    checkpoint : path, optional
-        File in which completed stages are saved. It remains after the fit; remove it when the result is stored.
-    resume : bool
-        Continue after the stages in that file; if all are complete, the result follows from them.
+        with the names of the stages and their work (rows times coefficients), and its method ``completed`` after each
+        stage with the tire so far.
     **settings
         Fields of `FitOptions`, in addition to `options`: ``fit(table, effects=["load_friction"], loss="huber")``.
 
@@ -95,8 +86,6 @@ def fit(
     options = replace(options or FitOptions(), **settings)
     column = temperature_column(options)
     plan = Plan.of(model, start, forces_alone(options))
-    if resume and checkpoint is None:
-        raise FitError("resume requires the file of the completed stages (checkpoint)")
     recordings = recordings_from(tables, signs=signs)
     if not recordings:
         raise FitError("no table to fit")
@@ -106,13 +95,10 @@ def fit(
     setup = Setup.of(plan, recordings)
     heated = with_temperature(recordings, column) if column else []
     del recordings, recording  # much memory, if the caller has no reference
-    saved = Checkpoint(Path(checkpoint), _identity(setup)) if checkpoint else None
     with Interruption(progress) as interruption, one_blas_thread():
         run = FitRun(setup, interruption)
         del setup
-        if resume and saved:
-            run.restore(saved.load(), str(saved.path))
-        run.run(saved)
+        run.run()
     interruption.raise_failure()
     with one_blas_thread():
         result = run.result(names, time.perf_counter() - began)
@@ -122,28 +108,3 @@ def fit(
             return result
         tire, temperature = fit_temperature(result.tire, heated, column)
         return replace(result, tire=tire, temperature=temperature)
-
-
-def _identity(setup: Setup) -> dict[str, str]:
-    """Return the inputs of a fit by the names that a user knows."""
-    plan, tire, options = setup.plan, setup.tire, setup.plan.options
-    return {
-        "version of tirefmu": version("tirefmu"),
-        "data": table_digest(setup.data.table.drop(columns=["included", "weight"])),
-        "model": tire.model,
-        "effects": ",".join(sorted(tire.has)),
-        "recipe": repr(plan.recipe),
-        "initial values": repr(sorted(tire.values.items())),
-        "rows": options.rows,
-        "weights": repr(sorted(options.weights.items())),
-        "fixed coefficients": ",".join(sorted(options.fixed)),
-        "screening": str(options.screening),
-        "stiffness weight": f"{options.stiffness_weight:g}",
-        "loss": options.loss,
-        "method": f"{options.method}, {options.iterations or 'default'} iterations, seed {options.seed}",
-        "family": "" if plan.family is None else f"{plan.family.count} tires, {plan.family.covariance.sum():.17g}",
-        "start": FEATURES if plan.features else "values",
-        "constraints": ",".join(
-            constraint.name for constraints in plan.constraints.values() for constraint in constraints
-        ),
-    }

@@ -3,33 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence, Set
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
-from math import nan
+from math import inf, nan
 
 import numpy as np
 import pandas as pd
 
 from ..boundary.errors import FitError
 from ..measurements.recording import distinct
+from ..numerics.coverage import coverage_texts
 from ..tires.code import fastest_code
-from ..tires.property_file.names import assumed_lines, in_written_order
+from ..tires.limits import idle_effects, idle_notes
+from ..tires.property_file.names import assumed_lines, in_written_order, not_measured_lines, unmeasured_coefficients
 from ..tires.tire import Tire
 from .constraints.physical import operating_range
 from .constraints.verification import VerifiedConstraints
 from .data.simulated_states import with_states
+from .evidence.coverage import coverage
 from .evidence.residuals import Residuals
 from .problem.effective_weights import effective_weights
+from .problem.ellipse import ellipse_values
 from .problem.influence import generic, influence, typical_size
 from .problem.recipe import Freed, Stage
 from .problem.rows import Rows
 from .problem.weighted_residuals import Problem, coefficients_by_output
 from .problem.weights import emphasis, equal_weights, limits_of, noise_weights
-from .results.checkpoint import Checkpoint, Ended, FitState, Release
 from .results.fit_result import FitResult
 from .results.goodness_of_fit import channel_fits
 from .results.records import FitRecord, FittedCoefficient, StageFit
-from .results.solved_stage import FitSolution, SolvedStage
+from .results.solved_stage import Ended, FitSolution, SolvedStage
 from .setup import Setup
 from .solvers.convergence import noise_of
 from .solvers.interruption import Interruption
@@ -46,6 +49,15 @@ RIDGE = {"equal": 1e-8, "noise": 1e-5}
 STATE_ROUNDS = 2
 
 
+@dataclass(frozen=True)
+class Release:
+    """A freed coefficient: its first guess and last bounds, the last stage that determined it, whether one did."""
+
+    bounds: Freed
+    stage: str
+    determined: bool
+
+
 class FitRun:
     """State of a running fit: the current tire and the results of its stages."""
 
@@ -56,6 +68,7 @@ class FitRun:
         self._fixed = plan.options.fixed.keys()
         self._given = plan.start is not None  # generic values do not replace those of a start tire
         self._assumed = setup.assumed  # coefficients with assumed values, unless the fit determines them
+        self._inherited = frozenset[str]() if plan.start is None else unmeasured_coefficients(plan.start)
         self._family = plan.family
         self._read = setup.read  # initial values read from the data; all others are generic
         self._model, self._tire, self._plan = plan.symbolic_model, tire, plan.recipe
@@ -81,63 +94,25 @@ class FitRun:
                 self._fit_data = replace(data, table=self._data)  # its columns share no memory with these
         self._done = 0  # completed stages of the recipe
 
-    def run(self, checkpoint: Checkpoint | None = None) -> None:
-        """Solve the stages until a stop is requested; save each completed stage to the checkpoint."""
+    def run(self) -> None:
+        """Solve the stages until a stop is requested; report the tire of each completed stage."""
         self._interruption.plan(self._work)
-        for stage in self._plan.stages[self._done :]:
+        for stage in self._plan.stages:
             if self._stop():
                 break
             self._run(stage)
             if self._stop():
                 break
             self._done += 1
-            if checkpoint:
-                checkpoint.save(self.state())
+            self._interruption.completed(self._tire)
 
     def _work(self) -> list[tuple[str, float]]:
         """Return the names and the work of the stages to come: rows times coefficients."""
-        sizes = [
-            (stage, len(self._table(stage)[0]), len(self._candidates(stage)))
-            for stage in self._plan.stages[self._done :]
-        ]
+        sizes = [(stage, len(self._table(stage)[0]), len(self._candidates(stage))) for stage in self._plan.stages]
         return [(stage.name, float(min(rows, stage.rows or rows) * free)) for stage, rows, free in sizes if rows]
 
     def _stop(self) -> bool:
         return self._interruption.requested
-
-    def state(self) -> FitState:
-        """Return the state from which the next stage continues."""
-        violated = [(constraint.name, points) for constraint, points in self._constraints.violated]
-        ended = [end for end, _ in self._ends]
-        return FitState(self._done, dict(self._tire.values), self._freed, violated, self._stages, ended, self._notes)
-
-    def restore(self, state: FitState, source: str) -> None:
-        """Continue from a state; raise FitError with its source if it does not belong to this fit."""
-        declared = {constraint.name: constraint for constraint, _ in self._constraints.of(self._fitted)}
-        self._check_state(state, declared.keys(), source)
-        self._constraints.violated = [(declared[name], points) for name, points in state.violated]
-        for end in state.ended:
-            stage = self._plan.stages[end.stage]
-            table, channels = self._table(stage)
-            tire = replace(self._tire, values=end.values)
-            rows = Rows.of(table, tire, channels).sample(stage.rows)
-            self._ends.append((end, self._problem_of(stage, tire, rows, end.free)))
-        self._tire = replace(self._tire, values=state.values)
-        self._done, self._freed, self._stages, self._notes = state.done, state.freed, state.stages, state.notes
-
-    def _check_state(self, state: FitState, constraints: Set[str], source: str) -> None:
-        stages, inputs = len(self._plan.stages), len(self._tire.inputs)
-        tires = [state.values, *(end.values for end in state.ended)]
-        if (
-            state.done > stages
-            or any(values.keys() != self._tire.values.keys() for values in tires)
-            or not state.freed.keys() <= self._model.coefficients.keys()
-            or not all(end.free and end.free.keys() <= state.freed.keys() for end in state.ended)
-            or not {name for name, _ in state.violated} <= constraints
-            or any(len(points) != inputs for _, points in state.violated)
-            or any(end.stage >= stages or len(end.x) != len(end.free) for end in state.ended)
-        ):
-            raise FitError(f"{source}: invalid progress file (its stages or coefficients are not those of this fit)")
 
     def _table(self, stage: Stage) -> tuple[pd.DataFrame, list[str]]:
         """Return all rows of a stage, and its channels."""
@@ -245,7 +220,6 @@ class FitRun:
         return {name: freed for name, freed in bounds.items() if name in seen}
 
     def _solve(self, stage: Stage, rows: Rows, free: dict[str, Freed], channels: Sequence[str]) -> None:
-        before = dict(self._tire.values)
         problem = self._problem_of(stage, self._tire, rows, free)
         scale = problem.scale
         start = np.array([f.guess for f in free.values()]) / scale
@@ -265,7 +239,7 @@ class FitRun:
         self._tire = replace(self._tire, values={**self._tire.values, **values})
         if stage.rows is None or len(rows) < stage.rows:
             # A random sample has no correlation in time.
-            self._ends.append((Ended(self._plan.stages.index(stage), before, free, solution.x), problem))
+            self._ends.append((Ended(self._plan.stages.index(stage), free, solution.x), problem))
         self._stages.append(
             StageFit(
                 stage.name, len(rows), len(free), solution.iterations, solution.converged, solution.reason,
@@ -328,6 +302,8 @@ class FitRun:
             raise KeyboardInterrupt  # no values to return yet
         if not self._stages:
             raise FitError("no stage of the recipe found rows to fit: " + "; ".join(self._notes))
+        determined = {name for name, release in self._freed.items() if release.determined}
+        self._set_unmeasured(determined)
         ranges = {name: bounds for name, bounds in self._ranges.items() if name in self._data and bounds[0] < bounds[1]}
         about = {**self._tire.about, "recipe": self._plan.name, "data": ", ".join(recordings)}
         declarations = self._model.coefficients
@@ -336,10 +312,7 @@ class FitRun:
             for name, value in self._tire.values.items()
             if not declarations[name].section.endswith("_RANGE")
         }
-        determined = {name for name, release in self._freed.items() if release.determined}
-        assumed = assumed_lines(self._assumed - determined, self._model)
-        entries = in_written_order(assumed, self._model)
-        tire = replace(self._tire, values=values, ranges=ranges, about=about, other_entries=entries)  # inputs in ISO
+        tire = replace(self._tire, values=values, ranges=ranges, about=about)  # inputs in ISO
         fitted = {name: self._fitted_coefficient(name) for name in self._model.coefficients if name in self._freed}
         ends = [(self._plan.stages[end.stage].name, problem, end.x) for end, problem in self._ends]
         uncertainty = uncertainty_of_stages(
@@ -356,9 +329,12 @@ class FitRun:
         undetermined = [c.name for c in coefficients if not c.determined]
         if undetermined:
             self._notes.append(f"not determined by these data, unchanged: {', '.join(undetermined)}")
+        self._notes += idle_notes(n for n in idle_effects(tire) if n in (self._options.effects or ()))
         sources = distinct(recordings)
         residuals, solved = Residuals.of(self._data, sources, self._tire), [self._solved(*end) for end in self._ends]
         channels = channel_fits(self._fit_data, residuals, uncertainty.effective_rows)
+        unidentified = {c.name for c in coefficients if c.interval == inf and not c.from_family}
+        tire = replace(tire, other_entries=self._origin(determined, unidentified, residuals))
         return FitResult(
             tire.in_signs("iso"), self._tire.signs, coefficients, channels,
             FitRecord(tuple(self._stages), self._plan.name, self._options.method, seconds, self._interrupted()),
@@ -367,6 +343,28 @@ class FitRun:
             covariance=uncertainty.covariance,
             solution=FitSolution(residuals, uncertainty.complete, tuple(solved), uncertainty.discrepancies),
         )  # fmt: skip
+
+    def _set_unmeasured(self, determined: Set[str]) -> None:
+        """Set coefficients of combined slip that neither data nor a given tire determine: the friction ellipse."""
+        unknown = (self._assumed & self._model.live(self._tire.has)) - determined
+        values = {} if self._given or self._family else ellipse_values(self._tire, unknown)
+        if values:
+            shown = ", ".join(f"{name} {value:.3g}" for name, value in values.items())
+            self._notes.append(f"combined slip that was not measured keeps to the friction ellipse: {shown}")
+            self._tire = replace(self._tire, values={**self._tire.values, **values})
+
+    def _origin(
+        self, determined: Set[str], unidentified: Set[str], residuals: Residuals
+    ) -> tuple[tuple[str, str, str], ...]:
+        """Return the entries of the tire file with what nobody gave, and what the data do not show."""
+        unmeasured = (self._assumed | self._inherited) - determined | unidentified
+        unmeasured &= self._model.live(self._tire.has)
+        names = [n for n, declaration in self._model.coefficients.items() if n in unmeasured and declaration.fitted]
+        lines = [
+            *assumed_lines(self._assumed - determined, self._model),
+            *not_measured_lines(coverage_texts(coverage(residuals)), names),
+        ]
+        return in_written_order(lines, self._model)
 
     def _solved(self, end: Ended, problem: Problem) -> SolvedStage:
         """Return the record of a stage from which it can be solved again."""

@@ -28,8 +28,8 @@ class Interpretation:
     Parameters
     ----------
     columns : mapping of str to str
-        By channel, the column that has it: a header without its unit, or a channel. A leading minus reverses the sign:
-        ``{"alpha": "-SA"}``. ``none``: the column is not read.
+        By channel, the column that has it: a header with or without its unit, or a channel. A leading minus reverses
+        the sign: ``{"alpha": "-SA"}``. ``none``: the column is not read.
     units : mapping of str to str
         By channel, the unit of its numbers in the file: ``{"Fz": "lbf"}``.
 
@@ -71,8 +71,8 @@ class Interpretation:
     def headers(self, headers: Iterable[str], source: str) -> list[str]:
         """Return the headers of a file with the names of channels; that of a replaced channel becomes no channel.
 
-        A unit in the header remains: ``FYC [lbf]`` is ``Fy [lbf]`` if Fy=FYC. Raises `DataError` if a named column is
-        missing.
+        A unit in the header remains: ``FYC [lbf]`` is ``Fy [lbf]`` if Fy=FYC, or Fy=FYC [lbf]. Raises `DataError` if a
+        named column is missing.
 
         >>> Interpretation({"Fy": "FYC"}).headers(["alpha", "Fy", "FYC [lbf]"], "a.csv")
         ['alpha', 'Fy (not read)', 'Fy [lbf]']
@@ -80,6 +80,9 @@ class Interpretation:
         given = list(headers)
         names = [header.partition("[")[0].strip() if "[" in header else header.strip() for header in given]
         renamed = self.renamed
+        for whole, name in zip([header.strip() for header in given], names, strict=True):
+            if whole in renamed:  # a header that is named with its unit
+                renamed[name] = renamed.pop(whole)
         for wanted in renamed:
             if wanted not in names:
                 raise DataError(f"{source}: no column {wanted!r} ({renamed[wanted]}){nearest(wanted, names)}")

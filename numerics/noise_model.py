@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import fft, optimize
 
-from ..measurements.ties import graded
 from .arrays import BoolArray, FloatArray
+from .ties import graded
 
 #: Initial correlation times of drift for the fit to a periodogram, and their bounds, s.
 DRIFT_TIMES = (0.5, 2.0, 8.0)

@@ -14,8 +14,8 @@ import numpy as np
 from scipy import fft
 from scipy.ndimage import median_filter
 
-from ..measurements.ties import graded
 from .arrays import BoolArray, FloatArray
+from .ties import graded
 
 #: Largest number of lines of a recording.
 MAX_LINES = 4

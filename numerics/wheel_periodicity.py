@@ -14,8 +14,8 @@ from math import tau
 import numpy as np
 from scipy.special import chdtri
 
-from ..measurements.ties import graded
 from .arrays import BoolArray, FloatArray, IntArray
+from .ties import graded
 
 #: Length of an interval, s, and largest number of intervals of a recording that are evaluated.
 STRETCH, MAX_STRETCHES = 2.5, 60

@@ -10,7 +10,8 @@ from ..symbolic.declarations import Coefficient
 from ..symbolic.models import MODELS
 from . import Tire
 from .implausible import implausible
-from .property_file.names import MAX_SEARCHED, OWN_SECTIONS, near_miss, not_given, unit_of
+from .limits import idle_effects
+from .property_file.names import MAX_SEARCHED, OWN_SECTIONS, near_miss, not_given, not_measured, unit_of
 from .property_file.text import number_and_rest
 
 #: Sections without information about the tire, or with information reported elsewhere.
@@ -38,7 +39,7 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
         for name, declaration in declared.items()
         if declaration.neutral is not None and plain.values[name] == declaration.neutral
     ]
-    idle = [name for name in model.effects if name in tire.has and model.owned(name) <= set(at_neutral)]
+    idle = idle_effects(tire)
     stored = tire.other_entries
     entries = [
         {"section": section, "key": key, "value": value}
@@ -62,6 +63,7 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
         "effects_at_neutral": idle,
         "effects_absent": [name for name in model.effects if name not in tire.has],
         "coefficients_at_neutral": at_neutral,
+        "not_measured": list(not_measured(tire).values()),
         "missing": missing,
         "assumed": {name: value for name, value in missing.items() if _is_property(declared[name], value)},
         "unknown": [{**entry, "near": near.get(entry["key"])} for entry in unknown],

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ..measurements.ties import graded
+from ..numerics.ties import graded
 from . import Tire
 from .definition import RANGES
 from .evaluation import quantities

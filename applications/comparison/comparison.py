@@ -11,6 +11,7 @@ import pandas as pd
 
 from ...measurements import Recording, exclude_rows
 from ...tires import Tire
+from ...tires.property_file.names import unmeasured_coefficients
 
 #: Quantities over load, by role, and what they are.
 ROLES = {
@@ -26,6 +27,7 @@ class Difference:
     """A coefficient with different values in two tires; None where the model of a tire lacks it.
 
     - `first`, `second`: in ISO-W.
+    - `unmeasured`: names of the tires whose data did not determine it.
     """
 
     name: str
@@ -33,6 +35,13 @@ class Difference:
     description: str
     first: float | None
     second: float | None
+    unmeasured: tuple[str, ...] = ()
+
+    @property
+    def remark(self) -> str:
+        """What is to be known of it: its meaning, and where it was not measured."""
+        names = " and ".join(self.unmeasured)
+        return f"{self.description}; not measured in {names}" if names else self.description
 
 
 @dataclass(frozen=True)
@@ -55,7 +64,7 @@ class ComparedChannel:
 class ComparedCharacteristic:
     """A quantity over load of both tires at one load, without slip.
 
-    - `load`: N.
+    - `load`: N. `unmeasured`: names of the tires whose data did not determine it.
     """
 
     title: str
@@ -63,6 +72,13 @@ class ComparedCharacteristic:
     load: float
     first: float
     second: float
+    unmeasured: tuple[str, ...] = ()
+
+    @property
+    def remark(self) -> str:
+        """The title, and where it was not measured."""
+        names = " and ".join(self.unmeasured)
+        return f"{self.title} (not measured in {names})" if names else self.title
 
 
 @dataclass(frozen=True)
@@ -72,7 +88,7 @@ class Comparison:
     - `tires`: in ISO-W.
     - `names`: different ones.
     - `effects`: effects of the first tire that the second lacks, and the reverse.
-    - `differences`: those of effects that a tire lacks are among them.
+    - `differences`: those of effects that a tire lacks are among them; those that no data determined are last.
     - `characteristics`: at the nominal load of the first tire.
     """
 
@@ -87,8 +103,9 @@ class Comparison:
     def verdict(self) -> str:
         """Which tire is closer to the recordings, by channel; without recordings how many coefficients differ."""
         if not self.errors:
-            count = len(self.differences)
-            return f"{count or 'no'} coefficient{'s'[: count != 1]} differ{'s'[: count == 1]}"
+            count, unmeasured = len(self.differences), sum(bool(d.unmeasured) for d in self.differences)
+            text = f"{count or 'no'} coefficient{'s'[: count != 1]} differ{'s'[: count == 1]}"
+            return f"{text}, {unmeasured} of them not measured" if unmeasured else text
         closer: dict[str, list[str]] = {}
         for channel in dict.fromkeys(error.channel for error in self.errors):
             closer.setdefault(self._closer(channel), []).append(channel)
@@ -137,29 +154,43 @@ def compare(first: Tire, second: Tire, recordings: Sequence[Recording] = (), *, 
         tuple(sorted(first.has - second.has)),
         tuple(sorted(second.has - first.has)),
     )
-    return Comparison(tires, names, effects, tuple(_differences(*tires)), tuple(_characteristics(*tires)), errors)
+    differences, characteristics = tuple(_differences(tires, names)), tuple(_characteristics(tires, names))
+    return Comparison(tires, names, effects, differences, characteristics, errors)
 
 
-def _characteristics(first: Tire, second: Tire) -> Iterator[ComparedCharacteristic]:
+def _characteristics(tires: tuple[Tire, Tire], given: tuple[str, str]) -> Iterator[ComparedCharacteristic]:
+    first, second = tires
     load = first.values["FNOMIN"]
-    tables = [tire.evaluate(pd.DataFrame({"Fz": [load]}), signs="iso", steady=True) for tire in (first, second)]
+    tables = [tire.evaluate(pd.DataFrame({"Fz": [load]}), signs="iso", steady=True) for tire in tires]
     for role, title in ROLES.items():
         names = [tire.symbolic_model.quantity(role) for tire in (first, second)]
         if all(names):
             values = [float(table[name].iloc[0]) for table, name in zip(tables, names, strict=True)]
             yield ComparedCharacteristic(
-                title, first.symbolic_model.structure.quantities[names[0]][0], load, values[0], values[1]
+                title,
+                first.symbolic_model.structure.quantities[names[0]][0],
+                load,
+                values[0],
+                values[1],
+                tuple(
+                    name
+                    for name, tire in zip(given, tires, strict=True)
+                    if tire.symbolic_model.leading(role) in unmeasured_coefficients(tire)
+                ),
             )
 
 
-def _differences(first: Tire, second: Tire) -> list[Difference]:
+def _differences(tires: tuple[Tire, Tire], names: tuple[str, str]) -> list[Difference]:
+    first, second = tires
+    unmeasured = [unmeasured_coefficients(tire) for tire in tires]
     declared = {**second.symbolic_model.coefficients, **first.symbolic_model.coefficients}
     errors = []
     for name, coefficient in declared.items():
         values = (first.values.get(name), second.values.get(name))
         if values[0] != values[1]:
-            errors.append(Difference(name, coefficient.unit, coefficient.description, *values))
-    return errors
+            where = tuple(tire for tire, those in zip(names, unmeasured, strict=True) if name in those)
+            errors.append(Difference(name, coefficient.unit, coefficient.description, *values, where))
+    return sorted(errors, key=lambda difference: bool(difference.unmeasured))
 
 
 def _errors(tires: tuple[Tire, Tire], recording: Recording) -> list[ComparedChannel]:

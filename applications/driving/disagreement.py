@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from ...measurements.ties import graded
+from ...numerics.ties import graded
 from .estimate import Estimate
 from .inputs.car import Car
 from .inputs.grid import Grid
@@ -40,7 +40,7 @@ def disagreement(grid: Grid, estimate: Estimate, lacking: FloatArray, car: Car) 
     meaning, unit, scale = INPUTS[name]
     low, high = scale * np.quantile(np.abs(values.get(name, grid.t))[strongest], [0.0, 1.0])
     number = (grid.t // PHASE).astype(np.intp) - int(grid.t[0] // PHASE)
-    phase = np.flatnonzero(number == np.argmax(graded(np.bincount(number, size**2))))
+    phase = np.flatnonzero(number == np.argmax(graded(np.bincount(number, size**2).astype(np.float64))))
     first, last = grid.t[phase[[0, -1]]]
     return (
         f"{AXLES[axle]} axle: the drive disagrees most with its tire file, by {100 * np.sqrt(np.mean(size**2)):.2g} % "

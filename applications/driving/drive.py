@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy.typing as npt
 
 from ...boundary.errors import DataError
 from ...tires import Tire, tire_from
+from ...tires.limits import limits_of
 from ...tires.tire_argument import TireLike
 from .disagreement import disagreement
 from .effects import factor_values, motion_of, scaled
@@ -122,8 +124,18 @@ def _answer(
     gap = _lacking(best, unknowns, car, tires, (tires, new))
     where = disagreement(best.grid, best.estimate, gap[0], car)
     verdict = verdict_on(best, ranked, unknowns, car, factors, probable.car, where)
+    verdict = replace(verdict, lines=(*verdict.lines, *_limits(tires)))
     wheels = wheel_table(best.grid, best.estimate)
     return Drive(log, car, best.grid, unknowns, best.estimate, tires, new, factors, wheels, before, after, gap, verdict)
+
+
+def _limits(tires: Mapping[str, Tire]) -> list[str]:
+    """Return what the files of the tires do not know, with the axles."""
+    axles: dict[str, list[str]] = {}
+    for axle, tire in tires.items():
+        for text in limits_of(tire):
+            axles.setdefault(text, []).append(axle)
+    return [f"{' and '.join(names)} tire file: {text}" for text, names in axles.items()]
 
 
 def _lacking(

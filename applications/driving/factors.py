@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ...numerics.coverage import lacking_peak
 from ...tires import Tire
 from .estimate import Estimate
 from .inputs.unknowns import AXLES, CHANGED, FACTORS, LATERAL, Unknowns
@@ -18,8 +19,8 @@ FloatArray = npt.NDArray[np.float64]
 #: Normal deviate of 95 %.
 WIDTH = 1.96
 #: A factor is determined if the standard deviation of its logarithm is at most this, and a friction factor only if the
-#: side force exceeds this share of the peak (at the upper limit of the factor) for this time, s.
-MAX_SPREAD, PEAK_SHARE, PEAK_TIME = 0.1, 0.9, 0.5
+#: side force exceeds `PEAK_SHARE` of the peak (at the upper limit of the factor) for this time, s.
+MAX_SPREAD, PEAK_TIME = 0.1, 0.5
 #: Slip angles at which a peak is sought, rad.
 _SLIPS = np.linspace(-0.6, 0.6, 241)
 
@@ -64,10 +65,15 @@ def factors_of(
             if name not in LATERAL:
                 reason = "the log has no longitudinal force of a wheel"
             if not reason and name == "LMUY":
-                time = step * np.sum(used_share(estimate, axle, tires[axle], high) > PEAK_SHARE)
-                reason = "" if time >= PEAK_TIME else "the side force never comes near its peak"
+                reason = lacking_peak("Fy", _exceeded(used_share(estimate, axle, tires[axle], high), step))
             result[axle][name] = Factor(value, low, high, not reason, reason, changed.get((axle, name), CHANGED))
     return result
+
+
+def _exceeded(share: FloatArray, step: float) -> float:
+    """Return the share of the peak that is exceeded for `PEAK_TIME`."""
+    rows = max(round(PEAK_TIME / step), 1)
+    return float(np.sort(share)[-rows]) if len(share) >= rows else 0.0
 
 
 def used_share(estimate: Estimate, axle: str, tire: Tire, friction: float) -> FloatArray:

@@ -17,8 +17,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from ...measurements.ties import graded
 from ...numerics.correlation import correlation_length
+from ...numerics.ties import graded
 from ...tires import Tire
 from .effects import Missing, Motion, effect_columns, factor_values, motion_of, scaled
 from .estimate import Estimate, Forces

@@ -13,7 +13,7 @@ import pandas as pd
 
 from ...measurements import INPUTS as RECORDED_INPUTS
 from ...measurements import Program, TableLike, recording_from
-from ...measurements.ties import graded
+from ...numerics.ties import graded
 from .bench_file import INPUTS, Bench
 from .maneuvers import Maneuver
 

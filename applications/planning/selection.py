@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from ...measurements.ties import graded
+from ...numerics.ties import graded
 from .bench_file import Bench, Heat, PlanError
 from .information import Experiment, energies
 from .maneuvers import Maneuver, held_levels

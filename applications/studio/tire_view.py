@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from base64 import b64encode
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from hashlib import sha256
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -72,18 +70,6 @@ def initial_tire(project: Project) -> Tire:
         model.name, standard | values | nominal, effects=effects - model.known_effects(options.without),
         signs="adapted-sae", added=model.added,
     )  # fmt: skip
-
-
-def tire_of_progress(path: Path, project: Project) -> Tire | None:
-    """Return the tire of the completed stages of a running fit, or None if the file is none."""
-    try:
-        content = json.loads(path.read_bytes())
-        initial = initial_tire(project)
-        effects = [effect for effect in content["identity"]["effects"].split(",") if effect]
-        values = {str(name): float(value) for name, value in content["values"].items()}
-        return Tire(initial.model, values, effects=effects, signs="adapted-sae", added=initial.added)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, TirefmuError):
-        return None
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ from ..project.summaries import summary_of
 from .data_view import recording_of, rows_expression, series, tables_view
 from .fits import PROJECT, RESULT, TIRE, Fits
 from .project_state import FOLDER, ProjectState, Stale
-from .tire_view import Measured, PageTires, changed_tire, initial_tire, tire_of_progress
+from .tire_view import Measured, PageTires, changed_tire, initial_tire
 from .work import Work
 
 T = TypeVar("T")
@@ -181,9 +181,9 @@ class Window:
             raise TirefmuError("the project has no table: add one first")
         initial = await asyncio.to_thread(initial_tire, project)
         steps = ["--only", ",".join(only)] if only else []
-        await self.work.start(", ".join(only) or "all steps", ["run", str(self.state.path), *steps])
+        self._live_file.unlink(missing_ok=True)  # of an earlier fit
+        await self.work.start(", ".join(only) or "all steps", ["run", str(self.state.path), *steps], self._live_file)
         self._live = initial
-        (project.folder / "tire.progress.json").unlink(missing_ok=True)  # of a fit that was stopped
         await self._send({"event": "started", "title": self.work.title})
 
     async def do_stop(self, message: Event) -> None:
@@ -244,17 +244,19 @@ class Window:
             self.fits.keep(project.folder, self.state.text())
 
     async def _show_stage(self, seen: Any) -> Any:
-        path = self.state.project().folder / "tire.progress.json"
         try:
-            now = path.stat().st_mtime_ns
+            now = self._live_file.stat().st_mtime_ns
         except OSError:
             return seen
         if now != seen:
-            tire = await asyncio.to_thread(tire_of_progress, path, self.state.project())
-            if tire is not None:
-                self._live = tire
-                await self._send({"event": "stage"})
+            self._live = await asyncio.to_thread(_read_tire, self._live_file, now)
+            await self._send({"event": "stage"})
         return now
+
+    @property
+    def _live_file(self) -> Path:
+        """The tire of the completed stages of the running fit."""
+        return self.state.folder / FOLDER / "stage.tir"
 
     def _signature(self) -> Any:
         try:

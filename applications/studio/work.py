@@ -11,6 +11,7 @@ from asyncio.subprocess import DEVNULL, PIPE, Process
 from collections import deque
 from collections.abc import Awaitable, Callable, Sequence
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 from ...boundary.errors import TirefmuError
@@ -61,8 +62,11 @@ class Work:
                 start_new_session=True,
             )
 
-    async def start(self, title: str, arguments: Sequence[str]) -> None:
-        """Run a command line of tirefmu. Raises `TirefmuError` if another one runs."""
+    async def start(self, title: str, arguments: Sequence[str], tire_file: Path) -> None:
+        """Run a command line of tirefmu; a fit writes its tire after each stage to a file.
+
+        Raises `TirefmuError` if another one runs.
+        """
         if self.running:
             raise TirefmuError(f"{self.title} is running: stop it, or wait for its end")
         self.title, self._stopped, self.running = title, False, True
@@ -70,7 +74,7 @@ class Work:
         await self.prepare()
         self._process, self._next = self._next, None
         assert self._process is not None
-        self._task = asyncio.create_task(self._run(self._process, list(arguments)))
+        self._task = asyncio.create_task(self._run(self._process, [list(arguments), str(tire_file)]))
 
     async def stop(self) -> None:
         """End the running command."""
@@ -92,10 +96,10 @@ class Work:
             self._next.kill()
             await self._next.wait()
 
-    async def _run(self, process: Process, arguments: list[str]) -> None:
+    async def _run(self, process: Process, message: list[Any]) -> None:
         assert process.stdin is not None
         assert process.stderr is not None
-        process.stdin.write(json.dumps(arguments).encode() + b"\n")
+        process.stdin.write(json.dumps(message).encode() + b"\n")
         last = ""
         async for line in process.stderr:
             last = excerpt(line.decode("utf-8", "replace").rstrip())
@@ -104,9 +108,9 @@ class Work:
         status = await process.wait()
         self._process, self.running = None, False
         await self.prepare()
-        message = last.removeprefix(ERROR) if status not in (0, 1) else ""
-        message = "stopped" if self._stopped else message or ("" if status in (0, 1) else f"ended with {status}")
-        await self._report({"event": "ended", "title": self.title, "status": status, "message": message})
+        error = last.removeprefix(ERROR) if status not in (0, 1) else ""
+        text = "stopped" if self._stopped else error or ("" if status in (0, 1) else f"ended with {status}")
+        await self._report({"event": "ended", "title": self.title, "status": status, "message": text})
 
 
 def _signal(process: Process, number: int) -> None:

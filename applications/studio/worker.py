@@ -1,6 +1,7 @@
 """The process of long work: loaded before it is needed, it waits for one command line, runs it, and ends.
 
-Its standard input has the arguments as one line of JSON. It ends when its standard input is closed: with the window.
+Its standard input has one line of JSON: the arguments, and the file to which a fit writes its tire after each stage.
+It ends when its standard input is closed: with the window.
 """
 
 from __future__ import annotations
@@ -31,7 +32,9 @@ def run() -> int:
     if not line:
         return 0
     threading.Thread(target=_end_with_the_window, daemon=True).start()
-    return int(import_module("tirefmu.commands.cli").main(json.loads(line)))
+    arguments, tire_file = json.loads(line)
+    import_module("tirefmu.commands.progress").follower.set(lambda tire: tire.save(tire_file))
+    return int(import_module("tirefmu.commands.cli").main(arguments))
 
 
 def _end_with_the_window() -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...measurements.ties import graded
+from ...numerics.ties import graded
 from .explanation import UNKNOWN
 
 

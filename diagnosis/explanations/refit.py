@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg import cho_solve, solve_triangular
 
-from ...measurements.ties import graded
 from ...numerics.noise_model import Whitening, noise_parts
+from ...numerics.ties import graded
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..recording.disturbances import Disturbances

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from ...measurements.ties import graded
 from ...numerics.periodic_lines import periodic_lines
+from ...numerics.ties import graded
 from ...symbolic.declarations import Coefficient
 from ...symbolic.model import Model
 from ...tires.code import code_for

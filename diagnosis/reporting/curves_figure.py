@@ -13,7 +13,7 @@ from ...drawing.labels import axis_label, drawn_unit, letter, per_si
 from ...drawing.style import BLUE, DASHED, GRAY, RED, SOLID
 from ...measurements import level_tolerance
 from ...measurements.operating_conditions.levels import held_levels
-from ...measurements.ties import graded
+from ...numerics.ties import graded
 from ...tires.evaluation import Conventions, evaluate
 from ...tires.signs import convert_signs
 from ...tires.tire import Tire

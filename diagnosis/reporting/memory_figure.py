@@ -9,7 +9,7 @@ import pandas as pd
 from ...drawing.figure import Figure, Panel, Series
 from ...drawing.labels import axis_label, drawn_unit, per_si
 from ...drawing.style import BLACK, BLUE, DASHED, RED, SOLID
-from ...measurements.ties import graded
+from ...numerics.ties import graded
 from ...symbolic.quantities import ALPHA, KAPPA
 from ...tires.evaluation import Conventions, evaluate
 from ...tires.tire import Tire

@@ -14,7 +14,7 @@ from ...drawing.figure import Figure
 from ...drawing.page import page_text, write_page
 from ...measurements import Recording, TableLike, recording_from
 from ...measurements.provenance import provenance
-from ...measurements.ties import graded
+from ...numerics.ties import graded
 from ...tires.tire import Tire
 from ..verdict.result import Diagnosis
 from ..verdict.verdict import percent

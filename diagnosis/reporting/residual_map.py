@@ -16,7 +16,7 @@ from ...drawing.figure import Cells, Figure, Panel, Series
 from ...drawing.labels import axis_label, drawn_unit, note, per_si
 from ...drawing.style import BLACK
 from ...measurements import Recording, TableLike, levels, recording_from
-from ...measurements.ties import graded
+from ...numerics.ties import graded
 from ...tires import TireLike, tire_from
 from ...tires.evaluation import Conventions, evaluate
 from ...tires.tire import Tire

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from ...measurements.ties import graded
+from ...numerics.ties import graded
 from ..probing.effect_probing import Screen
 from ..thresholds import SHORTLIST
 from .features import Feature, Location, determined, directions, features, locations_of

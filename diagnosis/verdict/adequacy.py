@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
-from ...measurements.ties import graded
 from ...numerics.noise_floor import NoiseFloor
+from ...numerics.ties import graded
 from ..recording.range_text import range_text
 from ..thresholds import INADEQUATE
 

@@ -12,8 +12,8 @@ import numpy.typing as npt
 from scipy.special import stdtrit
 
 from ...measurements import Recording
-from ...measurements.ties import graded
 from ...numerics.noise_floor import NoiseFloor
+from ...numerics.ties import graded
 from ...tires.tire import Tire
 from ..explanations.answer import Answer
 from ..explanations.effect_evidence import Evidence

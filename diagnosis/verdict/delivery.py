@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from ...measurements.ties import graded
+from ...numerics.ties import graded
 from .fit_error import FitErrors, Residuals
 
 FloatArray = npt.NDArray[np.float64]

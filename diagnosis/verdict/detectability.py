@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.special import chdtri
 
-from ...measurements.ties import graded
+from ...numerics.ties import graded
 from ...symbolic.detection import LARGEST_IN_SIZES
 from ...tires.tire import Tire
 from ..probing.candidates import CHANNELS, Candidate, excited, rows_per_second, varies

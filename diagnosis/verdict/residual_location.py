@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ...measurements.ties import graded
+from ...numerics.ties import graded
 from ..probing.candidates import varies
 from ..probing.effect_probing import Screen
 from ..thresholds import MIN_ROWS_OF_CELL

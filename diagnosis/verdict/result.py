@@ -14,7 +14,7 @@ import pandas as pd
 
 from ...boundary.errors import DataError, UnknownName, path_from
 from ...boundary.json_schema import json_value, write_toml
-from ...measurements.ties import graded
+from ...numerics.ties import graded
 from ...symbolic.added import AddedEffect, effect_schema, effect_text
 from ...tires.signs import reversed_columns
 from ...tires.tire import Tire

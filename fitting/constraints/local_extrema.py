@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.optimize import minimize
 
-from ...measurements.ties import graded
 from ...numerics.arrays import FloatArray
+from ...numerics.ties import graded
 from ...symbolic.model import Model
 from .buffered_function import BufferedFunction
 from .constraint_functions import value_with_slopes

@@ -8,8 +8,8 @@ from math import inf
 
 import numpy as np
 
-from ...measurements.ties import graded
 from ...numerics.arrays import FloatArray
+from ...numerics.ties import graded
 from ...tires.code import fastest_code
 from ...tires.tire import Tire
 from .constraint_functions import measured_values

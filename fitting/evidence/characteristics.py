@@ -11,10 +11,12 @@ from math import hypot, nan
 
 import numpy as np
 
-from ...measurements.ties import graded
 from ...numerics.arrays import IntArray
 from ...numerics.correlation import correlation_length
+from ...numerics.coverage import PEAK_SHARE
 from ...numerics.slip_slope import SLOPE_WINDOW
+from ...numerics.ties import graded
+from .coverage import reaches
 from .residuals import Residuals
 from .slip_stiffness import FORCES, Compared, ReadStiffness, read_stiffnesses
 
@@ -32,6 +34,8 @@ class Characteristic(Compared):
     - `load`: N; `at`: levels of the operating condition.
     - `read`, `fitted`: of the measured rows, and of the tire at the same rows.
     - `error`: standard error of `read`.
+    - `reached`: share of the peak that the data reach at this load. A peak friction below `PEAK_SHARE` is no reading:
+      it is the largest measured one over this share, and its error is the part that was not reached.
     """
 
     recording: str
@@ -43,6 +47,12 @@ class Characteristic(Compared):
     fitted: float
     error: float = nan
     at: dict[str, float] = field(default_factory=dict)
+    reached: float = 1.0
+
+    @property
+    def shown(self) -> bool:
+        """Whether the data show it; otherwise it is an estimate of what is beyond them."""
+        return self.reached >= PEAK_SHARE
 
 
 @dataclass(frozen=True)
@@ -74,6 +84,7 @@ def _peaks(residuals: Residuals, number: int, source: str, slip: str, channel: s
     if other in table:
         pure &= np.abs(table[other].to_numpy(dtype=float)) < 0.25 * SLOPE_WINDOW[other]
     slips = table[slip].to_numpy(dtype=float)
+    known = reaches(residuals, slip, channel)
     for condition in np.unique(residuals.condition[pure]):
         here = pure & (residuals.condition == condition)
         sides = [np.flatnonzero(here & (side * slips > 0.0)) for side in (-1.0, 1.0)]
@@ -81,13 +92,16 @@ def _peaks(residuals: Residuals, number: int, source: str, slip: str, channel: s
         if not peaks:
             continue
         load, at = float(table["Fz"].to_numpy()[here].mean()), residuals.at(int(condition))
-
+        reached = min(known, key=lambda reach: abs(reach.load - load)).share if known else 1.0
         read, fitted, error = (
             float(np.mean([getattr(peak, name) for peak in peaks]))
             for name in ("friction", "fitted_friction", "friction_error")
         )
-        yield Characteristic(source, channel, "peak friction", "1", load, read, fitted, error, at)
-        inside = [peak for peak in peaks if np.isfinite(peak.slip)]
+        if reached < PEAK_SHARE:
+            read, fitted = read / reached, fitted / reached
+            error = hypot(error / reached, (1.0 - reached) * read)
+        yield Characteristic(source, channel, "peak friction", "1", load, read, fitted, error, at, reached)
+        inside = [peak for peak in peaks if np.isfinite(peak.slip) and reached >= PEAK_SHARE]
         if inside:
             read, fitted, error = (
                 float(np.mean([getattr(peak, name) for peak in inside]))

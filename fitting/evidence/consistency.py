@@ -15,9 +15,9 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from ...measurements.operating_conditions.levels import held_levels
-from ...measurements.ties import graded
 from ...numerics.arrays import FloatArray, IntArray
 from ...numerics.correlation import correlation_length
+from ...numerics.ties import graded
 from ..problem.weights import OWN_SLIP
 from .residuals import Residuals
 

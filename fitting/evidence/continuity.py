@@ -13,8 +13,8 @@ from itertools import product
 
 import numpy as np
 
-from ...measurements.ties import graded
 from ...numerics.arrays import FloatArray
+from ...numerics.ties import graded
 from ...tires.code import fastest_code
 from .residuals import Residuals
 

@@ -12,9 +12,9 @@ from ...boundary.errors import FitError
 from ...measurements import OUTPUTS, Recording, TableLike, level_tolerance, levels, recordings_from
 from ...measurements.operating_conditions.levels import held_levels
 from ...measurements.recording import distinct
-from ...measurements.ties import graded
 from ...numerics.arrays import BoolArray, FloatArray
 from ...numerics.slip_slope import SLOPE_WINDOW, read_slope
+from ...numerics.ties import graded
 from ...tires import TireLike, tire_from
 from ...tires.evaluation import Conventions, evaluate
 from ...tires.signs import convert_signs

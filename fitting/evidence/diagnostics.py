@@ -10,11 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...measurements.ties import graded
+from ...numerics.coverage import Coverage
+from ...numerics.ties import graded
 from .characteristics import Characteristic, characteristics
 from .clipping import Clipped, clipped_channels
 from .consistency import Disagreement, disagreeing_files, disagreeing_segments, sweep_differences
 from .continuity import Discontinuity, discontinuities
+from .coverage import coverage
 from .residuals import Residuals
 from .ripple import Ripple, ripple
 from .slip_stiffness import SlipStiffness, slip_stiffnesses
@@ -57,6 +59,8 @@ class Findings:
         Jumps and kinks of the tire over the tested slips.
     clipped : tuple of Clipped
         Channels that are cut off at the end of a sensor's range.
+    coverage : tuple of Coverage
+        What the rows determine of the tire, and what they never show.
     undetermined : tuple of Undetermined
         Coefficients that the data do not determine, with the reason.
     files, segments, sweeps : tuple of Disagreement
@@ -70,6 +74,7 @@ class Findings:
     characteristics: tuple[Characteristic, ...] = ()
     discontinuities: tuple[Discontinuity, ...] = ()
     clipped: tuple[Clipped, ...] = ()
+    coverage: tuple[Coverage, ...] = ()
     undetermined: tuple[Undetermined, ...] = ()
     files: tuple[Disagreement, ...] = ()
     segments: tuple[Disagreement, ...] = ()
@@ -102,7 +107,7 @@ def find(
     reasons += at_bounds(residuals, list(dict.fromkeys((*free, *bounded))), bounded, effective)
     return Findings(
         by_condition(residuals), slip_stiffnesses(residuals), characteristics(residuals), discontinuities(residuals),
-        clipped_channels(residuals), reasons,
+        clipped_channels(residuals), coverage(residuals), reasons,
         disagreeing_files(residuals), disagreeing_segments(residuals), sweep_differences(residuals), ripple(residuals),
     )  # fmt: skip
 

@@ -22,7 +22,6 @@ from math import nan
 import numpy as np
 import pandas as pd
 
-from ...measurements.ties import graded
 from ...numerics.arrays import FloatArray, IntArray
 from ...numerics.noise_floor import (
     BLOCK,
@@ -35,6 +34,7 @@ from ...numerics.noise_floor import (
     slip_history,
     varying_inputs,
 )
+from ...numerics.ties import graded
 
 #: Length of a piece of time that a cubic describes, s, its least number of rows, and its number of coefficients.
 PIECE, MIN_PIECE, CUBIC = 0.25, 8, 4

@@ -14,8 +14,8 @@ from itertools import combinations, product
 
 import numpy as np
 
-from ...measurements.ties import graded
 from ...numerics.arrays import BoolArray, FloatArray
+from ...numerics.ties import graded
 from ...tires.code import fastest_code
 from ...tires.tire import Tire
 from ..problem.rows import inputs_of

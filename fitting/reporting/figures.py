@@ -23,7 +23,6 @@ from ..results.fit_result import FitResult
 from ..results.intervals import band as confidence_band
 from ..results.records import quality
 from .load_figures import BANDS, data_text, friction_over_load, stiffness_over_load
-from .profile_figure import profile_curves
 from .temperature_figure import temperature_over_time
 
 #: Longitudinal slips at which a weighting function is drawn over the slip angle, and points of such a curve.
@@ -63,7 +62,7 @@ def draw_figures(
     -------
     list of Path
         Of ``pure_Fx``, ``pure_Fy``, ``pure_Mz``, ``combined``, ``weighting``, ``stiffness``, ``friction``,
-        ``residuals_over_inputs``, ``residuals`` (over time), ``profile_likelihood`` and ``temperature`` those for which
+        ``residuals_over_inputs``, ``residuals`` (over time) and ``temperature`` those for which
         there are data.
 
     Raises
@@ -112,7 +111,6 @@ def figures_of(
             comparison.table, comparison.residuals(), comparison.signs, data_text(comparison, comparison.table)
         ),
         _residuals(comparison),
-        profile_curves(tire) if isinstance(tire, FitResult) and tire.profiles else None,
         temperature_over_time(tire.tire, tire.temperature, recordings_from(recordings))
         if isinstance(tire, FitResult) and tire.temperature
         else None,

@@ -13,9 +13,9 @@ from ...drawing.figure import Figure, Panel, Series, band, curve, in_rows
 from ...drawing.labels import axis_label, held_text, letter, level_text, note, per_si, stiffness_unit
 from ...drawing.style import BLACK, BLUE, DASHED, DOTTED, RED, level_styles
 from ...measurements import levels
-from ...measurements.ties import graded
 from ...numerics.arrays import FloatArray
 from ...numerics.slip_slope import SLOPE_WINDOW
+from ...numerics.ties import graded
 from ...tires.tire import Tire
 from ..evidence.curves import CurveFamily, Group, MeasuredCurves
 from ..results.fit_result import FitResult

@@ -57,7 +57,8 @@ def load_rows(result: FitResult) -> Iterator[LoadRow]:
             )
             frictions = [
                 characteristic for characteristic in findings.characteristics
-                if characteristic.quantity == "peak friction" and _belongs(characteristic, c.recording, c.channel, load)
+                if characteristic.quantity == "peak friction" and characteristic.shown
+                and _belongs(characteristic, c.recording, c.channel, load)
             ]  # fmt: skip
             slopes = [
                 slip_stiffness

@@ -14,7 +14,7 @@ from ...drawing.figure import Figure
 from ...drawing.page import page_text, write_page
 from ...measurements import Finding, TableLike, recordings_from
 from ...measurements.provenance import provenance
-from ...measurements.ties import graded
+from ...numerics.ties import graded
 from ..evidence.residuals import condition_text
 from ..results.fit_result import FitResult
 from ..results.intervals import listed_intervals
@@ -26,7 +26,6 @@ from .report_text import (
     bootstrap_text,
     extrapolation_text,
     interval_text,
-    profile_text,
     ripple_texts,
     significant_differences,
     worst_text,
@@ -94,7 +93,6 @@ def report_page(
         "known": interval_text,
         "condition": condition_text,
         "bootstrap": partial(bootstrap_text, result),
-        "profile": partial(profile_text, result),
     }
     errors = [(c.recording, c.channel, worst_text(result, c.recording, c.channel)) for c in result.channels]
     largest = [error for error in errors if error[2]]

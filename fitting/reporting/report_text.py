@@ -51,20 +51,6 @@ def bootstrap_summary(bootstrap: Bootstrap) -> str:
     )
 
 
-def profile_text(result: FitResult, name: str) -> str:
-    """Return the interval of a coefficient from its profile likelihood; empty if it has none.
-
-    An end at which the likelihood has not decreased enough is followed by the reason.
-    """
-    profile = next((profile for profile in result.profiles if profile.name == name), None)
-    if profile is None:
-        return ""
-    ends = ((profile.lower, profile.lower_end), (profile.upper, profile.upper_end))
-    texts = [f"{value:.5g}" if end == "likelihood" else f"{value:.5g} ({end})" if isfinite(value) else "?"
-             for value, end in ends]  # fmt: skip
-    return " to ".join(texts)
-
-
 def worst_text(result: FitResult, recording: str, channel: str) -> str:
     """Return the largest error of a channel and its operating condition; empty for a single operating condition."""
     worst = result.findings.worst(recording, channel)

@@ -96,15 +96,14 @@ def fit_lines(result: FitResult, every: bool = True) -> Iterator[Table | str]:
 
 def _coefficients(result: FitResult, every: bool) -> Iterator[Table | str]:
     """Yield the coefficients; without `every` those at a bound or not determined, and those with further intervals."""
-    from .report_text import bootstrap_text, interval_text, profile_text
+    from .report_text import bootstrap_text, interval_text
 
-    further = ["bootstrap (95 %)"] * bool(result.bootstrap) + ["profile (95 %)"] * bool(result.profiles)
+    further = ["bootstrap (95 %)"] * bool(result.bootstrap)
     table = plain_table(
         "coefficient", "initial", "lower", "upper", "value", "+- (95 %)", *further, "unit", "",
         title=f"Coefficients ({result.signs} signs)",
     )  # fmt: skip
     remarkable = {name for direction in result.findings.undetermined for name in direction.coefficients}
-    remarkable |= {profile.name for profile in result.profiles}
     remarkable |= {c.name for c in result.coefficients if c.other is not None}
     consequences = {consequence.name: consequence.text() for consequence in result.bounds}
     every = every or bool(result.bootstrap)
@@ -123,7 +122,6 @@ def _coefficients(result: FitResult, every: bool) -> Iterator[Table | str]:
         remark = remark if c.determined or c.at_bound else "not determined"
         numbers = (f"{v:.5g}" for v in (c.guess, c.lower, c.upper, c.value))
         resampled = [bootstrap_text(result, c.name)] * bool(result.bootstrap)
-        resampled += [profile_text(result, c.name)] * bool(result.profiles)
         table.add_row(c.name, *numbers, interval_text(c.interval), *resampled, c.unit, remark)
     if table.row_count:
         yield table

@@ -1,1 +1,1 @@
-"""Intervals from repeated solutions near the solution of a fit: bootstrap and profile likelihood."""
+"""Repeated solutions near the solution of a fit: bootstrap, bounds moved outward, second solutions."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from ...measurements.ties import graded
+from ...numerics.ties import graded
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..results.fit_result import FitResult
 from ..results.solved_stage import SolvedStage

@@ -1,1 +1,1 @@
-"""The result of a fit, its summary, and the checkpoint from which it is resumed."""
+"""The result of a fit and its summary."""

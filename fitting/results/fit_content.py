@@ -13,10 +13,10 @@ from ..temperature.fitted_temperature import FittedTemperature
 from ..uncertainty.sandwich import Direction
 from .intervals import ListedInterval
 from .records import BoundConsequence, ChannelFit, FittedCoefficient, HeldOut, StageFit
-from .resampled import Bootstrap, Profile
+from .resampled import Bootstrap
 
 #: Version of fit.json. New keys increment the second number, changed meanings the first.
-VERSION = "1.1"
+VERSION = "2.0"
 
 
 class Covariance(TypedDict):
@@ -54,7 +54,6 @@ class FitContent(TypedDict):
     covariance: Covariance
     intervals: Annotated[list[ListedInterval], "95 % intervals of quantities and forces over the measured range"]
     bootstrap: Bootstrap | None
-    profiles: tuple[Profile, ...]
     temperature: FittedTemperature | None
     notes: tuple[str, ...]
     data_findings: tuple[Finding, ...]

@@ -25,7 +25,7 @@ from ..uncertainty.sandwich import Direction
 from .fit_content import VERSION, FitContent
 from .intervals import interval, listed_intervals
 from .records import BoundConsequence, ChannelFit, FitRecord, FittedCoefficient, HeldOut, StageFit
-from .resampled import Bootstrap, Profile
+from .resampled import Bootstrap
 from .solved_stage import FitSolution
 from .summary import fit_html, fit_text
 from .verdict import Verdict, verdict_of
@@ -67,14 +67,12 @@ class FitResult:
         stages are known, so the covariance of coefficients of different stages (`FittedCoefficient.stage`) is 0.
     bootstrap : Bootstrap or None
         Percentile intervals, if requested.
-    profiles : tuple of Profile
-        Profile likelihoods, if requested.
     temperature : FittedTemperature or None
         The fit of the heat balance to recorded temperatures, if requested.
     bounds : tuple of BoundConsequence
         What changes without the bound of each coefficient at a bound.
     solution : FitSolution
-        What `findings`, `interval`, bootstrap and profiles are computed from.
+        What `findings`, `interval` and bootstrap are computed from.
     """
 
     tire: Tire
@@ -90,7 +88,6 @@ class FitResult:
     held_out: tuple[HeldOut, ...] = ()
     covariance: pd.DataFrame = field(default_factory=pd.DataFrame, compare=False)
     bootstrap: Bootstrap | None = None
-    profiles: tuple[Profile, ...] = ()
     temperature: FittedTemperature | None = None
     bounds: tuple[BoundConsequence, ...] = ()
     solution: FitSolution = field(default_factory=FitSolution, repr=False, compare=False)
@@ -138,9 +135,6 @@ class FitResult:
             covariance=self.covariance * np.outer(flips, flips),
             solution=self.solution.in_signs(signs, np.outer(flips, flips)),
             bootstrap=self.bootstrap and self.bootstrap.mirrored(lambda name: declarations[name].flips),
-            profiles=tuple(
-                profile.mirrored() if declarations[profile.name].flips else profile for profile in self.profiles
-            ),
         )
 
     def __repr__(self) -> str:
@@ -302,7 +296,6 @@ class FitResult:
             "covariance": {"coefficients": list(determined), "matrix": matrix},
             "intervals": list(listed_intervals(self)),
             "bootstrap": self.bootstrap,
-            "profiles": self.profiles,
             "temperature": self.temperature,
             "margins_signs": "adapted-sae",
             "notes": self.notes,

@@ -11,8 +11,8 @@ from scipy.special import ndtri
 
 from ...boundary.errors import FitError
 from ...measurements import TableLike, recording_from
-from ...measurements.ties import graded
 from ...numerics.arrays import FloatArray
+from ...numerics.ties import graded
 from ...tires.code import fastest_code
 from ...tires.signs import convert_signs
 from ...tires.tire import Tire

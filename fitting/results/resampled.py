@@ -1,4 +1,4 @@
-"""Intervals of coefficients beyond the linear analysis: from bootstrap replicates and from profile likelihoods."""
+"""Intervals of coefficients beyond the linear analysis: from bootstrap replicates."""
 
 from __future__ import annotations
 
@@ -51,34 +51,3 @@ class Bootstrap:
             self,
             intervals=tuple(interval.mirrored() if flips(interval.name) else interval for interval in self.intervals),
         )
-
-
-@dataclass(frozen=True)
-class Profile:
-    """The profile likelihood of a coefficient, in the signs of `FitResult.signs`.
-
-    - `value`: at the largest likelihood.
-    - `lower`, `upper`: the 95 % interval. If it ends at a bound of the coefficient, that bound; NaN if it does not end.
-    - `lower_end`, `upper_end`: why it ends: "likelihood", "bound", "no solution" (no other coefficients satisfy the
-      physical constraints beyond, or the solver fails), or "flat" (the likelihood does not decrease enough).
-    - `values`, `deviances`: the curve in increasing order of values: twice the decrease of the log-likelihood, for
-      noise that is correlated in time. The interval ends at 3.84.
-    """
-
-    name: str
-    unit: str
-    value: float
-    lower: float
-    upper: float
-    lower_end: str
-    upper_end: str
-    values: tuple[float, ...]
-    deviances: tuple[float, ...]
-
-    def mirrored(self) -> Profile:
-        """Return the same with the opposite sign."""
-        return replace(
-            self, value=0.0 - self.value, lower=0.0 - self.upper, upper=0.0 - self.lower,
-            lower_end=self.upper_end, upper_end=self.lower_end,
-            values=tuple(0.0 - value for value in reversed(self.values)), deviances=self.deviances[::-1],
-        )  # fmt: skip

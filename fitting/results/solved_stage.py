@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Set
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -12,9 +12,23 @@ import pandas as pd
 from ...numerics.arrays import FloatArray, IntArray
 from ..constraints.verification import ConstraintPoints
 from ..evidence.residuals import Residuals
+from ..problem.recipe import Freed
 from ..problem.weighted_residuals import Problem
 from ..uncertainty.discrepancy import Discrepancy
-from .checkpoint import Ended
+
+
+@dataclass(frozen=True, eq=False)
+class Ended:
+    """The end of a stage that used all of its rows.
+
+    - `stage`: its index in the recipe.
+    - `free`: guess and bounds of the free coefficients.
+    - `x`, shape (n_free,): scaled free values of the solution.
+    """
+
+    stage: int
+    free: Mapping[str, Freed]
+    x: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +67,7 @@ class SolvedStage:
 
 @dataclass(frozen=True, eq=False)
 class FitSolution:
-    """What intervals, diagnostics, bootstrap and profile likelihoods of a fit are computed from.
+    """What intervals, diagnostics and bootstrap of a fit are computed from.
 
     - `residuals`: the fitted rows.
     - `covariance`: of the coefficients by name, without NaN: coefficients that are not identifiable have the plausible

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...measurements.ties import graded
+from ...numerics.coverage import coverage_texts
+from ...numerics.ties import graded
 from ..constraints.physical import chosen_constraints
 from ..data.fit_data import EXCITED_BY
 from ..evidence.characteristics import Characteristic
@@ -91,6 +92,7 @@ def verdict_of(result: FitResult) -> Verdict:
     wrong += _few_rows(result, 1)
     limits = [
         *_missing_forces(result),
+        *coverage_texts(c for c in result.findings.coverage if c.characteristic or c.channel == "Mz"),
         *(_quality_reason(c) for c in poor),
         *(floor_reason(c) for c in result.channels if lacks_something(c)),
         *_stiffness_reasons(result.findings),
@@ -145,7 +147,7 @@ def _wrong_between_loads(findings: Findings) -> Iterator[str]:
 
     A load is wrong if half of its operating conditions are.
     """
-    friction = [c for c in findings.characteristics if c.quantity == "peak friction"]
+    friction = [c for c in findings.characteristics if c.quantity == "peak friction" and c.shown]
     for recording, channel in dict.fromkeys((c.recording, c.channel) for c in friction):
         by_load: dict[float, list[Characteristic]] = {}
         for c in friction:
@@ -213,7 +215,8 @@ def _clipped_reason(c: Clipped) -> str:
 
 def _characteristic_reasons(findings: Findings) -> Iterator[str]:
     """Yield the largest error of each quantity of a recording and channel beyond its limit."""
-    wrong = [c for c in findings.characteristics if abs(c.reliable_error) > CHARACTERISTIC_LIMITS[c.quantity]]
+    shown = [c for c in findings.characteristics if c.shown]
+    wrong = [c for c in shown if abs(c.reliable_error) > CHARACTERISTIC_LIMITS[c.quantity]]
     worst: dict[tuple[str, str, str], Characteristic] = {}
     for c in sorted(wrong, key=lambda c: -graded(abs(c.reliable_error))):
         worst.setdefault((c.recording, c.channel, c.quantity), c)
@@ -309,21 +312,19 @@ def _excluded(result: FitResult) -> Iterator[str]:
 
 
 def _extrapolated(evidence: Residuals) -> Iterator[str]:
-    """Yield the operating conditions for which the tire is extrapolated: combined slip, other loads."""
+    """Yield the operating conditions for which the tire is extrapolated: combined slip, ranges of held inputs."""
     table = evidence.table
     slips = {name: np.abs(table[name].to_numpy(dtype=float)) for name in ("kappa", "alpha") if name in table}
     if set(FORCES) <= set(evidence.channels):
         largest = float(slips["alpha"].max())
         driven = slips["kappa"] > COMBINED_KAPPA * slips["kappa"].max()
         combined = float(slips["alpha"][driven].max())
-        if combined < COMBINED_ALPHA * largest:
+        if 0.0 < combined < COMBINED_ALPHA * largest:
             yield (
                 f"combined slip is extrapolated beyond {degrees(combined):.1f} deg of slip angle "
                 f"(pure slip was measured up to {degrees(largest):.1f} deg)"
             )
     yield from _ranges(evidence)
-    if len(evidence.levels.get("Fz", ())) < 2 and ("Fz" not in table or np.ptp(table["Fz"]) < 0.1 * table["Fz"].max()):
-        yield "one load: the influence of load is not determined"
 
 
 def _ranges(evidence: Residuals) -> Iterator[str]:

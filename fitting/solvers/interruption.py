@@ -8,6 +8,8 @@ from collections.abc import Callable, Sequence
 from types import FrameType, TracebackType
 from typing import Any
 
+from ...tires.tire import Tire
+
 #: Called with (stage, iteration, cost).
 Progress = Callable[[str, int, float], None]
 
@@ -21,7 +23,7 @@ class Interruption:
     and in programs with their own signal handler, only the callback can request a stop.
 
     `progress`: called with stage, iteration and cost. Its method ``planned``, if it has one, is called before the first
-    stage with name and work of each stage.
+    stage with name and work of each stage, its method ``completed`` after each stage with the tire so far.
 
     >>> def cancel(stage, iteration, cost):
     ...     raise KeyboardInterrupt
@@ -69,6 +71,10 @@ class Interruption:
         planned = getattr(self._progress, "planned", None)
         if planned is not None:
             self._call(planned, work())
+
+    def completed(self, tire: Tire) -> None:
+        """Report the tire of the completed stages, if the callback takes it."""
+        self._call(getattr(self._progress, "completed", None), tire)
 
     def report(self, stage: str, iteration: int, cost: float) -> None:
         """Report the progress."""

@@ -52,7 +52,7 @@ ATTEMPTS: tuple[tuple[dict[str, str | float], float], ...] = (
     ({"mu_init": 1e-2, "linear_system_scaling": "none"}, MAX_DAMPING),
 )
 #: Standard errors by which a coefficient of a stage that ends without an optimum may differ from it. The tire is then
-#: within the noise of the optimum; profiles and bootstraps, which compare costs, need a converged solution.
+#: within the noise of the optimum; bootstraps need a converged solution.
 MAX_ERRORS = 1.0
 #: Reasons: a stop was requested, the iteration limit was reached, or a later stage continues and needs no optimum.
 INTERRUPTED, LIMIT, CONTINUED = "interrupted", "iteration limit", "little further gain before the next stage"

@@ -20,10 +20,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from ...measurements.ties import graded
 from ...numerics.arrays import BoolArray, FloatArray, IntArray
 from ...numerics.correlation import correlation_length
 from ...numerics.one_thread import one_blas_thread
+from ...numerics.ties import graded
 from ..problem.loss import LOSSES
 from ..problem.weighted_residuals import Problem
 from .correlated_noise import CorrelatedSums, NoiseCorrelation

@@ -8,7 +8,7 @@ from math import nan
 import numpy as np
 import pandas as pd
 
-from ...measurements.ties import graded
+from ...numerics.ties import graded
 from .result import CheckedChannel, WorstPoint
 
 

@@ -19,6 +19,7 @@ from ...boundary.errors import FmuError, WrongType, path_from, writing
 from ...boundary.whole_file import write_whole
 from ...symbolic.reserved import C_KEYWORDS
 from ...tires import Tire, TireLike, tire_from, write_tir
+from ...tires.property_file.names import not_measured
 from ...tires.roads.opencrg import read_crg
 from ..description.arrays import with_arrays
 from ..description.documentation import header_license, index_html, license_of
@@ -225,7 +226,9 @@ def _described(
     assumed = "Tire with relaxation lengths by default" if shown.relaxation_note else "Steady-state tire"
     what = "Tire with relaxation" if tire.lags else assumed
     sentence = f"{what} {name}: {tire.symbolic_model.title}; {inputs} inputs; {AXES_NAMES[axes]} axes{rewritten}"
-    note = shown.relaxation_note
+    unmeasured = not_measured(tire)
+    sentence += f"; not determined by its data: {', '.join(unmeasured)}" if unmeasured else ""
+    note = ". ".join(text for text in (shown.relaxation_note, *unmeasured.values()) if text)
     header = Header(name, identifier, sentence, c_files(fmi, shown), native, note, shown.spins, has_arrays)
     named = with_arrays(listed) if has_arrays else listed
 

@@ -1,4 +1,4 @@
-"""Bootstrap and profiles of a fit on several processes and on a cluster, and from the command line."""
+"""Bootstrap of a fit on several processes and on a cluster, and from the command line."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from tirefmu.applications.batch.intervals import bootstrap, profile
+from tirefmu.applications.batch.intervals import bootstrap
 from tirefmu.commands.cli import main
 from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, read_recording, write_table
@@ -34,15 +34,12 @@ def test_the_intervals_are_those_of_any_number_and_kind_of_workers(table, cluste
     assert seen == [(10, 40), (20, 40), (30, 40), (40, 40)]
     other = bootstrap(result, recording, 40, seed=2, scheduler=cluster.scheduler_address, progress=kill_once)
     assert local.bootstrap == other.bootstrap
-    serial, parallel = (profile(result, ["PDY1", "PKY1"], workers=workers).profiles for workers in (1, 2))
-    assert serial == parallel
-    assert [interval.name for interval in serial] == ["PDY1", "PKY1"]
 
 
 def test_the_command_shows_the_intervals_next_to_the_linear_ones(table, tmp_path, capsys):
     status = main([
         "fit", str(table), "--model", "mf96", "--effects", ",".join(EFFECTS), "--recipe", "joint", "--nominal",
-        "Fz0=700,R0=0.23", "-o", str(tmp_path / "a.tir"), "--bootstrap", "40", "--profile", "PDY1", "--workers", "1",
+        "Fz0=700,R0=0.23", "-o", str(tmp_path / "a.tir"), "--bootstrap", "40", "--workers", "1",
         "--json", str(tmp_path / "a.json"), "--report", str(tmp_path / "a.html"),
     ])  # fmt: skip
     out = capsys.readouterr().out
@@ -53,10 +50,6 @@ def test_the_command_shows_the_intervals_next_to_the_linear_ones(table, tmp_path
     percentiles = {interval["name"]: interval for interval in plain["bootstrap"]["intervals"]}["PDY1"]
     assert percentiles["lower"] < linear["value"] < percentiles["upper"]
     shown = f"{percentiles['lower']:.5g} to {percentiles['upper']:.5g}"
-    (curve,) = plain["profiles"]
-    assert len(curve["values"]) == len(curve["deviances"]) > 8
     page = (tmp_path / "a.html").read_text(encoding="utf-8")
-    for text in (shown, f"{curve['lower']:.5g} to {curve['upper']:.5g}"):
-        assert text in out
-        assert text in page
-    assert "Profile likelihood" in page
+    assert shown in out
+    assert shown in page

@@ -15,7 +15,6 @@ import pytest
 from tirefmu.boundary.errors import LISTED_BY
 from tirefmu.commands.cli import cli
 from tirefmu.commands.fit_command import _testable
-from tirefmu.commands.progress import FitProgress
 from tirefmu.measurements import Recording
 from tirefmu.tires import published
 
@@ -115,21 +114,6 @@ def test_init_prints_the_run_of_its_project(folder, command):
     (folder / HOSTILE).write_text("alpha,Fz,Fy\n0,900,0\n", encoding="utf-8")
     (line,) = re.findall("run: (.*)", command("init", HOSTILE, "-o", "my project.toml").out)
     assert accepted(line)[1]["project"] == Path("my project.toml")
-
-
-def test_an_interrupted_fit_prints_the_command_that_continues_it(folder, command, bench_csv, monkeypatch):
-    def stopped(progress, stage, iteration, cost):
-        if stage.startswith("Fy"):
-            raise KeyboardInterrupt
-
-    with monkeypatch.context() as changed:
-        changed.setattr(FitProgress, "__call__", stopped)
-        interrupted = command("fit", bench_csv, "--model", "mf96", "--effects", "none", "-o", "my tire.tir")
-    (again,) = re.findall("to continue: (.*)", interrupted.out)
-    assert accepted(again)[1]["resume"]
-    resumed = command(*shlex.split(again)[1:])
-    assert resumed.status in (0, 1), resumed.err
-    assert "--resume" not in resumed.out
 
 
 def late(lag):

@@ -16,7 +16,7 @@ from tirefmu.tires.code.printed import printed_folder
 NAMES = {
     "CheckResult", "Diagnosis", "Drive", "FitResult", "ProofResult", "Recording", "Tire", "TirefmuError",
     "VirtualBench", "add_proof", "bootstrap", "check", "diagnose", "diagnose_many", "draw", "drive", "evaluate",
-    "export", "fit", "fit_many", "load", "profile", "published", "read_recording", "repeat_proof", "study",
+    "export", "fit", "fit_many", "load", "published", "read_recording", "repeat_proof", "study",
 }  # fmt: skip
 
 

@@ -87,7 +87,6 @@ OPTIONS_GIVEN = {
     "fit a.csv -o t.tir --model mf96 --nominal F0=3": ("Fz0", "R0", "p0", "V0"),
     "fit a.csv -o t.tir --model mf96 --loss hubr": ("squares", "huber", "cauchy"),
     "fit a.csv -o t.tir --model mf96 --method ipop": ("ipopt", "ioa"),
-    "fit a.csv -o t.tir --model mf96 --profile PDY9": ("PDY1", LISTED_BY["coefficient"]),
     "fit a.csv -o t.tir --where load>3": (*CHANNELS, "sample", "segment", "sweep", "file"),
     "fit a.csv -o t.tir --where xyz>3": (*CHANNELS, "sample", "segment", "20 are known"),
     "fit a.csv -o t.tir --signs isso": ("iso", "sae", "adapted-sae"),

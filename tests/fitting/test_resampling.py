@@ -1,4 +1,4 @@
-"""Bootstrap and profile likelihood: the laws that connect them with the linear analysis."""
+"""Bootstrap: the laws that connect it with the linear analysis."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tirefmu.boundary.errors import FitError, UnknownName
+from tirefmu.boundary.errors import FitError
 from tirefmu.fitting import fit
 from tirefmu.fitting.resampling.bootstrap import (
     MIN_SWEEPS,
@@ -19,9 +19,8 @@ from tirefmu.fitting.resampling.bootstrap import (
     sweeps_of,
 )
 from tirefmu.fitting.resampling.leverage import corrections, corrections_of
-from tirefmu.fitting.resampling.profile import profiles_of, side_of, side_tasks
 from tirefmu.fitting.results.solved_stage import FitSolution
-from tirefmu.fitting.uncertainty.sandwich import QUANTILE, sandwich
+from tirefmu.fitting.uncertainty.sandwich import sandwich
 from tirefmu.measurements import Noise
 
 
@@ -39,11 +38,6 @@ def replicated(noisy):
     result, recording = noisy
     tasks = replicate_tasks(result, [recording], 60, seed=3)
     return tasks, np.concatenate([replicates_of(task) for task in tasks])
-
-
-def profiled(result, *names):
-    tasks = side_tasks(result, names)
-    return profiles_of(result, tasks, [side_of(task) for task in tasks])
 
 
 def test_a_sweep_is_a_block(noisy):
@@ -145,46 +139,3 @@ def test_a_bootstrap_needs_sweeps_and_replicates(noisy, known, make):
         replicate_tasks(result, [short], 100, 0)
     with pytest.raises(FitError, match="no stage of the fit used all of its rows"):
         replicate_tasks(replace(result, solution=FitSolution()), [recording], 100, 0)
-
-
-def test_a_profile_of_a_nearly_linear_coefficient_is_its_standard_error(noisy):
-    result = noisy[0]
-    (found,) = profiled(result, "PDY1").profiles
-    (linear,) = (one for one in result.coefficients if one.name == "PDY1")
-    assert (found.lower_end, found.upper_end) == ("likelihood", "likelihood")
-    # A profile does not contain errors of the form of the model.
-    errors = [(each, each.names.index("PDY1")) for each in result.solution.discrepancies if "PDY1" in each.names]
-    form = sum(each.covariance[place, place] for each, place in errors)
-    half = np.sqrt(linear.interval**2 - QUANTILE**2 * form)
-    assert found.upper - found.lower == pytest.approx(2.0 * half, rel=0.05)
-    assert found.lower < linear.value < found.upper
-    roots = np.sqrt(found.deviances)
-    distance = np.abs(np.array(found.values) - found.value) * QUANTILE / half
-    np.testing.assert_allclose(roots, distance, rtol=0.1, atol=0.05)
-
-
-def test_a_profile_ends_at_a_bound(noisy):
-    result = noisy[0]
-    tasks = side_tasks(result, ["PDY1"])
-    j = tasks[0].stage.problem.free.index("PDY1")
-    lower = tasks[0].stage.lower.copy()
-    lower[j] = tasks[0].stage.x[j] - 1e-4
-    bounded = replace(tasks[0], stage=replace(tasks[0].stage, lower=lower))
-    side = side_of(bounded)
-    assert side.end == "bound"
-    assert side.values[-1] == pytest.approx(lower[j] * tasks[0].stage.problem.scale[j], rel=1e-9)
-
-
-def test_a_profile_is_mirrored_with_its_coefficient(noisy):
-    found = profiled(noisy[0], "PKY1")
-    (iso,), (adapted,) = found.profiles, found.in_signs("adapted-sae").profiles
-    assert (adapted.lower, adapted.upper) == (-iso.upper, -iso.lower)
-    assert adapted.values == tuple(-value for value in reversed(iso.values))
-
-
-def test_only_fitted_coefficients_have_a_profile(noisy):
-    result = noisy[0]
-    with pytest.raises(UnknownName, match="unknown fitted coefficient 'PKY'"):
-        side_tasks(result, ["PKY"])
-    with pytest.raises(FitError, match="profile of PKY1: no stage with all of its rows"):
-        side_tasks(replace(result, solution=FitSolution()), ["PKY1"])

@@ -9,9 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tirefmu.fitting.results.checkpoint import Checkpoint
-
-from .kinds import CRG, IDENTITY, TYDEX
+from .kinds import CRG, TYDEX
 
 READ = "read"
 NAMES = ",".join(["alpha", "Fz", "Fy", *(f"c{i}" for i in range(4990))])
@@ -55,11 +53,6 @@ def index_of(stop):
     """Return metadata of pandas with an index of so many rows."""
     index = {"kind": "range", "name": None, "start": 0, "stop": stop, "step": 1}
     return {b"pandas": json.dumps({"index_columns": [index], "column_indexes": [], "columns": []}).encode()}
-
-
-def progress(**content):
-    state = {"done": 1, "values": {}, "freed": {}, "violated": [], "stages": [], "ended": [], "notes": [], **content}
-    return Checkpoint.sealed({"version": 4, "identity": IDENTITY, "state": state}).encode()
 
 
 #: By kind and name: what makes the file, and a part of the message, or `READ`.
@@ -109,17 +102,5 @@ HARMFUL: dict[str, dict[str, tuple[Callable[[], bytes], str]]] = {
         "position that is none": (lambda: CRG.replace(b"section 1", b"section at v = " + b"-e" * MANY), "is no number"),
         "another file": (lambda: CRG.replace(b"$KD", b"$ROAD_CRG_FILE\n../../etc/passwd\n$KD"), "is not supported"),
         "binary data": (lambda: CRG.replace(b"LRFI", b"KDBI"), "binary data"),
-    },
-    "checkpoint": {
-        "a pickle": (lambda: pickle.dumps(Pickled()), "not a progress file"),
-        "wrong digest": (lambda: progress().replace(b'"done": 1', b'"done": 2'), "was changed"),
-        "deep": (lambda: b"[" * 1_000_000, "not a progress file"),
-        "large": (lambda: b" " * 20_000_001, "larger than 20 MB"),
-        "many digits": (lambda: b'{"version": ' + b"9" * 10_000 + b"}", "not a progress file"),
-        "huge count": (lambda: progress(done=1e308), "invalid progress file"),
-        "huge number": (lambda: progress(values={"PDY1": 10**400}), "invalid progress file"),
-        "not finite": (lambda: progress(values={"PDY1": "inf"}), "invalid progress file"),
-        "many dimensions": (lambda: progress(violated=[["a", eval("[" * 90 + "1.0" + "]" * 90)]]), "invalid progress"),
-        "rows of several lengths": (lambda: progress(violated=[["a", [[1.0], [1.0, 2.0]]]]), "invalid progress file"),
     },
 }  # fmt: skip

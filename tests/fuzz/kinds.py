@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 import math
 import re
 import warnings
@@ -23,9 +22,7 @@ from tirefmu.applications.batch.study_file import read_study
 from tirefmu.applications.project.project_file import read_project
 from tirefmu.applications.project.steps import steps_of
 from tirefmu.commands.diagnose_command import user_effect
-from tirefmu.fitting.problem.recipe import RECIPES, Freed, load_recipe
-from tirefmu.fitting.results.checkpoint import Checkpoint, Ended, FitState, Release
-from tirefmu.fitting.results.records import StageFit
+from tirefmu.fitting.problem.recipe import RECIPES, load_recipe
 from tirefmu.fmu.comparison.resources import axes_of_inputs, embedded_tire
 from tirefmu.fmu.packaging.export import contents
 from tirefmu.fmu.simulation.archive import unpacked
@@ -38,11 +35,10 @@ from tirefmu.tires.property_file.writing import tir_text
 from tirefmu.tires.roads.opencrg import read_crg
 
 from ..hostile import HOSTILE
-from .mutations import BINARY, compressed, mutated, rejsoned, rezipped
+from .mutations import BINARY, compressed, mutated, rezipped
 
 ROOT = Path(__file__).parents[2]
 GOLDEN = Path(__file__).parents[1] / "golden"
-IDENTITY = {"data": "1234", "model": "mf96"}
 
 
 @dataclass(frozen=True)
@@ -240,40 +236,6 @@ def read_user_effect(path: Path) -> None:
     assert read_effect(effect_text(effect), "again.toml") == effect
 
 
-def checkpoint_seeds() -> list[bytes]:
-    stage = StageFit("one", 100, 2, 7, True, "", 0.5, 0.99)
-    freed = {"PDY1": Release(Freed(1.0, -math.inf, 2.0), "one", True)}
-    ended = Ended(0, {"PDY1": 1.0}, {"PDY1": Freed(1.0, 0.0, 2.0)}, np.array([0.5]))
-    state = FitState(1, {"PDY1": 1.1}, freed, [("signs:mu_y", np.ones((4, 2)))], [stage], [ended], ["a note"])
-    path = Path("seed.progress.json")
-    Checkpoint(path, IDENTITY).save(state)
-    content = path.read_bytes()
-    path.unlink()
-    return [content]
-
-
-def read_checkpoint(path: Path) -> None:
-    """Read the state of a fit; its values have the types that a resumed fit needs."""
-    state = Checkpoint(path, IDENTITY).load()
-    assert isinstance(state.done, int)
-    assert all(isinstance(value, float) and math.isfinite(value) for value in state.values.values())
-    assert all(isinstance(release.bounds.lower, float) for release in state.freed.values())
-    assert all(points.ndim == 2 for _, points in state.violated)
-    assert all(stage.rows + stage.iterations >= 0 and stage.cost <= math.inf for stage in state.stages)
-    assert all(isinstance(note, str) for note in state.notes)
-    Checkpoint(path, IDENTITY).save(state)
-
-
-def sealed(seed: int, originals: list[bytes]) -> bytes:
-    """Return a mutated progress file with a correct digest, if it has one."""
-    data = rejsoned(seed, originals)
-    try:
-        content = json.loads(data)
-    except (ValueError, RecursionError):
-        return data
-    return Checkpoint.sealed(content).encode() if isinstance(content, dict) and seed % 4 else data
-
-
 # ------------------------------------------------------------------ roads
 
 CRG = b"""$CT
@@ -355,5 +317,4 @@ KINDS = {
         read_road,
     ),
     "fmu": Kind(".fmu", fmu_seeds, read_fmu, rezipped),
-    "checkpoint": Kind(".progress.json", checkpoint_seeds, read_checkpoint, sealed),
 }

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 import random
 import re
 import warnings
@@ -187,33 +186,3 @@ def rezipped(seed, originals):
         for name, content in files:
             archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)  # the same at any time of day
     return buffer.getvalue()
-
-
-def rejsoned(seed, originals):
-    """Return JSON of which values are replaced, dropped or moved, or the bytes themselves mutated."""
-    draw = random.Random(seed)
-    data = draw.choice(originals)
-    if draw.random() < 0.3:
-        return mutated(draw.random(), [data])
-    content = json.loads(data)
-    for _ in range(draw.choice([1, 1, 2, 5])):
-        positions = list(_values(content))
-        holder, key = draw.choice(positions)
-        other, also = draw.choice(positions)
-        way = draw.randrange(3)
-        if way == 0:
-            holder[key] = draw.choice([None, True, -1, 2**70, 1e308, float("nan"), "", [], {}, [[]], *HOSTILE])
-        elif way == 1:
-            holder[key] = json.loads(json.dumps(other[also]))
-        else:
-            del holder[key]
-    return json.dumps(content).encode()
-
-
-def _values(content):
-    """Yield the container and the key of every value."""
-    pairs = content.items() if isinstance(content, dict) else enumerate(content)
-    for key, value in pairs:
-        yield content, key
-        if isinstance(value, (dict, list)):
-            yield from _values(value)

@@ -26,12 +26,12 @@ def test_a_command_reports_its_end_and_can_be_stopped(tmp_path, monkeypatch):
     async def run():
         work = Work(report)
         try:
-            await work.start("wrong", ["info", "missing.tir"])
+            await work.start("wrong", ["info", "missing.tir"], tmp_path / "stage.tir")
             with pytest.raises(TirefmuError, match="wrong is running"):
-                await work.start("second", ["info", "missing.tir"])
+                await work.start("second", ["info", "missing.tir"], tmp_path / "stage.tir")
             await until("ended", 1)
             assert not work.running
-            await work.start("long", ["example", "-o", "run.csv", "--sample-rate", "1000"])
+            await work.start("long", ["example", "-o", "run.csv", "--sample-rate", "1000"], tmp_path / "stage.tir")
             await work.stop()
             await until("ended", 2)
             assert not work.running

@@ -20,6 +20,7 @@ from ...drawing.style import BLACK, LIGHT_GRAY, level_styles, some_of
 from ..definition import TireDefinition
 from ..evaluation import Conventions, evaluate
 from ..input_check import checked_inputs
+from ..property_file.names import not_measured
 from ..signs import REVERSED, SIGNS, convert_signs
 
 FloatArray = npt.NDArray[np.float64]
@@ -163,6 +164,9 @@ class Sketch:
         beyond = [f"{load:g}" for load in self.loads if not low <= load <= high]
         if beyond:
             notes.append(f"{', '.join(beyond)} N: outside {low:g} to {high:g} N, for which the tire is known")
+        unmeasured = not_measured(self.tire)
+        if unmeasured:
+            notes.append(f"not measured, extrapolated: {figure_text(', '.join(unmeasured))}")
         return notes
 
     def angles(self) -> FloatArray:

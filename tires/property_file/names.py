@@ -7,6 +7,7 @@ MFeval 4.3 and Project Chrono; the Adams/Tire and MF-Tyre/MF-Swift manuals.
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Collection, Iterable
 
 from ...symbolic.model import Model
@@ -60,8 +61,10 @@ ASSUMED = "TIREFMU_ASSUMED"
 KEPT_UNITS = "TIREFMU_KEPT_UNITS"
 #: The section with the files of added effects that are not in the library.
 ADDED = "TIREFMU_ADDED"
+#: The section with what the data of a fit did not show: sentences by key, and a list of coefficients.
+NOT_MEASURED, COEFFICIENTS = "TIREFMU_NOT_MEASURED", "COEFFICIENTS"
 #: Sections of tirefmu without coefficients.
-OWN_SECTIONS = ("TIREFMU", ADDED, "TIREFMU_ABOUT", "TIREFMU_RANGES", ASSUMED, KEPT_UNITS)
+OWN_SECTIONS = ("TIREFMU", ADDED, "TIREFMU_ABOUT", "TIREFMU_RANGES", ASSUMED, KEPT_UNITS, NOT_MEASURED)
 
 OtherEntry = tuple[str, str, str]
 
@@ -182,6 +185,41 @@ def assumed_lines(names: Collection[str], model: Model) -> tuple[OtherEntry, ...
     """
     by_section = {section.title: [name for name in section.coefficients if name in names] for section in model.sections}
     return tuple((ASSUMED, title, f"'{','.join(those)}'") for title, those in by_section.items() if those)
+
+
+def not_measured_lines(sentences: Collection[str], coefficients: Iterable[str]) -> tuple[OtherEntry, ...]:
+    """Return the lines of [TIREFMU_NOT_MEASURED].
+
+    >>> not_measured_lines(["Fx is not determined: not measured"], ["PCX1"])[1]
+    ('TIREFMU_NOT_MEASURED', 'FX', "'Fx is not determined: not measured'")
+    """
+    names = ",".join(coefficients)
+    lines = [(NOT_MEASURED, COEFFICIENTS, f"'{names}'")] if names else []
+    keys = [re.sub(r"\W+", "_", _subject(sentence)).upper() for sentence in sentences]
+    return (*lines, *((NOT_MEASURED, key, f"'{text}'") for key, text in zip(keys, sentences, strict=True)))
+
+
+def not_measured(tire: TireDefinition) -> dict[str, str]:
+    """Return what the data of the fit of a tire did not show: a sentence for each characteristic.
+
+    >>> from dataclasses import replace
+    >>> from tirefmu.tires import published
+    >>> tire = published("trento_hoosier")
+    >>> not_measured(replace(tire, other_entries=not_measured_lines(["the trail of Mz is not determined: none"], [])))
+    {'trail of Mz': 'the trail of Mz is not determined: none'}
+    """
+    entries = (entry for entry in tire.other_entries if entry[0] == NOT_MEASURED and entry[1] != COEFFICIENTS)
+    return {_subject(text): text for text in (unquoted(value) for _, _, value in entries)}
+
+
+def unmeasured_coefficients(tire: TireDefinition) -> frozenset[str]:
+    """Return the coefficients that the data of the fit of a tire did not determine."""
+    texts = [text for section, key, text in tire.other_entries if (section, key) == (NOT_MEASURED, COEFFICIENTS)]
+    return frozenset(name for text in texts for name in listed(text)) & tire.symbolic_model.coefficients.keys()
+
+
+def _subject(sentence: str) -> str:
+    return re.split(" is | are ", sentence)[0].removeprefix("the ")
 
 
 def listed(text: str) -> tuple[str, ...]:

@@ -22,6 +22,7 @@ from .names import (
     model_lines,
     not_given,
     silent_coefficients,
+    unmeasured_coefficients,
     written_sections,
 )
 from .units import WRITTEN
@@ -84,14 +85,15 @@ def _own_lines(tire: TireDefinition) -> Iterable[tuple[str, str, str]]:
         yield "MODEL", "TYRESIDE", f"TYRESIDE = '{tire.side.upper()}'"
     values = tire.parameters()[: len(model.coefficients)].tolist()  # options are not properties of a tire
     written = dict(zip(model.coefficients, values, strict=True))
-    silent = silent_coefficients(tire)
+    silent, unmeasured = silent_coefficients(tire), unmeasured_coefficients(tire)
     for section in model.sections:
         for name, declaration in section.coefficients.items():
             if name in written and name not in silent:
                 yield (
                     section.title,
                     name,
-                    f"{name} = {written[name]!r}  $ {visible(f'{declaration.description} [{declaration.unit}]')}",
+                    f"{name} = {written[name]!r}  $ {visible(f'{declaration.description} [{declaration.unit}]')}"
+                    + ", not measured" * (name in unmeasured),
                 )
     for name, (title, _) in RANGE_SECTIONS.items():
         for key, bound in zip(RANGES[name], tire.ranges.get(name, ()), strict=False):

@@ -171,7 +171,7 @@ def _matched(headers: list[str], columns: Mapping[str, str], source: str) -> Ite
         else:
             continue
         declared = _UNIT.fullmatch(header)
-        yield name, header, unit or (declared["unit"] if declared and header != wanted else "")
+        yield name, header, unit or (declared["unit"] if declared else "")
 
 
 def _clean(t: FloatArray, values: FloatArray, name: str, place: str) -> Samples:

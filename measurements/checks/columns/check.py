@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from ....boundary.errors import DataError
+from ....numerics.ties import graded
 from ....tires.signs import REVERSED
 from ...channels import OUTPUTS
 from ...column_names import check_names
 from ...recording import Recording, once
-from ...ties import graded
 from .defects import defects, lost_signs, unmoved_slips
 from .explanation import Reading, Readings, explanation
 from .traits import NOTABLE, SIZES

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from ....numerics.ties import graded
 from ...recording import Recording, once
-from ...ties import graded
 from .hypotheses import CONVENTION_COST, Hypothesis, combined, hypotheses
 from .sampled_rows import SampledRows
 from .traits import ONE_SIDED, VANISHED, WRONG_THRUST, Traits, traits_of

@@ -9,10 +9,10 @@ import numpy as np
 from ....boundary.errors import DataError
 from ....boundary.typed_numbers import MAX_WRONG_LOADS, SMALLEST_PRESSURE
 from ....numerics.arrays import FloatArray
+from ....numerics.ties import graded
 from ...channels import CHANNELS
 from ...recording import Recording
 from ...thresholds import BACKWARD_SLIP, LARGEST_BAR, LARGEST_PSI, MAX_BACKWARD_ROWS, RATIO_TOLERANCE, SMALLEST_LOAD
-from ...ties import graded
 from ...units import to_si
 
 #: The probable unit of values beyond the limits of a channel.

@@ -8,6 +8,7 @@ from itertools import product
 import numpy as np
 
 from ....numerics.arrays import FloatArray, IndexArray
+from ....numerics.ties import graded
 from ...channels import CHANNELS, CONTROLLED_INPUTS
 from ...operating_conditions.levels import held_levels
 from ...operating_conditions.phases import SLIP_INPUTS
@@ -21,7 +22,6 @@ from ...thresholds import (
     MAX_BACKWARD_STEPS,
     RATIO_TOLERANCE,
 )
-from ...ties import graded
 from ...units import PSI
 from .finding import Finding
 

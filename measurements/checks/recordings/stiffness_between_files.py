@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from ....numerics.ties import graded
 from ...channels import CHANNELS
 from ...operating_conditions.levels import held_levels
 from ...recording import Recording
@@ -27,7 +28,6 @@ from ...thresholds import (
     SHIFT_DIFFERENCE,
     STIFFNESS_DIFFERENCE,
 )
-from ...ties import graded
 from .finding import Finding
 
 #: The smallest relative error of a slope, for data without noise.

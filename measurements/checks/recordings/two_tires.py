@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ....numerics.ties import graded
 from ....tires.signs import reversed_columns
 from ...channels import CHANNELS
 from ...operating_conditions.grouping import group_by_condition
@@ -21,7 +22,6 @@ from ...thresholds import (
     LARGEST_LOAD_RATIO,
     MAX_JOINED_PARTS,
 )
-from ...ties import graded
 
 FORCES = {"alpha": "Fy", "kappa": "Fx"}
 

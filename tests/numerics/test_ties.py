@@ -9,7 +9,7 @@ import pytest
 from tirefmu.measurements import Recording
 from tirefmu.measurements.checks.columns.check import column_notes
 from tirefmu.measurements.checks.columns.explanation import explanation
-from tirefmu.measurements.ties import BITS, graded
+from tirefmu.numerics.ties import BITS, graded
 
 ALPHA = np.linspace(-0.2, 0.2, 99)
 KAPPA = np.linspace(-0.25, 0.25, 99)

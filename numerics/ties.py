@@ -12,7 +12,7 @@ from typing import overload
 
 import numpy as np
 
-from ..numerics.arrays import FloatArray
+from .arrays import FloatArray
 
 #: Bits of a score that count: a relative resolution of 1e-6, coarser than the rounding errors of sums, regressions and
 #: converged fits, finer than anything that a message shows.
