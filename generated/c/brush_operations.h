@@ -13,22 +13,22 @@ enum {
 
 #define BRUSH_N_LEAVES 15
 #define BRUSH_N_CONSTANTS 11
-#define BRUSH_N_OPERATIONS 79
+#define BRUSH_N_OPERATIONS 81
 
-#define BRUSH_N_SLOTS 105
+#define BRUSH_N_SLOTS 107
 
 #define BRUSH_ROLLING_RADIUS 3
 
 #define BRUSH_CONSTANTS { \
-    1e-06, 0.5, 1.0, -1.0, 0.3333333333333333, 1e-30, 3.0, 2.0, 0.0, 9.0, 4.0 \
+    1e-06, 0.5, 1.0, -1.0, 0.3333333333333333, 1e-100, 0.0, 3.0, 2.0, 9.0, 4.0 \
 }
 
 #define BRUSH_FORCE_SLOTS { \
-    89, 92, 104 \
+    91, 94, 106 \
 }
 
 #define BRUSH_QUANTITY_SLOTS { \
-    31, 32, 35, 37, 39, 45, 46, 62, 93, 102 \
+    31, 32, 35, 37, 39, 45, 46, 63, 95, 104 \
 }
 
 #define BRUSH_OPERATIONS { \
@@ -67,36 +67,34 @@ enum {
     /* [3.2.3] psi_squared */ \
     {MULTIPLY,50,50}, {MULTIPLY,54,54}, {ADD,55,56}, \
     /* [3.2.3] psi_bounded */ \
-    {AT_MOST,17,57}, {LESS,57,20}, {CHOOSE,59,20,57}, {CHOOSE,58,17,60}, \
+    {AT_MOST,17,57}, {CHOOSE,58,17,57}, \
     /* [3.2.3] psi */ \
-    {ROOT,61}, \
+    {AT_MOST,59,20}, {CHOOSE,60,17,59}, {ROOT,61}, {CHOOSE,60,21,62}, \
     /* [tirefmu] sliding_squared */ \
-    {MULTIPLY,0,0}, {MULTIPLY,31,31}, {MULTIPLY,63,64}, {MULTIPLY,32,32}, {MULTIPLY,40,40}, {MULTIPLY,66,67}, \
-    {ADD,65,68}, \
-    /* [tirefmu] sliding_nonzero */ \
-    {LESS,69,20}, {CHOOSE,70,20,69}, \
+    {MULTIPLY,0,0}, {MULTIPLY,31,31}, {MULTIPLY,64,65}, {MULTIPLY,32,32}, {MULTIPLY,40,40}, {MULTIPLY,67,68}, \
+    {ADD,66,69}, \
     /* [tirefmu] sliding */ \
-    {MULTIPLY,62,62}, {MULTIPLY,22,62}, {SUBTRACT,21,73}, {MULTIPLY,27,72}, {MULTIPLY,74,75}, {ROOT,71}, \
-    {DIVIDE,76,77}, \
+    {AT_MOST,70,20}, {MULTIPLY,63,63}, {MULTIPLY,23,63}, {SUBTRACT,22,73}, {MULTIPLY,27,72}, {MULTIPLY,74,75}, \
+    {CHOOSE,71,17,70}, {ROOT,77}, {DIVIDE,76,78}, {CHOOSE,71,21,79}, \
     /* [3.2.3] sticking */ \
-    {SUBTRACT,17,62}, {MULTIPLY,79,79}, {DIVIDE,80,44}, \
+    {SUBTRACT,17,63}, {MULTIPLY,81,81}, {DIVIDE,82,44}, \
     /* [3.2.3] F_y_sticking */ \
-    {MULTIPLY,37,81}, \
+    {MULTIPLY,37,83}, \
     /* [3.2.3] F_y_sliding */ \
-    {MULTIPLY,34,78}, {MULTIPLY,66,83}, \
+    {MULTIPLY,34,80}, {MULTIPLY,67,85}, \
     /* [3.2.3] Fx */ \
-    {MULTIPLY,35,81}, {MULTIPLY,64,78}, {ADD,85,86}, {MULTIPLY,0,87}, {CHOOSE,26,23,88}, \
+    {MULTIPLY,35,83}, {MULTIPLY,65,80}, {ADD,87,88}, {MULTIPLY,0,89}, {CHOOSE,26,21,90}, \
     /* [3.2.3] Fy */ \
-    {ADD,82,84}, {MULTIPLY,40,90}, {CHOOSE,26,23,91}, \
+    {ADD,84,86}, {MULTIPLY,40,92}, {CHOOSE,26,21,93}, \
     /* [3.2.1] D_t */ \
     {MULTIPLY,19,39}, \
     /* [3.2.1] arm_sliding */ \
-    {MULTIPLY,24,80}, {DIVIDE,94,74}, \
+    {MULTIPLY,24,82}, {DIVIDE,96,74}, \
     /* [3.2.1] trail */ \
-    {MULTIPLY,84,95}, {MULTIPLY,25,62}, {SUBTRACT,17,97}, {MULTIPLY,82,98}, {ADD,96,99}, {MULTIPLY,93,100}, \
-    {DIVIDE,101,90}, \
+    {MULTIPLY,86,97}, {MULTIPLY,25,63}, {SUBTRACT,17,99}, {MULTIPLY,84,100}, {ADD,98,101}, {MULTIPLY,95,102}, \
+    {DIVIDE,103,92}, \
     /* [3.2.1] Mz */ \
-    {MULTIPLY,92,102}, {SUBTRACT,23,103}, \
+    {MULTIPLY,94,104}, {SUBTRACT,21,105}, \
 }
 
 #endif

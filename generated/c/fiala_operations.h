@@ -12,73 +12,73 @@ enum {
 /* Slots: inputs, parameters, the speed at which a wheel turns, constants, results of operations. */
 
 #define FIALA_N_LEAVES 19
-#define FIALA_N_CONSTANTS 9
-#define FIALA_N_OPERATIONS 71
+#define FIALA_N_CONSTANTS 10
+#define FIALA_N_OPERATIONS 73
 
-#define FIALA_N_SLOTS 99
+#define FIALA_N_SLOTS 102
 
 #define FIALA_ROLLING_RADIUS 4
 
 #define FIALA_CONSTANTS { \
-    1e-06, 0.5, 1.0, -1.0, 0.0, 0.25, 3.0, 0.3333333333333333, -3.0 \
+    1e-06, 0.5, 1.0, -1.0, 1e-100, 0.0, 0.25, 3.0, 0.3333333333333333, -3.0 \
 }
 
 #define FIALA_FORCE_SLOTS { \
-    59, 79, 88, 93 \
+    61, 82, 91, 96 \
 }
 
 #define FIALA_QUANTITY_SLOTS { \
-    41, 42, 44, 44, 44, 42, 9, 49, 60, 65, 80, 15, 16, 95, 98, 8, 11 \
+    42, 43, 45, 45, 45, 43, 9, 50, 62, 67, 83, 15, 16, 98, 101, 8, 11 \
 }
 
 #define FIALA_OPERATIONS { \
     /* [tirefmu] F_z */ \
-    {AT_MOST,2,19}, {CHOOSE,28,19,2}, \
+    {AT_MOST,2,19}, {CHOOSE,29,19,2}, \
     /* [tirefmu] sense */ \
-    {LESS,20,17}, {CHOOSE,30,21,22}, \
+    {LESS,20,17}, {CHOOSE,31,21,22}, \
     /* [tirefmu] tan_alpha */ \
     {TAN,1}, \
     /* [Adams] S_square */ \
-    {MULTIPLY,0,0}, {MULTIPLY,32,32}, {ADD,33,34}, \
+    {MULTIPLY,0,0}, {MULTIPLY,33,33}, {ADD,34,35}, \
     /* [tirefmu] S_square_inside */ \
-    {AT_MOST,21,35}, {AT_MOST,35,23}, {OR,36,37}, {CHOOSE,38,21,35}, \
+    {AT_MOST,21,36}, {CHOOSE,37,21,36}, \
     /* [Adams] S_s_alpha */ \
-    {ROOT,39}, {CHOOSE,37,23,40}, \
+    {AT_MOST,38,23}, {CHOOSE,39,21,38}, {ROOT,40}, {CHOOSE,39,24,41}, \
     /* [Adams] mu_x_fall */ \
     {SUBTRACT,13,12}, \
     /* [Adams] U */ \
-    {MULTIPLY,41,42}, {SUBTRACT,13,43}, \
+    {MULTIPLY,42,43}, {SUBTRACT,13,44}, \
     /* [Adams] F_x_limit */ \
-    {MULTIPLY,29,44}, \
+    {MULTIPLY,30,45}, \
     /* [Adams] F_x_linear */ \
     {MULTIPLY,0,9}, \
     /* [Adams] kappa_crit */ \
-    {MULTIPLY,20,45}, {DIVIDE,47,9}, {ABSOLUTE,48}, \
+    {MULTIPLY,20,46}, {DIVIDE,48,9}, {ABSOLUTE,49}, \
     /* [Adams] Fx */ \
-    {ABSOLUTE,46}, {AT_MOST,50,47}, {SGN,46}, {MULTIPLY,45,52}, {MULTIPLY,45,45}, {MULTIPLY,24,54}, {DIVIDE,55,46}, \
-    {SUBTRACT,53,56}, {CHOOSE,51,46,57}, {CHOOSE,28,23,58}, \
+    {ABSOLUTE,47}, {AT_MOST,51,48}, {SGN,47}, {MULTIPLY,46,53}, {MULTIPLY,46,46}, {MULTIPLY,25,55}, {CHOOSE,52,21,47}, \
+    {DIVIDE,56,57}, {SUBTRACT,54,58}, {CHOOSE,52,47,59}, {CHOOSE,29,24,60}, \
     /* [Adams] K_yalpha */ \
-    {MULTIPLY,10,31}, \
+    {MULTIPLY,10,32}, \
     /* [Adams] F_y_linear */ \
-    {MULTIPLY,32,60}, \
+    {MULTIPLY,33,62}, \
     /* [Adams] alpha_crit */ \
-    {MULTIPLY,25,45}, {DIVIDE,62,60}, {ABSOLUTE,63}, {ATAN,64}, \
+    {MULTIPLY,26,46}, {DIVIDE,64,62}, {ABSOLUTE,65}, {ATAN,66}, \
     /* [Adams] sliding_y */ \
-    {ABSOLUTE,61}, {AT_MOST,62,66}, {SGN,61}, {MULTIPLY,26,61}, {DIVIDE,69,45}, {CHOOSE,67,68,70}, \
+    {ABSOLUTE,63}, {AT_MOST,64,68}, {SGN,63}, {MULTIPLY,27,63}, {CHOOSE,69,21,46}, {DIVIDE,71,72}, {CHOOSE,69,70,73}, \
     /* [Adams] Fy */ \
-    {MULTIPLY,71,71}, {ADD,25,72}, {ABSOLUTE,71}, {MULTIPLY,25,74}, {SUBTRACT,73,75}, {MULTIPLY,45,71}, \
-    {MULTIPLY,76,77}, {CHOOSE,28,23,78}, \
+    {MULTIPLY,74,74}, {ADD,26,75}, {ABSOLUTE,74}, {MULTIPLY,26,77}, {SUBTRACT,76,78}, {MULTIPLY,46,74}, \
+    {MULTIPLY,79,80}, {CHOOSE,29,24,81}, \
     /* [Adams] t_0 */ \
-    {MULTIPLY,26,5}, \
+    {MULTIPLY,27,5}, \
     /* [Adams] Mz */ \
-    {SUBTRACT,21,74}, {MULTIPLY,81,81}, {MULTIPLY,81,82}, {MULTIPLY,27,45}, {MULTIPLY,71,84}, {MULTIPLY,80,85}, \
-    {MULTIPLY,83,86}, {CHOOSE,28,23,87}, \
+    {SUBTRACT,21,77}, {MULTIPLY,84,84}, {MULTIPLY,84,85}, {MULTIPLY,28,46}, {MULTIPLY,74,87}, {MULTIPLY,83,88}, \
+    {MULTIPLY,86,89}, {CHOOSE,29,24,90}, \
     /* [Adams] My */ \
-    {SGN,3}, {MULTIPLY,14,29}, {MULTIPLY,31,90}, {MULTIPLY,89,91}, {CHOOSE,28,23,92}, \
+    {SGN,3}, {MULTIPLY,14,30}, {MULTIPLY,32,93}, {MULTIPLY,92,94}, {CHOOSE,29,24,95}, \
     /* [Adams] rho */ \
-    {DIVIDE,29,7}, {CHOOSE,28,23,94}, \
+    {DIVIDE,30,7}, {CHOOSE,29,24,97}, \
     /* [Adams] R_l */ \
-    {LESS,95,4}, {SUBTRACT,4,95}, {CHOOSE,96,97,23}, \
+    {LESS,98,4}, {SUBTRACT,4,98}, {CHOOSE,99,100,24}, \
 }
 
 #endif
