@@ -16,6 +16,7 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from ...functions import SMALLEST_SQUARE
 from ..routines import Routine
 from .layout import Layout, wrapped
 from .program import TOLERANCE, Program
@@ -162,6 +163,7 @@ def variables(program: Program, layout: Layout) -> dict[str, Any]:
     lines = [PrintedValue(str(line.symbol), line.unit, line.description) for line in program.lines]
     return {
         "program": program,
+        "smallest_square": SMALLEST_SQUARE,
         "name": program.name,
         "title": program.model.title,
         "head": layout.head(program.header),
