@@ -17,6 +17,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from ...functions import SMALLEST_SQUARE
+from ..definitions import IEEE_ONLY
 from ..routines import Routine
 from .layout import Layout, wrapped
 from .program import TOLERANCE, Program
@@ -164,6 +165,7 @@ def variables(program: Program, layout: Layout) -> dict[str, Any]:
     return {
         "program": program,
         "smallest_square": SMALLEST_SQUARE,
+        "ieee_only": IEEE_ONLY,
         "name": program.name,
         "title": program.model.title,
         "head": layout.head(program.header),
