@@ -1,7 +1,13 @@
-"""Functions of the lines that SymPy lacks or differentiates otherwise: signs, magnitude, a choice by condition."""
+"""Functions of the lines that SymPy lacks or differentiates otherwise: signs, magnitude, root, a choice by condition.
+
+One convention holds at kinks, in every language: the slope of the magnitude and of the root of a square is 0 at 0, as
+sgn(0) is. A branch that is not taken is finite, too: its arithmetic raises no exception, and automatic differentiation,
+which multiplies its derivative by 0, remains finite.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import sympy as sp
@@ -80,10 +86,78 @@ class expm1(sp.Function):
         return sp.exp(self.args[0])
 
 
+class SmallestSquare(sp.NumberSymbol):
+    """The smallest square of a slip that counts; it depends on the type of a printout's numbers.
+
+    The power -5/2, which a second derivative of a root has, is finite in the type, and a sum of squares below it is 0
+    beside other slips.
+
+    >>> SMALLEST_SQUARE, float(SMALLEST_SQUARE)
+    (SMALLEST_SQUARE, 1e-100)
+    """
+
+    is_real = is_positive = True
+    is_irrational = False
+    is_commutative = True
+    #: Its values in double and single precision.
+    double, single = 1e-100, 1e-13
+
+    def _as_mpf_val(self, prec: int) -> Any:
+        return sp.Float(self.double)._as_mpf_val(prec)
+
+    def __str__(self) -> str:
+        return "SMALLEST_SQUARE"
+
+    __repr__ = __str__
+
+    def _latex(self, printer: Any) -> str:
+        return r"\varepsilon^2"
+
+
+SMALLEST_SQUARE = SmallestSquare()
+
+
+class Divisor(sp.Piecewise):
+    """What a branch divides by or takes a root of: 1 where the branch is not taken.
+
+    SymPy would take the power of each of its values in place of the power of the chosen one.
+    """
+
+    def _eval_power(self, exponent: Any) -> None:
+        return None
+
+
 def where(condition: Any, then: Any, otherwise: Any) -> sp.Expr:
     """Return `then` where the condition holds, `otherwise` elsewhere (also where something is NaN).
 
-    >>> where(sp.Symbol("Fz") < 0, 0, sp.Symbol("Fz"))
-    Piecewise((0, Fz < 0), (Fz, True))
+    What a branch divides by or takes a root of is 1 where the branch is not taken, if the condition is about it.
+
+    >>> x = sp.Symbol("x")
+    >>> where(x < 0, 0, x)
+    Piecewise((0, x < 0), (x, True))
+    >>> where(x <= 0, 0, 1 / x)
+    Piecewise((0, x <= 0), (1/Divisor((1, x <= 0), (x, True)), True))
     """
+    then = _guarded(then, condition, lambda base: Divisor((base, condition), (1, True)))
+    otherwise = _guarded(otherwise, condition, lambda base: Divisor((1, condition), (base, True)))
     return sp.Piecewise((then, condition), (otherwise, True))
+
+
+def _guarded(branch: Any, condition: Any, guard: Callable[[sp.Expr], sp.Expr]) -> sp.Expr:
+    """Return a branch whose bases of quotients and roots are guarded if the condition reads one of their symbols."""
+    branch, read = sp.sympify(branch), condition.free_symbols
+    powers = [
+        power
+        for power in branch.atoms(sp.Pow)
+        if power.base.free_symbols & read and not (power.exp.is_Integer and power.exp > 0)
+    ]
+    return branch.xreplace({power: guard(power.base) ** power.exp for power in powers})
+
+
+def root(square: Any) -> sp.Expr:
+    """Return the square root of a sum of squares: 0 with all derivatives 0 below the smallest square (also below 0).
+
+    >>> root(sp.Symbol("x")).subs("x", 0), root(sp.Symbol("x")).subs("x", 4)
+    (0, 2)
+    """
+    return where(square <= SMALLEST_SQUARE, 0, sp.sqrt(square))

@@ -3,6 +3,10 @@
 
 #include "brush.h"
 
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(_M_FP_FAST)
+#error "NaN has to stay NaN: compile without -ffast-math, -Ofast, -ffinite-math-only and /fp:fast"
+#endif
+
 #include <float.h>
 #include <math.h>
 #include <stdint.h>
@@ -237,11 +241,10 @@ void brush_quantities(const double inputs[], const double parameters[], double r
     const double reach_x = 0.3333333333333333*K_xkappa*slip_x/(F_z*mu_x); /* [3.2.3] psi of the longitudinal slip alone */
     const double reach_y = 0.3333333333333333*K_yalpha*slip_y/(F_z*mu_y); /* [3.2.3] psi of the side slip alone */
     const double psi_squared = square(reach_x) + square(reach_y); /* [3.2.3] psi squared, beyond full sliding too */
-    const double psi_bounded = (psi_squared >= 1.0 ? 1.0 : (psi_squared < 1e-30 ? 1e-30 : psi_squared)); /* [3.2.3] psi squared */
-    const double psi = sqrt(psi_bounded); /* [3.2.3] share of the contact patch that slides */
+    const double psi_bounded = (psi_squared >= 1.0 ? 1.0 : psi_squared); /* [3.2.3] psi squared */
+    const double psi = (psi_bounded <= 1e-100 ? 0.0 : sqrt((psi_bounded <= 1e-100 ? 1.0 : psi_bounded))); /* [3.2.3] share of the contact patch that slides */
     const double sliding_squared = square(kappa)*square(mu_x) + square(mu_y)*square(tan_alpha); /* [tirefmu] sliding velocity weighted with friction, squared */
-    const double sliding_nonzero = (sliding_squared < 1e-30 ? 1e-30 : sliding_squared); /* [tirefmu] the same, limited to positive values */
-    const double sliding = F_z*square(psi)*(3.0 - 2.0*psi)/sqrt(sliding_nonzero); /* [tirefmu] load on the sliding part per weighted sliding velocity */
+    const double sliding = (sliding_squared <= 1e-100 ? 0.0 : F_z*square(psi)*(3.0 - 2.0*psi)/sqrt((sliding_squared <= 1e-100 ? 1.0 : sliding_squared))); /* [tirefmu] load on the sliding part per weighted sliding velocity */
     const double sticking = square(1.0 - psi)/rolling; /* [3.2.3] share of the slip stiffness on the sticking part, per rolling velocity */
     const double F_y_sticking = K_yalpha*sticking; /* [3.2.3] side force of the sticking part per tan(alpha) */
     const double F_y_sliding = side*sliding*square(mu_y); /* [3.2.3] side force of the sliding part per tan(alpha) */
@@ -304,10 +307,9 @@ void brush_forces(const double inputs[], const double parameters[], double resul
     const double reach_y = 0.3333333333333333*K_yalpha*slip_y/(F_z*mu_y); /* [3.2.3] psi of the side slip alone */
     const double sliding_squared = square(kappa)*square(mu_x) + square(mu_y)*square(tan_alpha); /* [tirefmu] sliding velocity weighted with friction, squared */
     const double psi_squared = square(reach_x) + square(reach_y); /* [3.2.3] psi squared, beyond full sliding too */
-    const double sliding_nonzero = (sliding_squared < 1e-30 ? 1e-30 : sliding_squared); /* [tirefmu] the same, limited to positive values */
-    const double psi_bounded = (psi_squared >= 1.0 ? 1.0 : (psi_squared < 1e-30 ? 1e-30 : psi_squared)); /* [3.2.3] psi squared */
-    const double psi = sqrt(psi_bounded); /* [3.2.3] share of the contact patch that slides */
-    const double sliding = F_z*square(psi)*(3.0 - 2.0*psi)/sqrt(sliding_nonzero); /* [tirefmu] load on the sliding part per weighted sliding velocity */
+    const double psi_bounded = (psi_squared >= 1.0 ? 1.0 : psi_squared); /* [3.2.3] psi squared */
+    const double psi = (psi_bounded <= 1e-100 ? 0.0 : sqrt((psi_bounded <= 1e-100 ? 1.0 : psi_bounded))); /* [3.2.3] share of the contact patch that slides */
+    const double sliding = (sliding_squared <= 1e-100 ? 0.0 : F_z*square(psi)*(3.0 - 2.0*psi)/sqrt((sliding_squared <= 1e-100 ? 1.0 : sliding_squared))); /* [tirefmu] load on the sliding part per weighted sliding velocity */
     const double sticking = square(1.0 - psi)/rolling; /* [3.2.3] share of the slip stiffness on the sticking part, per rolling velocity */
     const double arm_sliding = 9.0*square(1.0 - psi)/(3.0 - 2.0*psi); /* [3.2.1] arm of the sliding part per trail at zero slip */
     const double F_y_sticking = K_yalpha*sticking; /* [3.2.3] side force of the sticking part per tan(alpha) */

@@ -13,22 +13,22 @@ enum {
 
 #define BRUSH_N_LEAVES 15
 #define BRUSH_N_CONSTANTS 13
-#define BRUSH_N_OPERATIONS 85
+#define BRUSH_N_OPERATIONS 87
 
-#define BRUSH_N_SLOTS 113
+#define BRUSH_N_SLOTS 115
 
 #define BRUSH_ROLLING_RADIUS 3
 
 #define BRUSH_CONSTANTS { \
-    1.5707963267948966, 3.141592653589793, 1e-06, 0.5, 1.0, -1.0, 0.3333333333333333, 1e-30, 3.0, 2.0, 0.0, 9.0, 4.0 \
+    1.5707963267948966, 3.141592653589793, 1e-06, 0.5, 1.0, -1.0, 0.3333333333333333, 1e-100, 0.0, 3.0, 2.0, 9.0, 4.0 \
 }
 
 #define BRUSH_FORCE_SLOTS { \
-    97, 100, 112 \
+    99, 102, 114 \
 }
 
 #define BRUSH_QUANTITY_SLOTS { \
-    39, 40, 43, 45, 47, 53, 54, 70, 101, 110 \
+    39, 40, 43, 45, 47, 53, 54, 71, 103, 112 \
 }
 
 #define BRUSH_OPERATIONS { \
@@ -69,36 +69,34 @@ enum {
     /* [3.2.3] psi_squared */ \
     {MULTIPLY,58,58}, {MULTIPLY,62,62}, {ADD,63,64}, \
     /* [3.2.3] psi_bounded */ \
-    {AT_MOST,19,65}, {LESS,65,22}, {CHOOSE,67,22,65}, {CHOOSE,66,19,68}, \
+    {AT_MOST,19,65}, {CHOOSE,66,19,65}, \
     /* [3.2.3] psi */ \
-    {ROOT,69}, \
+    {AT_MOST,67,22}, {CHOOSE,68,19,67}, {ROOT,69}, {CHOOSE,68,23,70}, \
     /* [tirefmu] sliding_squared */ \
-    {MULTIPLY,0,0}, {MULTIPLY,39,39}, {MULTIPLY,71,72}, {MULTIPLY,40,40}, {MULTIPLY,48,48}, {MULTIPLY,74,75}, \
-    {ADD,73,76}, \
-    /* [tirefmu] sliding_nonzero */ \
-    {LESS,77,22}, {CHOOSE,78,22,77}, \
+    {MULTIPLY,0,0}, {MULTIPLY,39,39}, {MULTIPLY,72,73}, {MULTIPLY,40,40}, {MULTIPLY,48,48}, {MULTIPLY,75,76}, \
+    {ADD,74,77}, \
     /* [tirefmu] sliding */ \
-    {MULTIPLY,70,70}, {MULTIPLY,24,70}, {SUBTRACT,23,81}, {MULTIPLY,35,80}, {MULTIPLY,82,83}, {ROOT,79}, \
-    {DIVIDE,84,85}, \
+    {AT_MOST,78,22}, {MULTIPLY,71,71}, {MULTIPLY,25,71}, {SUBTRACT,24,81}, {MULTIPLY,35,80}, {MULTIPLY,82,83}, \
+    {CHOOSE,79,19,78}, {ROOT,85}, {DIVIDE,84,86}, {CHOOSE,79,23,87}, \
     /* [3.2.3] sticking */ \
-    {SUBTRACT,19,70}, {MULTIPLY,87,87}, {DIVIDE,88,52}, \
+    {SUBTRACT,19,71}, {MULTIPLY,89,89}, {DIVIDE,90,52}, \
     /* [3.2.3] F_y_sticking */ \
-    {MULTIPLY,45,89}, \
+    {MULTIPLY,45,91}, \
     /* [3.2.3] F_y_sliding */ \
-    {MULTIPLY,42,86}, {MULTIPLY,74,91}, \
+    {MULTIPLY,42,88}, {MULTIPLY,75,93}, \
     /* [3.2.3] Fx */ \
-    {MULTIPLY,43,89}, {MULTIPLY,72,86}, {ADD,93,94}, {MULTIPLY,0,95}, {CHOOSE,34,25,96}, \
+    {MULTIPLY,43,91}, {MULTIPLY,73,88}, {ADD,95,96}, {MULTIPLY,0,97}, {CHOOSE,34,23,98}, \
     /* [3.2.3] Fy */ \
-    {ADD,90,92}, {MULTIPLY,48,98}, {CHOOSE,34,25,99}, \
+    {ADD,92,94}, {MULTIPLY,48,100}, {CHOOSE,34,23,101}, \
     /* [3.2.1] D_t */ \
     {MULTIPLY,21,47}, \
     /* [3.2.1] arm_sliding */ \
-    {MULTIPLY,26,88}, {DIVIDE,102,82}, \
+    {MULTIPLY,26,90}, {DIVIDE,104,82}, \
     /* [3.2.1] trail */ \
-    {MULTIPLY,92,103}, {MULTIPLY,27,70}, {SUBTRACT,19,105}, {MULTIPLY,90,106}, {ADD,104,107}, {MULTIPLY,101,108}, \
-    {DIVIDE,109,98}, \
+    {MULTIPLY,94,105}, {MULTIPLY,27,71}, {SUBTRACT,19,107}, {MULTIPLY,92,108}, {ADD,106,109}, {MULTIPLY,103,110}, \
+    {DIVIDE,111,100}, \
     /* [3.2.1] Mz */ \
-    {MULTIPLY,100,110}, {SUBTRACT,25,111}, \
+    {MULTIPLY,102,112}, {SUBTRACT,23,113}, \
 }
 
 #endif

@@ -3,6 +3,10 @@
 
 #include "fiala.h"
 
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(_M_FP_FAST)
+#error "NaN has to stay NaN: compile without -ffast-math, -Ofast, -ffinite-math-only and /fp:fast"
+#endif
+
 #include <float.h>
 #include <math.h>
 #include <stdint.h>
@@ -188,8 +192,8 @@ void fiala_quantities(const double inputs[], const double parameters[], double r
     const double sense = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE */
     const double tan_alpha = fast_tan(alpha_folded); /* [tirefmu] tangent of the side slip angle */
     const double S_square = square(kappa) + square(tan_alpha); /* [Adams] comprehensive slip, squared */
-    const double S_square_inside = ((S_square >= 1.0) || (S_square <= 0.0) ? 1.0 : S_square); /* [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of */
-    const double S_s_alpha = (S_square <= 0.0 ? 0.0 : sqrt(S_square_inside)); /* [Adams] comprehensive slip, 1 at most */
+    const double S_square_inside = (S_square >= 1.0 ? 1.0 : S_square); /* [tirefmu] the same, 1 at most */
+    const double S_s_alpha = (S_square_inside <= 1e-100 ? 0.0 : sqrt((S_square_inside <= 1e-100 ? 1.0 : S_square_inside))); /* [Adams] comprehensive slip, 1 at most */
     const double mu_x_fall = UMAX - UMIN; /* [Adams] what mu_x loses up to comprehensive slip 1 */
     const double U = UMAX - S_s_alpha*mu_x_fall; /* [Adams] friction at this comprehensive slip */
     const double mu_x = U; /* [Adams] largest |Fx| per load at this comprehensive slip */
@@ -257,15 +261,15 @@ void fiala_forces(const double inputs[], const double parameters[], double resul
     const double tan_alpha = tan_alpha_tan; /* [tirefmu] tangent of the side slip angle */
     const double S_square = square(kappa) + square(tan_alpha); /* [Adams] comprehensive slip, squared */
     const double F_y_linear = K_yalpha*tan_alpha; /* [Adams] side force without sliding */
-    const double S_square_inside = ((S_square >= 1.0) || (S_square <= 0.0) ? 1.0 : S_square); /* [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of */
-    const double S_s_alpha = (S_square <= 0.0 ? 0.0 : sqrt(S_square_inside)); /* [Adams] comprehensive slip, 1 at most */
+    const double S_square_inside = (S_square >= 1.0 ? 1.0 : S_square); /* [tirefmu] the same, 1 at most */
+    const double S_s_alpha = (S_square_inside <= 1e-100 ? 0.0 : sqrt((S_square_inside <= 1e-100 ? 1.0 : S_square_inside))); /* [Adams] comprehensive slip, 1 at most */
     const double U = UMAX - S_s_alpha*mu_x_fall; /* [Adams] friction at this comprehensive slip */
     const double mu_x = U; /* [Adams] largest |Fx| per load at this comprehensive slip */
     const double mu_y = U; /* [Adams] largest |Fy| per load at this comprehensive slip */
     const double F_x_limit = F_z*mu_x; /* [Adams] largest longitudinal force */
     const double F_y_limit = F_z*mu_y; /* [Adams] largest side force */
-    const double Fx = (Fz <= 1e-06 ? 0.0 : (fabs(F_x_linear) <= 0.5*F_x_limit ? F_x_linear : F_x_limit*sgn(F_x_linear) - 0.25*square(F_x_limit)/F_x_linear)); /* [Adams] longitudinal force */
-    const double sliding_y = (fabs(F_y_linear) >= 3.0*F_y_limit ? sgn(F_y_linear) : 0.3333333333333333*F_y_linear/F_y_limit); /* [Adams] 1 - H with the sense of the side force: share of the contact that slides */
+    const double Fx = (Fz <= 1e-06 ? 0.0 : (fabs(F_x_linear) <= 0.5*F_x_limit ? F_x_linear : F_x_limit*sgn(F_x_linear) - 0.25*square(F_x_limit)/(fabs(F_x_linear) <= 0.5*F_x_limit ? 1.0 : F_x_linear))); /* [Adams] longitudinal force */
+    const double sliding_y = (fabs(F_y_linear) >= 3.0*F_y_limit ? sgn(F_y_linear) : 0.3333333333333333*F_y_linear/(fabs(F_y_linear) >= 3.0*F_y_limit ? 1.0 : F_y_limit)); /* [Adams] 1 - H with the sense of the side force: share of the contact that slides */
     const double Fy = (Fz <= 1e-06 ? 0.0 : F_y_limit*sliding_y*(3.0 + square(sliding_y) - 3.0*fabs(sliding_y))); /* [Adams] side force */
     const double Mz = (Fz <= 1e-06 ? 0.0 : -3.0*F_y_limit*sliding_y*t_0*cube(1.0 - fabs(sliding_y))); /* [Adams] aligning moment */
 

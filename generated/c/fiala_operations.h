@@ -12,75 +12,75 @@ enum {
 /* Slots: inputs, parameters, the speed at which a wheel turns, constants, results of operations. */
 
 #define FIALA_N_LEAVES 19
-#define FIALA_N_CONSTANTS 11
-#define FIALA_N_OPERATIONS 77
+#define FIALA_N_CONSTANTS 12
+#define FIALA_N_OPERATIONS 79
 
-#define FIALA_N_SLOTS 107
+#define FIALA_N_SLOTS 110
 
 #define FIALA_ROLLING_RADIUS 4
 
 #define FIALA_CONSTANTS { \
-    1.5707963267948966, 3.141592653589793, 1e-06, 0.5, 1.0, -1.0, 0.0, 0.25, 3.0, 0.3333333333333333, -3.0 \
+    1.5707963267948966, 3.141592653589793, 1e-06, 0.5, 1.0, -1.0, 1e-100, 0.0, 0.25, 3.0, 0.3333333333333333, -3.0 \
 }
 
 #define FIALA_FORCE_SLOTS { \
-    67, 87, 96, 101 \
+    69, 90, 99, 104 \
 }
 
 #define FIALA_QUANTITY_SLOTS { \
-    49, 50, 52, 52, 52, 50, 9, 57, 68, 73, 88, 15, 16, 103, 106, 8, 11 \
+    50, 51, 53, 53, 53, 51, 9, 58, 70, 75, 91, 15, 16, 106, 109, 8, 11 \
 }
 
 #define FIALA_OPERATIONS { \
     /* [tirefmu] alpha_folded */ \
-    {ABSOLUTE,1}, {LESS,19,30}, {SGN,1}, {MULTIPLY,20,32}, {SUBTRACT,33,1}, {CHOOSE,31,34,1}, \
+    {ABSOLUTE,1}, {LESS,19,31}, {SGN,1}, {MULTIPLY,20,33}, {SUBTRACT,34,1}, {CHOOSE,32,35,1}, \
     /* [tirefmu] F_z */ \
-    {AT_MOST,2,21}, {CHOOSE,36,21,2}, \
+    {AT_MOST,2,21}, {CHOOSE,37,21,2}, \
     /* [tirefmu] sense */ \
-    {LESS,22,17}, {CHOOSE,38,23,24}, \
+    {LESS,22,17}, {CHOOSE,39,23,24}, \
     /* [tirefmu] tan_alpha */ \
-    {TAN,35}, \
+    {TAN,36}, \
     /* [Adams] S_square */ \
-    {MULTIPLY,0,0}, {MULTIPLY,40,40}, {ADD,41,42}, \
+    {MULTIPLY,0,0}, {MULTIPLY,41,41}, {ADD,42,43}, \
     /* [tirefmu] S_square_inside */ \
-    {AT_MOST,23,43}, {AT_MOST,43,25}, {OR,44,45}, {CHOOSE,46,23,43}, \
+    {AT_MOST,23,44}, {CHOOSE,45,23,44}, \
     /* [Adams] S_s_alpha */ \
-    {ROOT,47}, {CHOOSE,45,25,48}, \
+    {AT_MOST,46,25}, {CHOOSE,47,23,46}, {ROOT,48}, {CHOOSE,47,26,49}, \
     /* [Adams] mu_x_fall */ \
     {SUBTRACT,13,12}, \
     /* [Adams] U */ \
-    {MULTIPLY,49,50}, {SUBTRACT,13,51}, \
+    {MULTIPLY,50,51}, {SUBTRACT,13,52}, \
     /* [Adams] F_x_limit */ \
-    {MULTIPLY,37,52}, \
+    {MULTIPLY,38,53}, \
     /* [Adams] F_x_linear */ \
     {MULTIPLY,0,9}, \
     /* [Adams] kappa_crit */ \
-    {MULTIPLY,22,53}, {DIVIDE,55,9}, {ABSOLUTE,56}, \
+    {MULTIPLY,22,54}, {DIVIDE,56,9}, {ABSOLUTE,57}, \
     /* [Adams] Fx */ \
-    {ABSOLUTE,54}, {AT_MOST,58,55}, {SGN,54}, {MULTIPLY,53,60}, {MULTIPLY,53,53}, {MULTIPLY,26,62}, {DIVIDE,63,54}, \
-    {SUBTRACT,61,64}, {CHOOSE,59,54,65}, {CHOOSE,36,25,66}, \
+    {ABSOLUTE,55}, {AT_MOST,59,56}, {SGN,55}, {MULTIPLY,54,61}, {MULTIPLY,54,54}, {MULTIPLY,27,63}, {CHOOSE,60,23,55}, \
+    {DIVIDE,64,65}, {SUBTRACT,62,66}, {CHOOSE,60,55,67}, {CHOOSE,37,26,68}, \
     /* [Adams] K_yalpha */ \
-    {MULTIPLY,10,39}, \
+    {MULTIPLY,10,40}, \
     /* [Adams] F_y_linear */ \
-    {MULTIPLY,40,68}, \
+    {MULTIPLY,41,70}, \
     /* [Adams] alpha_crit */ \
-    {MULTIPLY,27,53}, {DIVIDE,70,68}, {ABSOLUTE,71}, {ATAN,72}, \
+    {MULTIPLY,28,54}, {DIVIDE,72,70}, {ABSOLUTE,73}, {ATAN,74}, \
     /* [Adams] sliding_y */ \
-    {ABSOLUTE,69}, {AT_MOST,70,74}, {SGN,69}, {MULTIPLY,28,69}, {DIVIDE,77,53}, {CHOOSE,75,76,78}, \
+    {ABSOLUTE,71}, {AT_MOST,72,76}, {SGN,71}, {MULTIPLY,29,71}, {CHOOSE,77,23,54}, {DIVIDE,79,80}, {CHOOSE,77,78,81}, \
     /* [Adams] Fy */ \
-    {MULTIPLY,79,79}, {ADD,27,80}, {ABSOLUTE,79}, {MULTIPLY,27,82}, {SUBTRACT,81,83}, {MULTIPLY,53,79}, \
-    {MULTIPLY,84,85}, {CHOOSE,36,25,86}, \
+    {MULTIPLY,82,82}, {ADD,28,83}, {ABSOLUTE,82}, {MULTIPLY,28,85}, {SUBTRACT,84,86}, {MULTIPLY,54,82}, \
+    {MULTIPLY,87,88}, {CHOOSE,37,26,89}, \
     /* [Adams] t_0 */ \
-    {MULTIPLY,28,5}, \
+    {MULTIPLY,29,5}, \
     /* [Adams] Mz */ \
-    {SUBTRACT,23,82}, {MULTIPLY,89,89}, {MULTIPLY,89,90}, {MULTIPLY,29,53}, {MULTIPLY,79,92}, {MULTIPLY,88,93}, \
-    {MULTIPLY,91,94}, {CHOOSE,36,25,95}, \
+    {SUBTRACT,23,85}, {MULTIPLY,92,92}, {MULTIPLY,92,93}, {MULTIPLY,30,54}, {MULTIPLY,82,95}, {MULTIPLY,91,96}, \
+    {MULTIPLY,94,97}, {CHOOSE,37,26,98}, \
     /* [Adams] My */ \
-    {SGN,3}, {MULTIPLY,14,37}, {MULTIPLY,39,98}, {MULTIPLY,97,99}, {CHOOSE,36,25,100}, \
+    {SGN,3}, {MULTIPLY,14,38}, {MULTIPLY,40,101}, {MULTIPLY,100,102}, {CHOOSE,37,26,103}, \
     /* [Adams] rho */ \
-    {DIVIDE,37,7}, {CHOOSE,36,25,102}, \
+    {DIVIDE,38,7}, {CHOOSE,37,26,105}, \
     /* [Adams] R_l */ \
-    {LESS,103,4}, {SUBTRACT,4,103}, {CHOOSE,104,105,25}, \
+    {LESS,106,4}, {SUBTRACT,4,106}, {CHOOSE,107,108,26}, \
 }
 
 #endif

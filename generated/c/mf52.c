@@ -3,6 +3,10 @@
 
 #include "mf52.h"
 
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(_M_FP_FAST)
+#error "NaN has to stay NaN: compile without -ffast-math, -Ofast, -ffinite-math-only and /fp:fast"
+#endif
+
 #include <float.h>
 #include <math.h>
 #include <stdint.h>
@@ -457,11 +461,12 @@ void mf52_quantities(const double inputs[], const double parameters[], double re
 
     /* Inputs */
     const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
-    const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
-    const double fade_smooth = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/VXLOW) : 1.0) : 1.0); /* [MFeval] reduction of the shifts, the trail and the residual moment at low speed */
+    const double V_xlow = (VXLOW <= 0.0 ? 1e-06 : VXLOW); /* [tirefmu] speed below which slips fade out, above 0 */
+    const double fade = (LIMITS > 0.5 ? (V_xlow >= fabs(V) ? fabs(V)/(V_xlow >= fabs(V) ? V_xlow : 1.0) : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
+    const double fade_smooth = (LIMITS > 0.5 ? (V_xlow >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/(V_xlow >= fabs(V) ? V_xlow : 1.0)) : 1.0) : 1.0); /* [MFeval] reduction of the shifts, the trail and the residual moment at low speed */
     const double phit_in = (LIMITS > 0.5 ? fade*phit*(V < 0.0 ? -1.0 : 1.0)*fast_cos(alpha_folded) : phit); /* [MFeval] turn slip, within limits */
     const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha_folded)) : 1.0); /* [MFeval] rolling and sliding speed */
-    const double alpha_low = (LIMITS > 0.5 ? (VXLOW > speed_sum ? alpha_folded*speed_sum/VXLOW : alpha_folded) : alpha_folded); /* [MFeval] slip angle, faded out at low speed */
+    const double alpha_low = (LIMITS > 0.5 ? (V_xlow > speed_sum ? alpha_folded*speed_sum/(V_xlow > speed_sum ? V_xlow : 1.0) : alpha_folded) : alpha_folded); /* [MFeval] slip angle, faded out at low speed */
     const double kappa_raised = (LIMITS > 0.5 ? (KPUMIN > fade*kappa ? KPUMIN : fade*kappa) : fade*kappa); /* [MFeval] kappa, with limits not below the lowest */
     const double kappa_in = (LIMITS > 0.5 ? (KPUMAX < kappa_raised ? KPUMAX : kappa_raised) : kappa_raised); /* [MFeval] kappa, within limits */
     const double alpha_raised = (LIMITS > 0.5 ? (ALPMIN > alpha_low ? ALPMIN : alpha_low) : alpha_low); /* [MFeval] alpha, with limits not below the lowest */
@@ -470,7 +475,7 @@ void mf52_quantities(const double inputs[], const double parameters[], double re
     const double gamma_in = (LIMITS > 0.5 ? (CAMMAX < gamma_raised ? CAMMAX : gamma_raised) : gamma_raised); /* [MFeval] gamma, within limits */
     const double p_raised = (LIMITS > 0.5 ? (PRESMIN > p ? PRESMIN : p) : p); /* [MFeval] p, with limits not below the lowest */
     const double p_in = (LIMITS > 0.5 ? (PRESMAX < p_raised ? PRESMAX : p_raised) : p_raised); /* [MFeval] p, within limits */
-    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z = (Fz < 1e-06 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z_limited = (LIMITS > 0.5 ? (FZMAX < F_z ? FZMAX : F_z) : F_z); /* [MFeval] load, within limits */
     const double F_zl = (LIMITS > 0.5 ? (FZMIN > F_z_limited ? FZMIN : F_z_limited) : F_z_limited); /* [MFeval] load of the deflection, not below FZMIN with limits */
     const double F_zm = (LIMITS > 0.5 ? (F_z_limited <= 0.0 ? 0.0 : F_zl) : F_z_limited); /* [MFeval] load of the aligning moment, the same but on the ground */
@@ -484,7 +489,8 @@ void mf52_quantities(const double inputs[], const double parameters[], double re
     const double cos_alpha = V/(1e-06 + V_c); /* [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed */
     const double alpha_star = (SLIP_ANGLE > 0.5 ? alpha_in : tan_alpha*sgn(V)); /* [4.E3] lateral slip alpha* */
     const double gamma_star = (SLIP_ANGLE > 0.5 ? gamma_in : fast_sin(gamma_in)); /* [4.E4] inclination gamma* */
-    const double slide = (CONVENTION > 0.5 ? 1.0 + LMUV*sqrt(1e-60 + square(kappa_in) + square(tan_alpha))*fabs(V)/LONGVL : 1.0); /* [4.E7] by how much slip speed lowers friction */
+    const double slip_squared = square(kappa_in) + square(tan_alpha); /* [4.E7] longitudinal and lateral slip, squared */
+    const double slide = (CONVENTION > 0.5 ? 1.0 + LMUV*(slip_squared <= 1e-100 ? 0.0 : sqrt((slip_squared <= 1e-100 ? 1.0 : slip_squared)))*fabs(V)/LONGVL : 1.0); /* [4.E7] by how much slip speed lowers friction */
     const double LMUX_star = (CONVENTION > 0.5 ? LMUX/slide : LMUX); /* [4.E7] friction scale of Fx */
     const double LMUY_star = (CONVENTION > 0.5 ? LMUY/slide : LMUY); /* [4.E7] friction scale of Fy */
     const double LMUX_shift = (CONVENTION > 0.5 ? 10.0*LMUX_star/(1.0 + 9.0*LMUX_star) : LMUX_star); /* [4.E8] friction scale of the shifts of Fx */
@@ -506,14 +512,14 @@ void mf52_quantities(const double inputs[], const double parameters[], double re
     /* Turn slip */
     const double turn_share = (1000000.0*fabs(phit_in) < 1.0 ? 1000000000000.0*square(fabs(phit_in))*(3.0 - 2000000.0*fabs(phit_in)) : 1.0); /* [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight */
     const double eps_gamma = PECP1*(1.0 + PECP2*dfz); /* [4.90] equivalent spin of camber */
-    const double V_spin = (VXLOW > fabs(V) ? VXLOW*sgn1(V) : (CONVENTION > 0.5 ? V : V_c)); /* [4.76] speed that the spin refers to */
+    const double V_spin = (V_xlow > fabs(V) ? V_xlow*sgn1(V) : (CONVENTION > 0.5 ? V : V_c)); /* [4.76] speed that the spin refers to */
     const double phi = (phit_in + omega*(1.0 - eps_gamma)*fast_sin(gamma_in)/V_spin)*(CONVENTION > 0.5 ? 1.0 : -1.0); /* [4.76] spin by path curvature and camber */
     const double R_0_phi = UNLOADED_RADIUS*phi; /* [4.76] spin per radius */
     const double zeta_0 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share); /* [4.83] camber acts through its spin */
     const double B_xphi = PDXP1*(1.0 + PDXP2*dfz)/sqrt(1.0 + square(PDXP3)*square(kappa_in)); /* [4.106] fall of D_x with spin */
     const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
     const double B_yphi = PDYP1*(1.0 + PDYP2*dfz)/sqrt(1.0 + square(PDYP3)*square(tan_alpha)); /* [4.78] fall of D_y with spin */
-    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
+    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_yphi)*square(PDYP4*(fabs(R_0_phi) <= 1e-100 ? 0.0 : sqrt((fabs(R_0_phi) <= 1e-100 ? 1.0 : fabs(R_0_phi)))) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
     const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
     const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
     const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
@@ -591,8 +597,8 @@ void mf52_quantities(const double inputs[], const double parameters[], double re
     const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
     const double D_Vyk = F_z_limited*mu_y_pressed*zeta_2*(RVY1 + RVY2*dfz + RVY3*gamma_star)/sqrt(1.0 + square(RVY4)*square(alpha_star)); /* [4.E67] peak of S_Vyk */
     const double S_Vyk = D_Vyk*LVYKA*fade_smooth*fast_sin(RVY5*fast_atan(RVY6*kappa_in)); /* [4.E66] side force made by longitudinal slip */
-    const double Fx = (Fz < 1e-100 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
-    const double Fy = (Fz < 1e-100 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
+    const double Fx = (Fz < 1e-06 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
+    const double Fy = (Fz < 1e-06 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
 
     /* Aligning moment */
     const double S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
@@ -603,7 +609,8 @@ void mf52_quantities(const double inputs[], const double parameters[], double re
     const double D_t = F_zm*LTR*UNLOADED_RADIUS*zeta_5*(1.0 - PPZ1*dpi)*(QDZ1 + QDZ2*dfz)*(CONVENTION > 0.5 ? 1.0 + QDZ3*fabs(gamma_star) + QDZ4*square(gamma_star) : 1.0 + QDZ3*gamma_in + QDZ4*square(gamma_in))*(CONVENTION > 0.5 ? sgn(V) : 1.0)/F_z01; /* [4.E43] peak factor of the trail */
     const double E_t = (LIMITS > 0.5 ? ((1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz)) > 1.0 ? 1.0 : (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz))) : (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz))); /* [4.E44] curvature factor of the trail */
     const double B_r = zeta_6*(B_y*C_y*QBZ10 + LKY*QBZ9/LMUY_star); /* [4.E45] stiffness factor of the residual moment */
-    const double M_zphi_inf_signed = F_zm*LMP*QCRP1*UNLOADED_RADIUS*sqrt(1e-60 + F_zm/F_z01)*fabs(mu_y_pressed); /* [4.95] moment of turning on the spot */
+    const double F_zm_share = F_zm/F_z01; /* [4.95] load per nominal load */
+    const double M_zphi_inf_signed = F_zm*LMP*QCRP1*UNLOADED_RADIUS*(F_zm_share <= 1e-100 ? 0.0 : sqrt((F_zm_share <= 1e-100 ? 1.0 : F_zm_share)))*fabs(mu_y_pressed); /* [4.95] moment of turning on the spot */
     const double M_zphi_inf = (M_zphi_inf_signed <= 0.0 ? 1e-06 : M_zphi_inf_signed); /* [4.95] moment of turning on the spot, above 0 */
     const double D_Drphi = M_zphi_inf/fast_sin(0.5*PI*QDRP1); /* [4.94] peak of the moment by spin */
     const double K_zgammar0 = F_zm*LKZC*UNLOADED_RADIUS*(CONVENTION > 0.5 ? QDZ8 + QDZ9*dfz + (QDZ10 + QDZ11*dfz)*fabs(gamma_star) : QDZ10 + dfz*(SIGNS > 0.5 ? -QDZ8*QDZ9 : QDZ8*QDZ9) + QDZ11*dfz*fabs(gamma_in)); /* [4.99] camber torque stiffness */
@@ -631,10 +638,12 @@ void mf52_quantities(const double inputs[], const double parameters[], double re
     const double M_z0 = M_zr0 - F_y0_00*trail_0; /* [4.E31] aligning moment in pure slip */
     const double kappa_share = square(K_xkappa)*square(kappa_in)/square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double tan_alpha_teq = (CONVENTION > 0.5 ? alpha_t : fast_tan(alpha_t)); /* [4.E77] the same as a slip */
-    const double slip_alpha_teq = sqrt(1e-60 + kappa_share + square(tan_alpha_teq)); /* [4.E77] size of the equivalent slip */
+    const double slip_alpha_teq_squared = kappa_share + square(tan_alpha_teq); /* [4.E77] equivalent slip, squared */
+    const double slip_alpha_teq = (slip_alpha_teq_squared <= 1e-100 ? 0.0 : sqrt((slip_alpha_teq_squared <= 1e-100 ? 1.0 : slip_alpha_teq_squared))); /* [4.E77] size of the equivalent slip */
     const double alpha_teq = (CONVENTION > 0.5 ? slip_alpha_teq : fast_atan(slip_alpha_teq))*sgn(alpha_t); /* [4.E77] equivalent slip of the trail */
     const double tan_alpha_req = (CONVENTION > 0.5 ? alpha_r : fast_tan(alpha_r)); /* [4.E78] the same as a slip */
-    const double slip_alpha_req = sqrt(1e-60 + kappa_share + square(tan_alpha_req)); /* [4.E78] size of the equivalent slip */
+    const double slip_alpha_req_squared = kappa_share + square(tan_alpha_req); /* [4.E78] equivalent slip, squared */
+    const double slip_alpha_req = (slip_alpha_req_squared <= 1e-100 ? 0.0 : sqrt((slip_alpha_req_squared <= 1e-100 ? 1.0 : slip_alpha_req_squared))); /* [4.E78] size of the equivalent slip */
     const double alpha_req = (CONVENTION > 0.5 ? slip_alpha_req : fast_atan(slip_alpha_req))*sgn(alpha_r); /* [4.E78] equivalent slip of the residual moment */
     const double trail_u = B_t*alpha_teq; /* [4.1] B x */
     const double trail_v = trail_u - E_t*(trail_u - fast_atan(trail_u)); /* [4.1] B x bent by E */
@@ -649,15 +658,14 @@ void mf52_quantities(const double inputs[], const double parameters[], double re
     /* Deflection and loaded radius */
     const double c_z_normalized = UNLOADED_RADIUS*VERTICAL_STIFFNESS/FNOMIN; /* [P 4] vertical stiffness in nominal loads per radius */
     const double Q_FZ1_squared = square(c_z_normalized) - 4.0*Q_FZ2; /* [P 4] linear coefficient of load over deflection, squared */
-    const double Q_FZ1 = (Q_FZ1_squared < 0.0 ? 0.0 : sqrt(Q_FZ1_squared)); /* [P 4] linear coefficient of load over deflection */
+    const double Q_FZ1 = (Q_FZ1_squared <= 1e-100 ? 0.0 : sqrt((Q_FZ1_squared <= 1e-100 ? 1.0 : Q_FZ1_squared))); /* [P 4] linear coefficient of load over deflection */
     const double f_z = FNOMIN*(1.0 + PFZ1*dpi)*(1.0 - square(Fx)*square(Q_FCX)/square(FNOMIN) - square(Fy)*square(Q_FCY)/square(FNOMIN) + Q_V2*UNLOADED_RADIUS*fabs(omega)/LONGVL); /* [P 3] scale of the load by speed, forces and pressure */
     const double rho_root = square(Q_FZ1) + 4.0*F_zl*Q_FZ2/f_z; /* [P 3] discriminant */
-    const double rho_sqrt = sqrt(rho_root); /* [P 3] its root */
-    const double Q_FZ2_divisor = (Q_FZ2 == 0.0 ? 1.0 : Q_FZ2); /* [tirefmu] Q_FZ2; 1 where it is 0 and the other branch is taken */
-    const double rho_closed = (Q_FZ2 == 0.0 ? F_zl*UNLOADED_RADIUS/(Q_FZ1*f_z) : 0.5*UNLOADED_RADIUS*(rho_sqrt - Q_FZ1)/Q_FZ2_divisor); /* [P 3] deflection of the upright tire */
+    const double rho_sqrt = (rho_root <= 1e-100 ? 0.0 : sqrt((rho_root <= 1e-100 ? 1.0 : rho_root))); /* [P 3] its root */
+    const double rho_closed = (Q_FZ2 == 0.0 ? F_zl*UNLOADED_RADIUS/(Q_FZ1*f_z) : 0.5*UNLOADED_RADIUS*(rho_sqrt - Q_FZ1)/(Q_FZ2 == 0.0 ? 1.0 : Q_FZ2)); /* [P 3] deflection of the upright tire */
     const double rho_upright = (rho_closed > 0.0 ? rho_closed : 0.0); /* [P 3] deflection of the upright tire, not below 0 */
     const double R_l = (R_omega > rho_upright ? R_omega - rho_upright : 0.0); /* [A3.2] loaded radius */
-    const double rho = (F_zl == 0.0 ? 1e-06 : rho_upright); /* [A3.3] deflection */
+    const double rho = ((F_zl == 0.0) || (rho_upright <= 0.0) ? 1e-06 : rho_upright); /* [A3.3] deflection */
     const double c_z = F_zl/rho; /* [A3.3] vertical stiffness, load per deflection */
 
     /* Contact patch */
@@ -947,11 +955,12 @@ static void forces_general(const double inputs[], const double parameters[], dou
 
     /* Inputs */
     const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
-    const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
-    const double fade_smooth = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/VXLOW) : 1.0) : 1.0); /* [MFeval] reduction of the shifts, the trail and the residual moment at low speed */
+    const double V_xlow = (VXLOW <= 0.0 ? 1e-06 : VXLOW); /* [tirefmu] speed below which slips fade out, above 0 */
+    const double fade = (LIMITS > 0.5 ? (V_xlow >= fabs(V) ? fabs(V)/(V_xlow >= fabs(V) ? V_xlow : 1.0) : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
+    const double fade_smooth = (LIMITS > 0.5 ? (V_xlow >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/(V_xlow >= fabs(V) ? V_xlow : 1.0)) : 1.0) : 1.0); /* [MFeval] reduction of the shifts, the trail and the residual moment at low speed */
     const double phit_in = (LIMITS > 0.5 ? fade*phit*(V < 0.0 ? -1.0 : 1.0)*fast_cos(alpha_folded) : phit); /* [MFeval] turn slip, within limits */
     const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha_folded)) : 1.0); /* [MFeval] rolling and sliding speed */
-    const double alpha_low = (LIMITS > 0.5 ? (VXLOW > speed_sum ? alpha_folded*speed_sum/VXLOW : alpha_folded) : alpha_folded); /* [MFeval] slip angle, faded out at low speed */
+    const double alpha_low = (LIMITS > 0.5 ? (V_xlow > speed_sum ? alpha_folded*speed_sum/(V_xlow > speed_sum ? V_xlow : 1.0) : alpha_folded) : alpha_folded); /* [MFeval] slip angle, faded out at low speed */
     const double kappa_raised = (LIMITS > 0.5 ? (KPUMIN > fade*kappa ? KPUMIN : fade*kappa) : fade*kappa); /* [MFeval] kappa, with limits not below the lowest */
     const double kappa_in = (LIMITS > 0.5 ? (KPUMAX < kappa_raised ? KPUMAX : kappa_raised) : kappa_raised); /* [MFeval] kappa, within limits */
     const double alpha_raised = (LIMITS > 0.5 ? (ALPMIN > alpha_low ? ALPMIN : alpha_low) : alpha_low); /* [MFeval] alpha, with limits not below the lowest */
@@ -960,7 +969,7 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double gamma_in = (LIMITS > 0.5 ? (CAMMAX < gamma_raised ? CAMMAX : gamma_raised) : gamma_raised); /* [MFeval] gamma, within limits */
     const double p_raised = (LIMITS > 0.5 ? (PRESMIN > p ? PRESMIN : p) : p); /* [MFeval] p, with limits not below the lowest */
     const double p_in = (LIMITS > 0.5 ? (PRESMAX < p_raised ? PRESMAX : p_raised) : p_raised); /* [MFeval] p, within limits */
-    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z = (Fz < 1e-06 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z_limited = (LIMITS > 0.5 ? (FZMAX < F_z ? FZMAX : F_z) : F_z); /* [MFeval] load, within limits */
     const double F_zl = (LIMITS > 0.5 ? (FZMIN > F_z_limited ? FZMIN : F_z_limited) : F_z_limited); /* [MFeval] load of the deflection, not below FZMIN with limits */
     const double F_zm = (LIMITS > 0.5 ? (F_z_limited <= 0.0 ? 0.0 : F_zl) : F_z_limited); /* [MFeval] load of the aligning moment, the same but on the ground */
@@ -974,7 +983,8 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double cos_alpha = V/(1e-06 + V_c); /* [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed */
     const double alpha_star = (SLIP_ANGLE > 0.5 ? alpha_in : tan_alpha*sgn(V)); /* [4.E3] lateral slip alpha* */
     const double gamma_star = (SLIP_ANGLE > 0.5 ? gamma_in : fast_sin(gamma_in)); /* [4.E4] inclination gamma* */
-    const double slide = (CONVENTION > 0.5 ? 1.0 + LMUV*sqrt(1e-60 + square(kappa_in) + square(tan_alpha))*fabs(V)/LONGVL : 1.0); /* [4.E7] by how much slip speed lowers friction */
+    const double slip_squared = square(kappa_in) + square(tan_alpha); /* [4.E7] longitudinal and lateral slip, squared */
+    const double slide = (CONVENTION > 0.5 ? 1.0 + LMUV*(slip_squared <= 1e-100 ? 0.0 : sqrt((slip_squared <= 1e-100 ? 1.0 : slip_squared)))*fabs(V)/LONGVL : 1.0); /* [4.E7] by how much slip speed lowers friction */
     const double LMUX_star = (CONVENTION > 0.5 ? LMUX/slide : LMUX); /* [4.E7] friction scale of Fx */
     const double LMUY_star = (CONVENTION > 0.5 ? LMUY/slide : LMUY); /* [4.E7] friction scale of Fy */
     const double LMUX_shift = (CONVENTION > 0.5 ? 10.0*LMUX_star/(1.0 + 9.0*LMUX_star) : LMUX_star); /* [4.E8] friction scale of the shifts of Fx */
@@ -994,14 +1004,14 @@ static void forces_general(const double inputs[], const double parameters[], dou
     /* Turn slip */
     const double turn_share = (1000000.0*fabs(phit_in) < 1.0 ? 1000000000000.0*square(fabs(phit_in))*(3.0 - 2000000.0*fabs(phit_in)) : 1.0); /* [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight */
     const double eps_gamma = PECP1*(1.0 + PECP2*dfz); /* [4.90] equivalent spin of camber */
-    const double V_spin = (VXLOW > fabs(V) ? VXLOW*sgn1(V) : (CONVENTION > 0.5 ? V : V_c)); /* [4.76] speed that the spin refers to */
+    const double V_spin = (V_xlow > fabs(V) ? V_xlow*sgn1(V) : (CONVENTION > 0.5 ? V : V_c)); /* [4.76] speed that the spin refers to */
     const double phi = (phit_in + omega*(1.0 - eps_gamma)*fast_sin(gamma_in)/V_spin)*(CONVENTION > 0.5 ? 1.0 : -1.0); /* [4.76] spin by path curvature and camber */
     const double R_0_phi = UNLOADED_RADIUS*phi; /* [4.76] spin per radius */
     const double zeta_0 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share); /* [4.83] camber acts through its spin */
     const double B_xphi = PDXP1*(1.0 + PDXP2*dfz)/sqrt(1.0 + square(PDXP3)*square(kappa_in)); /* [4.106] fall of D_x with spin */
     const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
     const double B_yphi = PDYP1*(1.0 + PDYP2*dfz)/sqrt(1.0 + square(PDYP3)*square(tan_alpha)); /* [4.78] fall of D_y with spin */
-    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
+    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_yphi)*square(PDYP4*(fabs(R_0_phi) <= 1e-100 ? 0.0 : sqrt((fabs(R_0_phi) <= 1e-100 ? 1.0 : fabs(R_0_phi)))) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
     const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
     const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
     const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
@@ -1064,8 +1074,8 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
     const double D_Vyk = F_z_limited*mu_y_pressed*zeta_2*(RVY1 + RVY2*dfz + RVY3*gamma_star)/sqrt(1.0 + square(RVY4)*square(alpha_star)); /* [4.E67] peak of S_Vyk */
     const double S_Vyk = D_Vyk*LVYKA*fade_smooth*fast_sin(RVY5*fast_atan(RVY6*kappa_in)); /* [4.E66] side force made by longitudinal slip */
-    const double Fx = (Fz < 1e-100 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
-    const double Fy = (Fz < 1e-100 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
+    const double Fx = (Fz < 1e-06 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
+    const double Fy = (Fz < 1e-06 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
 
     /* Aligning moment */
     const double S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
@@ -1076,7 +1086,8 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double D_t = F_zm*LTR*UNLOADED_RADIUS*zeta_5*(1.0 - PPZ1*dpi)*(QDZ1 + QDZ2*dfz)*(CONVENTION > 0.5 ? 1.0 + QDZ3*fabs(gamma_star) + QDZ4*square(gamma_star) : 1.0 + QDZ3*gamma_in + QDZ4*square(gamma_in))*(CONVENTION > 0.5 ? sgn(V) : 1.0)/F_z01; /* [4.E43] peak factor of the trail */
     const double E_t = (LIMITS > 0.5 ? ((1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz)) > 1.0 ? 1.0 : (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz))) : (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz))); /* [4.E44] curvature factor of the trail */
     const double B_r = zeta_6*(B_y*C_y*QBZ10 + LKY*QBZ9/LMUY_star); /* [4.E45] stiffness factor of the residual moment */
-    const double M_zphi_inf_signed = F_zm*LMP*QCRP1*UNLOADED_RADIUS*sqrt(1e-60 + F_zm/F_z01)*fabs(mu_y_pressed); /* [4.95] moment of turning on the spot */
+    const double F_zm_share = F_zm/F_z01; /* [4.95] load per nominal load */
+    const double M_zphi_inf_signed = F_zm*LMP*QCRP1*UNLOADED_RADIUS*(F_zm_share <= 1e-100 ? 0.0 : sqrt((F_zm_share <= 1e-100 ? 1.0 : F_zm_share)))*fabs(mu_y_pressed); /* [4.95] moment of turning on the spot */
     const double M_zphi_inf = (M_zphi_inf_signed <= 0.0 ? 1e-06 : M_zphi_inf_signed); /* [4.95] moment of turning on the spot, above 0 */
     const double D_Drphi = M_zphi_inf/fast_sin(0.5*PI*QDRP1); /* [4.94] peak of the moment by spin */
     const double K_zgammar0 = F_zm*LKZC*UNLOADED_RADIUS*(CONVENTION > 0.5 ? QDZ8 + QDZ9*dfz + (QDZ10 + QDZ11*dfz)*fabs(gamma_star) : QDZ10 + dfz*(SIGNS > 0.5 ? -QDZ8*QDZ9 : QDZ8*QDZ9) + QDZ11*dfz*fabs(gamma_in)); /* [4.99] camber torque stiffness */
@@ -1095,10 +1106,12 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double D_r = -1.0 + zeta_8 + F_zm*LMUY_star*UNLOADED_RADIUS*(LRES*zeta_2*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*zeta_0*((1.0 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*fabs(gamma_star)))*fast_cos(alpha_star)*sgn(V); /* [4.E47] peak factor of the residual moment */
     const double kappa_share = square(K_xkappa)*square(kappa_in)/square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double tan_alpha_teq = (CONVENTION > 0.5 ? alpha_t : fast_tan(alpha_t)); /* [4.E77] the same as a slip */
-    const double slip_alpha_teq = sqrt(1e-60 + kappa_share + square(tan_alpha_teq)); /* [4.E77] size of the equivalent slip */
+    const double slip_alpha_teq_squared = kappa_share + square(tan_alpha_teq); /* [4.E77] equivalent slip, squared */
+    const double slip_alpha_teq = (slip_alpha_teq_squared <= 1e-100 ? 0.0 : sqrt((slip_alpha_teq_squared <= 1e-100 ? 1.0 : slip_alpha_teq_squared))); /* [4.E77] size of the equivalent slip */
     const double alpha_teq = (CONVENTION > 0.5 ? slip_alpha_teq : fast_atan(slip_alpha_teq))*sgn(alpha_t); /* [4.E77] equivalent slip of the trail */
     const double tan_alpha_req = (CONVENTION > 0.5 ? alpha_r : fast_tan(alpha_r)); /* [4.E78] the same as a slip */
-    const double slip_alpha_req = sqrt(1e-60 + kappa_share + square(tan_alpha_req)); /* [4.E78] size of the equivalent slip */
+    const double slip_alpha_req_squared = kappa_share + square(tan_alpha_req); /* [4.E78] equivalent slip, squared */
+    const double slip_alpha_req = (slip_alpha_req_squared <= 1e-100 ? 0.0 : sqrt((slip_alpha_req_squared <= 1e-100 ? 1.0 : slip_alpha_req_squared))); /* [4.E78] size of the equivalent slip */
     const double alpha_req = (CONVENTION > 0.5 ? slip_alpha_req : fast_atan(slip_alpha_req))*sgn(alpha_r); /* [4.E78] equivalent slip of the residual moment */
     const double trail_u = B_t*alpha_teq; /* [4.1] B x */
     const double trail_v = trail_u - E_t*(trail_u - fast_atan(trail_u)); /* [4.1] B x bent by E */
@@ -1110,20 +1123,21 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double M_zr = D_r*fade_smooth*(phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_req)) : M_zr_spun*turn_share + (1.0 - turn_share)/sqrt(1.0 + square(B_r)*square(alpha_req))); /* [4.E75] residual moment */
     const double s = LS*UNLOADED_RADIUS*(CONVENTION > 0.5 ? SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01 : SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
     const double F_y1 = Fy - S_Vyk; /* [4.E74] side force that the trail carries */
-    const double Mz = (Fz < 1e-100 ? 0.0 : M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
+    const double Mz = (Fz < 1e-06 ? 0.0 : M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
 
     /* Overturning and rolling resistance moment */
-    const double F_zx = (CONVENTION > 0.5 ? F_z_limited : (FZMIN > F_z_limited ? cube(F_z_limited)/square(FZMIN) : F_z_limited)); /* [MFeval] load of M_x */
+    const double F_zx = (CONVENTION > 0.5 ? F_z_limited : (FZMIN > F_z_limited ? cube(F_z_limited)/square((FZMIN > F_z_limited ? FZMIN : 1.0)) : F_z_limited)); /* [MFeval] load of M_x */
     const double M_x_hump = QSX4*fast_cos(QSX5*fast_atan(square(F_zx)*square(QSX6)/square(FNOMIN)))*fast_sin(QSX7*gamma_in + QSX8*fast_atan(Fy*QSX9/FNOMIN)); /* [M] hump of M_x over load and side force */
-    const double Mx = (Fz < 1e-100 ? 0.0 : LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma_in*fast_atan(F_zx*QSX11/FNOMIN) - QSX12*gamma_in*fabs(gamma_in) - QSX2*gamma_in*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*fabs(gamma_in)))); /* [4.E69] overturning moment */
-    const double F_zy = (CONVENTION > 0.5 ? F_z_limited : (FZMIN > F_z ? square(F_z)/FZMIN : F_z)); /* [MFeval] load of M_y */
+    const double Mx = (Fz < 1e-06 ? 0.0 : LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma_in*fast_atan(F_zx*QSX11/FNOMIN) - QSX12*gamma_in*fabs(gamma_in) - QSX2*gamma_in*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*fabs(gamma_in)))); /* [4.E69] overturning moment */
+    const double F_zy = (CONVENTION > 0.5 ? F_z_limited : (FZMIN > F_z ? square(F_z)/(FZMIN > F_z ? FZMIN : 1.0) : F_z)); /* [MFeval] load of M_y */
     const double M_y_speed = QSY1 + QSY3*fabs(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*fourth(V)/fourth(LONGVL); /* [4.E70] resistance by force and speed */
-    const double M_y_near_locked = fast_sin(0.5*PI*(1.0 + kappa)*fabs(V)/VXLOW); /* [MFeval] fade near the locked wheel */
-    const double M_y_backward = (kappa >= -VXLOW - VXLOW/fabs(V) ? M_y_near_locked : -1.0); /* [MFeval] the same, -1 where the wheel turns backward */
-    const double M_y_taper = (CONVENTION > 0.5 ? 1.0 : (kappa <= -1.0 + VXLOW/fabs(V) ? M_y_backward : 1.0)); /* [MFeval] the same, 1 where the wheel rolls */
+    const double speed_moving = (V == 0.0 ? 1.0 : fabs(V)); /* [tirefmu] speed; 1 at standstill, where M_y is 0 */
+    const double M_y_near_locked = fast_sin(0.5*PI*(1.0 + kappa)*fabs(V)/V_xlow); /* [MFeval] fade near the locked wheel */
+    const double M_y_backward = (kappa >= -V_xlow - V_xlow/speed_moving ? M_y_near_locked : -1.0); /* [MFeval] the same, -1 where the wheel turns backward */
+    const double M_y_taper = (CONVENTION > 0.5 ? 1.0 : (kappa <= -1.0 + V_xlow/speed_moving ? M_y_backward : 1.0)); /* [MFeval] the same, 1 where the wheel rolls */
     const double M_y_full = -F_zy*LMY*M_y_speed*UNLOADED_RADIUS; /* [4.E70] rolling resistance moment of the rolling wheel */
     const double M_y_rolling = (V == 0.0 ? 0.0 : M_y_full*M_y_taper*sgn1(V)); /* [MFeval] rolling resistance moment, 0 at standstill */
-    const double My = (Fz < 1e-100 ? 0.0 : M_y_rolling); /* [4.E70] rolling resistance moment */
+    const double My = (Fz < 1e-06 ? 0.0 : M_y_rolling); /* [4.E70] rolling resistance moment */
 
     results[0] = Fx;
     results[1] = Fy;
@@ -1160,7 +1174,7 @@ static void relaxation_general(const double inputs[], const double parameters[],
     /* Inputs */
     const double gamma_raised = (LIMITS > 0.5 ? (CAMMIN > gamma ? CAMMIN : gamma) : gamma); /* [MFeval] gamma, with limits not below the lowest */
     const double gamma_in = (LIMITS > 0.5 ? (CAMMAX < gamma_raised ? CAMMAX : gamma_raised) : gamma_raised); /* [MFeval] gamma, within limits */
-    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z = (Fz < 1e-06 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z_limited = (LIMITS > 0.5 ? (FZMAX < F_z ? FZMAX : F_z) : F_z); /* [MFeval] load, within limits */
 
     /* Normalized inputs */
@@ -1340,7 +1354,8 @@ void mf52_forces_straight(const double inputs[], const double parameters[], doub
 
     /* Two calls of a function that do not depend on each other are computed at a time */
     const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
-    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double V_xlow = (VXLOW <= 0.0 ? 1e-06 : VXLOW); /* [tirefmu] speed below which slips fade out, above 0 */
+    const double F_z = (Fz < 1e-06 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
     const double dpi = (p - NOMPRES)/NOMPRES; /* [4.E2b] normalized change in pressure */
     const double C_x = LCX*PCX1; /* [4.E11] shape factor */
@@ -1349,10 +1364,11 @@ void mf52_forces_straight(const double inputs[], const double parameters[], doub
     const double C_ykappa = RCY1; /* [4.E63] shape of G_yk */
     const double S_Vyk_atan_of = RVY6*kappa;
     const double C_t = QCZ1; /* [4.E41] shape factor of the trail */
-    const double M_y_near_locked_sin_of = 0.5*PI*(1.0 + kappa)*fabs(V)/VXLOW;
+    const double speed_moving = (V == 0.0 ? 1.0 : fabs(V)); /* [tirefmu] speed; 1 at standstill, where M_y is 0 */
     const double dfz = (F_z - F_z01)/F_z01; /* [4.E2a] normalized change in load */
-    const double F_zx = (FZMIN > F_z ? cube(F_z)/square(FZMIN) : F_z); /* [MFeval] load of M_x */
-    const double F_zy = (FZMIN > F_z ? square(F_z)/FZMIN : F_z); /* [MFeval] load of M_y */
+    const double F_zx = (FZMIN > F_z ? cube(F_z)/square((FZMIN > F_z ? FZMIN : 1.0)) : F_z); /* [MFeval] load of M_x */
+    const double F_zy = (FZMIN > F_z ? square(F_z)/(FZMIN > F_z ? FZMIN : 1.0) : F_z); /* [MFeval] load of M_y */
+    const double M_y_near_locked_sin_of = 0.5*PI*(1.0 + kappa)*fabs(V)/V_xlow;
     const double S_Hx = LHX*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
     const double mu_x_loaded = LMUX*(1.0 - PDX3*square(gamma))*(PDX1 + PDX2*dfz)*(1.0 + PPX3*dpi + PPX4*square(dpi)); /* [4.E13] peak friction */
     const double K_xkappa_exp_of = PKX3*dfz;
@@ -1392,7 +1408,7 @@ void mf52_forces_straight(const double inputs[], const double parameters[], doub
     const double mu_y_loaded = LMUY*(1.0 - PDY3*square(gamma_star))*(PDY1 + PDY2*dfz)*(1.0 + PPY3*dpi + PPY4*square(dpi)); /* [4.E23] peak friction */
     const double B_xalpha = LXAL*(RBX1 + RBX3*square(gamma_star))/sqrt(1.0 + square(RBX2)*square(kappa)); /* [4.E54] stiffness of G_xa */
     const double S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
-    const double M_y_backward = (kappa >= -VXLOW - VXLOW/fabs(V) ? M_y_near_locked : -1.0); /* [MFeval] the same, -1 where the wheel turns backward */
+    const double M_y_backward = (kappa >= -V_xlow - V_xlow/speed_moving ? M_y_near_locked : -1.0); /* [MFeval] the same, -1 where the wheel turns backward */
     const double cos_alpha = V/(1e-06 + V_c); /* [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed */
     const double F_x0_u = B_x*kappa_x; /* [4.1] B x */
     const double alpha_y = S_Hy + alpha_star; /* [4.E20] slip angle, shifted */
@@ -1403,7 +1419,7 @@ void mf52_forces_straight(const double inputs[], const double parameters[], doub
     const double G_xa0_u = B_xalpha*RHX1; /* [4.1] B x */
     const double B_ykappa = LYKA*(RBY1 + RBY4*square(gamma_star))/sqrt(1.0 + square(RBY2)*square(alpha_star - RBY3)); /* [4.E62] stiffness of G_yk */
     const double alpha_t = S_Ht + alpha_star; /* [4.E34] slip angle of the trail */
-    const double M_y_taper = (kappa <= -1.0 + VXLOW/fabs(V) ? M_y_backward : 1.0); /* [MFeval] the same, 1 where the wheel rolls */
+    const double M_y_taper = (kappa <= -1.0 + V_xlow/speed_moving ? M_y_backward : 1.0); /* [MFeval] the same, 1 where the wheel rolls */
     const double E_y = LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*square(gamma_star) - (PEY3 + PEY4*gamma_star)*sgn1(alpha_y)); /* [4.E24] curvature factor */
     const double G_yk_u = B_ykappa*(S_Hyk + kappa); /* [4.1] B x */
     const double G_yk0_u = B_ykappa*S_Hyk; /* [4.1] B x */
@@ -1454,7 +1470,8 @@ void mf52_forces_straight(const double inputs[], const double parameters[], doub
     const double alpha_r = S_Hy + alpha_star + S_Vy/K_yalpha1; /* [4.E37] slip angle of the residual moment */
     const double B_r = B_y*C_y*QBZ10 + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
     const double kappa_share = square(K_xkappa)*square(kappa)/square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
-    const double slip_alpha_teq = sqrt(1e-60 + kappa_share + square(tan_alpha_teq)); /* [4.E77] size of the equivalent slip */
+    const double slip_alpha_teq_squared = kappa_share + square(tan_alpha_teq); /* [4.E77] equivalent slip, squared */
+    const double slip_alpha_teq = (slip_alpha_teq_squared <= 1e-100 ? 0.0 : sqrt((slip_alpha_teq_squared <= 1e-100 ? 1.0 : slip_alpha_teq_squared))); /* [4.E77] size of the equivalent slip */
     const pair pair_9 = fast_pair_atan(PAIR(F_y0_u, slip_alpha_teq));
     const double F_y0_v_atan = PAIR_AT(pair_9, 0);
     const double alpha_teq_atan = PAIR_AT(pair_9, 1);
@@ -1472,13 +1489,14 @@ void mf52_forces_straight(const double inputs[], const double parameters[], doub
     const double G_yk = G_yk_cos_/G_yk_cos; /* [4.E59] weighting of Fy by longitudinal slip */
     const double alpha_teq = alpha_teq_atan*sgn(alpha_t); /* [4.E77] equivalent slip of the trail */
     const double tan_alpha_req = tan_alpha_req_tan; /* [4.E78] the same as a slip */
-    const double Fx = (Fz < 1e-100 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
-    const double slip_alpha_req = sqrt(1e-60 + kappa_share + square(tan_alpha_req)); /* [4.E78] size of the equivalent slip */
+    const double Fx = (Fz < 1e-06 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
+    const double slip_alpha_req_squared = kappa_share + square(tan_alpha_req); /* [4.E78] equivalent slip, squared */
     const double trail_u = B_t*alpha_teq; /* [4.1] B x */
+    const double slip_alpha_req = (slip_alpha_req_squared <= 1e-100 ? 0.0 : sqrt((slip_alpha_req_squared <= 1e-100 ? 1.0 : slip_alpha_req_squared))); /* [4.E78] size of the equivalent slip */
     const double M_y_speed = QSY1 + QSY3*fabs(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*fourth(V)/fourth(LONGVL); /* [4.E70] resistance by force and speed */
     const double M_y_full = -F_zy*LMY*M_y_speed*UNLOADED_RADIUS; /* [4.E70] rolling resistance moment of the rolling wheel */
     const double M_y_rolling = (V == 0.0 ? 0.0 : M_y_full*M_y_taper*sgn1(V)); /* [MFeval] rolling resistance moment, 0 at standstill */
-    const double My = (Fz < 1e-100 ? 0.0 : M_y_rolling); /* [4.E70] rolling resistance moment */
+    const double My = (Fz < 1e-06 ? 0.0 : M_y_rolling); /* [4.E70] rolling resistance moment */
     const pair pair_12 = fast_pair_atan(PAIR(F_y0_v, slip_alpha_req));
     const double F_y0_w_atan = PAIR_AT(pair_12, 0);
     const double alpha_req_atan = PAIR_AT(pair_12, 1);
@@ -1491,7 +1509,7 @@ void mf52_forces_straight(const double inputs[], const double parameters[], doub
     const double F_y0_sin = fast_sin(F_y0_w);
     const double F_y0 = (S_Vy + D_y*F_y0_sin)*sgn1(V); /* [4.E19] side force in pure slip */
     const double trail_w = C_t*trail_w_atan; /* [4.1] angle of the Magic Formula */
-    const double Fy = (Fz < 1e-100 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
+    const double Fy = (Fz < 1e-06 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
     const double s = LS*UNLOADED_RADIUS*(SSZ1 + gamma*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
     const double F_y1 = Fy - S_Vyk; /* [4.E74] side force that the trail carries */
     const double M_x_hump_atan_of_ = Fy*QSX9/FNOMIN;
@@ -1499,10 +1517,10 @@ void mf52_forces_straight(const double inputs[], const double parameters[], doub
     const double trail_cos = fast_cos(trail_w);
     const double trail = D_t*LFZO*cos_alpha*trail_cos; /* [4.E73] pneumatic trail */
     const double M_x_hump_sin_of = M_x_hump_atan_*QSX8 + QSX7*gamma;
-    const double Mz = (Fz < 1e-100 ? 0.0 : M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
+    const double Mz = (Fz < 1e-06 ? 0.0 : M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
     const double M_x_hump_sin = fast_sin(M_x_hump_sin_of);
     const double M_x_hump = M_x_hump_cos*M_x_hump_sin*QSX4; /* [M] hump of M_x over load and side force */
-    const double Mx = (Fz < 1e-100 ? 0.0 : LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + Mx_atan*QSX10*gamma - QSX12*gamma*fabs(gamma) - QSX2*gamma*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*fabs(gamma)))); /* [4.E69] overturning moment */
+    const double Mx = (Fz < 1e-06 ? 0.0 : LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + Mx_atan*QSX10*gamma - QSX12*gamma*fabs(gamma) - QSX2*gamma*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*fabs(gamma)))); /* [4.E69] overturning moment */
 
     results[0] = Fx;
     results[1] = Fy;
@@ -1534,7 +1552,7 @@ void mf52_relaxation_straight(const double inputs[], const double parameters[], 
     const double SIGK = parameters[MF52_SIGK];
 
     /* Inputs */
-    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z = (Fz < 1e-06 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
 
     /* Normalized inputs */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */

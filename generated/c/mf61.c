@@ -3,6 +3,10 @@
 
 #include "mf61.h"
 
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(_M_FP_FAST)
+#error "NaN has to stay NaN: compile without -ffast-math, -Ofast, -ffinite-math-only and /fp:fast"
+#endif
+
 #include <float.h>
 #include <math.h>
 #include <stdint.h>
@@ -500,11 +504,12 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
 
     /* Inputs */
     const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
-    const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
-    const double fade_smooth = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/VXLOW) : 1.0) : 1.0); /* [MFeval] reduction of the shifts, the trail and the residual moment at low speed */
+    const double V_xlow = (VXLOW <= 0.0 ? 1e-06 : VXLOW); /* [tirefmu] speed below which slips fade out, above 0 */
+    const double fade = (LIMITS > 0.5 ? (V_xlow >= fabs(V) ? fabs(V)/(V_xlow >= fabs(V) ? V_xlow : 1.0) : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
+    const double fade_smooth = (LIMITS > 0.5 ? (V_xlow >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/(V_xlow >= fabs(V) ? V_xlow : 1.0)) : 1.0) : 1.0); /* [MFeval] reduction of the shifts, the trail and the residual moment at low speed */
     const double phit_in = (LIMITS > 0.5 ? fade*phit*(V < 0.0 ? -1.0 : 1.0)*fast_cos(alpha_folded) : phit); /* [MFeval] turn slip, within limits */
     const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha_folded)) : 1.0); /* [MFeval] rolling and sliding speed */
-    const double alpha_low = (LIMITS > 0.5 ? (VXLOW > speed_sum ? alpha_folded*speed_sum/VXLOW : alpha_folded) : alpha_folded); /* [MFeval] slip angle, faded out at low speed */
+    const double alpha_low = (LIMITS > 0.5 ? (V_xlow > speed_sum ? alpha_folded*speed_sum/(V_xlow > speed_sum ? V_xlow : 1.0) : alpha_folded) : alpha_folded); /* [MFeval] slip angle, faded out at low speed */
     const double kappa_raised = (LIMITS > 0.5 ? (KPUMIN > fade*kappa ? KPUMIN : fade*kappa) : fade*kappa); /* [MFeval] kappa, with limits not below the lowest */
     const double kappa_in = (LIMITS > 0.5 ? (KPUMAX < kappa_raised ? KPUMAX : kappa_raised) : kappa_raised); /* [MFeval] kappa, within limits */
     const double alpha_raised = (LIMITS > 0.5 ? (ALPMIN > alpha_low ? ALPMIN : alpha_low) : alpha_low); /* [MFeval] alpha, with limits not below the lowest */
@@ -513,7 +518,7 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double gamma_in = (LIMITS > 0.5 ? (CAMMAX < gamma_raised ? CAMMAX : gamma_raised) : gamma_raised); /* [MFeval] gamma, within limits */
     const double p_raised = (LIMITS > 0.5 ? (PRESMIN > p ? PRESMIN : p) : p); /* [MFeval] p, with limits not below the lowest */
     const double p_in = (LIMITS > 0.5 ? (PRESMAX < p_raised ? PRESMAX : p_raised) : p_raised); /* [MFeval] p, within limits */
-    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z = (Fz < 1e-06 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z_limited = (LIMITS > 0.5 ? (FZMAX < F_z ? FZMAX : F_z) : F_z); /* [MFeval] load, within limits */
     const double F_zl = (LIMITS > 0.5 ? (FZMIN > F_z_limited ? FZMIN : F_z_limited) : F_z_limited); /* [MFeval] load of the deflection, not below FZMIN with limits */
     const double F_zm = (LIMITS > 0.5 ? (F_z_limited <= 0.0 ? 0.0 : F_zl) : F_z_limited); /* [MFeval] load of the aligning moment, the same but on the ground */
@@ -527,7 +532,8 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double cos_alpha = V/(1e-06 + V_c); /* [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed */
     const double alpha_star = (SLIP_ANGLE > 0.5 ? alpha_in : tan_alpha*sgn(V)); /* [4.E3] lateral slip alpha* */
     const double gamma_star = (SLIP_ANGLE > 0.5 ? gamma_in : fast_sin(gamma_in)); /* [4.E4] inclination gamma* */
-    const double slide = (CONVENTION > 0.5 ? 1.0 + LMUV*sqrt(1e-60 + square(kappa_in) + square(tan_alpha))*fabs(V)/LONGVL : 1.0); /* [4.E7] by how much slip speed lowers friction */
+    const double slip_squared = square(kappa_in) + square(tan_alpha); /* [4.E7] longitudinal and lateral slip, squared */
+    const double slide = (CONVENTION > 0.5 ? 1.0 + LMUV*(slip_squared <= 1e-100 ? 0.0 : sqrt((slip_squared <= 1e-100 ? 1.0 : slip_squared)))*fabs(V)/LONGVL : 1.0); /* [4.E7] by how much slip speed lowers friction */
     const double LMUX_star = (CONVENTION > 0.5 ? LMUX/slide : LMUX); /* [4.E7] friction scale of Fx */
     const double LMUY_star = (CONVENTION > 0.5 ? LMUY/slide : LMUY); /* [4.E7] friction scale of Fy */
     const double LMUX_shift = (CONVENTION > 0.5 ? 10.0*LMUX_star/(1.0 + 9.0*LMUX_star) : LMUX_star); /* [4.E8] friction scale of the shifts of Fx */
@@ -549,14 +555,14 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     /* Turn slip */
     const double turn_share = (1000000.0*fabs(phit_in) < 1.0 ? 1000000000000.0*square(fabs(phit_in))*(3.0 - 2000000.0*fabs(phit_in)) : 1.0); /* [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight */
     const double eps_gamma = PECP1*(1.0 + PECP2*dfz); /* [4.90] equivalent spin of camber */
-    const double V_spin = (VXLOW > fabs(V) ? VXLOW*sgn1(V) : (CONVENTION > 0.5 ? V : V_c)); /* [4.76] speed that the spin refers to */
+    const double V_spin = (V_xlow > fabs(V) ? V_xlow*sgn1(V) : (CONVENTION > 0.5 ? V : V_c)); /* [4.76] speed that the spin refers to */
     const double phi = (phit_in + omega*(1.0 - eps_gamma)*fast_sin(gamma_in)/V_spin)*(CONVENTION > 0.5 ? 1.0 : -1.0); /* [4.76] spin by path curvature and camber */
     const double R_0_phi = UNLOADED_RADIUS*phi; /* [4.76] spin per radius */
     const double zeta_0 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share); /* [4.83] camber acts through its spin */
     const double B_xphi = PDXP1*(1.0 + PDXP2*dfz)/sqrt(1.0 + square(PDXP3)*square(kappa_in)); /* [4.106] fall of D_x with spin */
     const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
     const double B_yphi = PDYP1*(1.0 + PDYP2*dfz)/sqrt(1.0 + square(PDYP3)*square(tan_alpha)); /* [4.78] fall of D_y with spin */
-    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
+    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_yphi)*square(PDYP4*(fabs(R_0_phi) <= 1e-100 ? 0.0 : sqrt((fabs(R_0_phi) <= 1e-100 ? 1.0 : fabs(R_0_phi)))) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
     const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
     const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
     const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
@@ -645,8 +651,8 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
     const double D_Vyk = F_z_limited*mu_y_pressed*zeta_2*(RVY1 + RVY2*dfz + RVY3*gamma_star)/sqrt(1.0 + square(RVY4)*square(alpha_star)); /* [4.E67] peak of S_Vyk */
     const double S_Vyk = D_Vyk*LVYKA*fade_smooth*fast_sin(RVY5*fast_atan(RVY6*kappa_in)); /* [4.E66] side force made by longitudinal slip */
-    const double Fx = (Fz < 1e-100 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
-    const double Fy = (Fz < 1e-100 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
+    const double Fx = (Fz < 1e-06 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
+    const double Fy = (Fz < 1e-06 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
 
     /* Aligning moment */
     const double S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
@@ -657,7 +663,8 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double D_t = F_zm*LTR*UNLOADED_RADIUS*zeta_5*(1.0 - PPZ1*dpi)*(QDZ1 + QDZ2*dfz)*(CONVENTION > 0.5 ? 1.0 + QDZ3*fabs(gamma_star) + QDZ4*square(gamma_star) : 1.0 + QDZ3*gamma_in + QDZ4*square(gamma_in))*(CONVENTION > 0.5 ? sgn(V) : 1.0)/F_z01; /* [4.E43] peak factor of the trail */
     const double E_t = (LIMITS > 0.5 ? ((1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz)) > 1.0 ? 1.0 : (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz))) : (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz))); /* [4.E44] curvature factor of the trail */
     const double B_r = zeta_6*(B_y*C_y*QBZ10 + LKY*QBZ9/LMUY_star); /* [4.E45] stiffness factor of the residual moment */
-    const double M_zphi_inf_signed = F_zm*LMP*QCRP1*UNLOADED_RADIUS*sqrt(1e-60 + F_zm/F_z01)*fabs(mu_y_pressed); /* [4.95] moment of turning on the spot */
+    const double F_zm_share = F_zm/F_z01; /* [4.95] load per nominal load */
+    const double M_zphi_inf_signed = F_zm*LMP*QCRP1*UNLOADED_RADIUS*(F_zm_share <= 1e-100 ? 0.0 : sqrt((F_zm_share <= 1e-100 ? 1.0 : F_zm_share)))*fabs(mu_y_pressed); /* [4.95] moment of turning on the spot */
     const double M_zphi_inf = (M_zphi_inf_signed <= 0.0 ? 1e-06 : M_zphi_inf_signed); /* [4.95] moment of turning on the spot, above 0 */
     const double D_Drphi = M_zphi_inf/fast_sin(0.5*PI*QDRP1); /* [4.94] peak of the moment by spin */
     const double K_zgammar0 = F_zm*LKZC*UNLOADED_RADIUS*(CONVENTION > 0.5 ? QDZ8 + QDZ9*dfz + (QDZ10 + QDZ11*dfz)*fabs(gamma_star) : QDZ10 + dfz*(SIGNS > 0.5 ? -QDZ8*QDZ9 : QDZ8*QDZ9) + QDZ11*dfz*fabs(gamma_in)); /* [4.99] camber torque stiffness */
@@ -685,10 +692,12 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double M_z0 = M_zr0 - F_y0_00*trail_0; /* [4.E31] aligning moment in pure slip */
     const double kappa_share = square(K_xkappa)*square(kappa_in)/square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double tan_alpha_teq = (CONVENTION > 0.5 ? alpha_t : fast_tan(alpha_t)); /* [4.E77] the same as a slip */
-    const double slip_alpha_teq = sqrt(1e-60 + kappa_share + square(tan_alpha_teq)); /* [4.E77] size of the equivalent slip */
+    const double slip_alpha_teq_squared = kappa_share + square(tan_alpha_teq); /* [4.E77] equivalent slip, squared */
+    const double slip_alpha_teq = (slip_alpha_teq_squared <= 1e-100 ? 0.0 : sqrt((slip_alpha_teq_squared <= 1e-100 ? 1.0 : slip_alpha_teq_squared))); /* [4.E77] size of the equivalent slip */
     const double alpha_teq = (CONVENTION > 0.5 ? slip_alpha_teq : fast_atan(slip_alpha_teq))*sgn(alpha_t); /* [4.E77] equivalent slip of the trail */
     const double tan_alpha_req = (CONVENTION > 0.5 ? alpha_r : fast_tan(alpha_r)); /* [4.E78] the same as a slip */
-    const double slip_alpha_req = sqrt(1e-60 + kappa_share + square(tan_alpha_req)); /* [4.E78] size of the equivalent slip */
+    const double slip_alpha_req_squared = kappa_share + square(tan_alpha_req); /* [4.E78] equivalent slip, squared */
+    const double slip_alpha_req = (slip_alpha_req_squared <= 1e-100 ? 0.0 : sqrt((slip_alpha_req_squared <= 1e-100 ? 1.0 : slip_alpha_req_squared))); /* [4.E78] size of the equivalent slip */
     const double alpha_req = (CONVENTION > 0.5 ? slip_alpha_req : fast_atan(slip_alpha_req))*sgn(alpha_r); /* [4.E78] equivalent slip of the residual moment */
     const double trail_u = B_t*alpha_teq; /* [4.1] B x */
     const double trail_v = trail_u - E_t*(trail_u - fast_atan(trail_u)); /* [4.1] B x bent by E */
@@ -703,15 +712,14 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     /* Deflection and loaded radius */
     const double c_z_normalized = UNLOADED_RADIUS*VERTICAL_STIFFNESS/FNOMIN; /* [P 4] vertical stiffness in nominal loads per radius */
     const double Q_FZ1_squared = square(c_z_normalized) - 4.0*Q_FZ2; /* [P 4] linear coefficient of load over deflection, squared */
-    const double Q_FZ1 = (Q_FZ1_squared < 0.0 ? 0.0 : sqrt(Q_FZ1_squared)); /* [P 4] linear coefficient of load over deflection */
+    const double Q_FZ1 = (Q_FZ1_squared <= 1e-100 ? 0.0 : sqrt((Q_FZ1_squared <= 1e-100 ? 1.0 : Q_FZ1_squared))); /* [P 4] linear coefficient of load over deflection */
     const double f_z = FNOMIN*(1.0 + PFZ1*dpi)*(1.0 - square(Fx)*square(Q_FCX)/square(FNOMIN) - square(Fy)*square(Q_FCY)/square(FNOMIN) + Q_V2*UNLOADED_RADIUS*fabs(omega)/LONGVL); /* [P 3] scale of the load by speed, forces and pressure */
     const double rho_root = square(Q_FZ1) + 4.0*F_zl*Q_FZ2/f_z; /* [P 3] discriminant */
-    const double rho_sqrt = sqrt(rho_root); /* [P 3] its root */
-    const double Q_FZ2_divisor = (Q_FZ2 == 0.0 ? 1.0 : Q_FZ2); /* [tirefmu] Q_FZ2; 1 where it is 0 and the other branch is taken */
-    const double rho_closed = (Q_FZ2 == 0.0 ? F_zl*UNLOADED_RADIUS/(Q_FZ1*f_z) : 0.5*UNLOADED_RADIUS*(rho_sqrt - Q_FZ1)/Q_FZ2_divisor); /* [P 3] deflection of the upright tire */
+    const double rho_sqrt = (rho_root <= 1e-100 ? 0.0 : sqrt((rho_root <= 1e-100 ? 1.0 : rho_root))); /* [P 3] its root */
+    const double rho_closed = (Q_FZ2 == 0.0 ? F_zl*UNLOADED_RADIUS/(Q_FZ1*f_z) : 0.5*UNLOADED_RADIUS*(rho_sqrt - Q_FZ1)/(Q_FZ2 == 0.0 ? 1.0 : Q_FZ2)); /* [P 3] deflection of the upright tire */
     const double rho_upright = (rho_closed > 0.0 ? rho_closed : 0.0); /* [P 3] deflection of the upright tire, not below 0 */
     const double R_l = (R_omega > rho_upright ? R_omega - rho_upright : 0.0); /* [A3.2] loaded radius */
-    const double rho = (F_zl == 0.0 ? 1e-06 : rho_upright); /* [A3.3] deflection */
+    const double rho = ((F_zl == 0.0) || (rho_upright <= 0.0) ? 1e-06 : rho_upright); /* [A3.3] deflection */
     const double c_z = F_zl/rho; /* [A3.3] vertical stiffness, load per deflection */
 
     /* Contact patch */
@@ -1009,11 +1017,12 @@ static void forces_general(const double inputs[], const double parameters[], dou
 
     /* Inputs */
     const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
-    const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
-    const double fade_smooth = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/VXLOW) : 1.0) : 1.0); /* [MFeval] reduction of the shifts, the trail and the residual moment at low speed */
+    const double V_xlow = (VXLOW <= 0.0 ? 1e-06 : VXLOW); /* [tirefmu] speed below which slips fade out, above 0 */
+    const double fade = (LIMITS > 0.5 ? (V_xlow >= fabs(V) ? fabs(V)/(V_xlow >= fabs(V) ? V_xlow : 1.0) : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
+    const double fade_smooth = (LIMITS > 0.5 ? (V_xlow >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/(V_xlow >= fabs(V) ? V_xlow : 1.0)) : 1.0) : 1.0); /* [MFeval] reduction of the shifts, the trail and the residual moment at low speed */
     const double phit_in = (LIMITS > 0.5 ? fade*phit*(V < 0.0 ? -1.0 : 1.0)*fast_cos(alpha_folded) : phit); /* [MFeval] turn slip, within limits */
     const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha_folded)) : 1.0); /* [MFeval] rolling and sliding speed */
-    const double alpha_low = (LIMITS > 0.5 ? (VXLOW > speed_sum ? alpha_folded*speed_sum/VXLOW : alpha_folded) : alpha_folded); /* [MFeval] slip angle, faded out at low speed */
+    const double alpha_low = (LIMITS > 0.5 ? (V_xlow > speed_sum ? alpha_folded*speed_sum/(V_xlow > speed_sum ? V_xlow : 1.0) : alpha_folded) : alpha_folded); /* [MFeval] slip angle, faded out at low speed */
     const double kappa_raised = (LIMITS > 0.5 ? (KPUMIN > fade*kappa ? KPUMIN : fade*kappa) : fade*kappa); /* [MFeval] kappa, with limits not below the lowest */
     const double kappa_in = (LIMITS > 0.5 ? (KPUMAX < kappa_raised ? KPUMAX : kappa_raised) : kappa_raised); /* [MFeval] kappa, within limits */
     const double alpha_raised = (LIMITS > 0.5 ? (ALPMIN > alpha_low ? ALPMIN : alpha_low) : alpha_low); /* [MFeval] alpha, with limits not below the lowest */
@@ -1022,7 +1031,7 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double gamma_in = (LIMITS > 0.5 ? (CAMMAX < gamma_raised ? CAMMAX : gamma_raised) : gamma_raised); /* [MFeval] gamma, within limits */
     const double p_raised = (LIMITS > 0.5 ? (PRESMIN > p ? PRESMIN : p) : p); /* [MFeval] p, with limits not below the lowest */
     const double p_in = (LIMITS > 0.5 ? (PRESMAX < p_raised ? PRESMAX : p_raised) : p_raised); /* [MFeval] p, within limits */
-    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z = (Fz < 1e-06 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z_limited = (LIMITS > 0.5 ? (FZMAX < F_z ? FZMAX : F_z) : F_z); /* [MFeval] load, within limits */
     const double F_zl = (LIMITS > 0.5 ? (FZMIN > F_z_limited ? FZMIN : F_z_limited) : F_z_limited); /* [MFeval] load of the deflection, not below FZMIN with limits */
     const double F_zm = (LIMITS > 0.5 ? (F_z_limited <= 0.0 ? 0.0 : F_zl) : F_z_limited); /* [MFeval] load of the aligning moment, the same but on the ground */
@@ -1036,7 +1045,8 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double cos_alpha = V/(1e-06 + V_c); /* [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed */
     const double alpha_star = (SLIP_ANGLE > 0.5 ? alpha_in : tan_alpha*sgn(V)); /* [4.E3] lateral slip alpha* */
     const double gamma_star = (SLIP_ANGLE > 0.5 ? gamma_in : fast_sin(gamma_in)); /* [4.E4] inclination gamma* */
-    const double slide = (CONVENTION > 0.5 ? 1.0 + LMUV*sqrt(1e-60 + square(kappa_in) + square(tan_alpha))*fabs(V)/LONGVL : 1.0); /* [4.E7] by how much slip speed lowers friction */
+    const double slip_squared = square(kappa_in) + square(tan_alpha); /* [4.E7] longitudinal and lateral slip, squared */
+    const double slide = (CONVENTION > 0.5 ? 1.0 + LMUV*(slip_squared <= 1e-100 ? 0.0 : sqrt((slip_squared <= 1e-100 ? 1.0 : slip_squared)))*fabs(V)/LONGVL : 1.0); /* [4.E7] by how much slip speed lowers friction */
     const double LMUX_star = (CONVENTION > 0.5 ? LMUX/slide : LMUX); /* [4.E7] friction scale of Fx */
     const double LMUY_star = (CONVENTION > 0.5 ? LMUY/slide : LMUY); /* [4.E7] friction scale of Fy */
     const double LMUX_shift = (CONVENTION > 0.5 ? 10.0*LMUX_star/(1.0 + 9.0*LMUX_star) : LMUX_star); /* [4.E8] friction scale of the shifts of Fx */
@@ -1056,14 +1066,14 @@ static void forces_general(const double inputs[], const double parameters[], dou
     /* Turn slip */
     const double turn_share = (1000000.0*fabs(phit_in) < 1.0 ? 1000000000000.0*square(fabs(phit_in))*(3.0 - 2000000.0*fabs(phit_in)) : 1.0); /* [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight */
     const double eps_gamma = PECP1*(1.0 + PECP2*dfz); /* [4.90] equivalent spin of camber */
-    const double V_spin = (VXLOW > fabs(V) ? VXLOW*sgn1(V) : (CONVENTION > 0.5 ? V : V_c)); /* [4.76] speed that the spin refers to */
+    const double V_spin = (V_xlow > fabs(V) ? V_xlow*sgn1(V) : (CONVENTION > 0.5 ? V : V_c)); /* [4.76] speed that the spin refers to */
     const double phi = (phit_in + omega*(1.0 - eps_gamma)*fast_sin(gamma_in)/V_spin)*(CONVENTION > 0.5 ? 1.0 : -1.0); /* [4.76] spin by path curvature and camber */
     const double R_0_phi = UNLOADED_RADIUS*phi; /* [4.76] spin per radius */
     const double zeta_0 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share); /* [4.83] camber acts through its spin */
     const double B_xphi = PDXP1*(1.0 + PDXP2*dfz)/sqrt(1.0 + square(PDXP3)*square(kappa_in)); /* [4.106] fall of D_x with spin */
     const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
     const double B_yphi = PDYP1*(1.0 + PDYP2*dfz)/sqrt(1.0 + square(PDYP3)*square(tan_alpha)); /* [4.78] fall of D_y with spin */
-    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
+    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_yphi)*square(PDYP4*(fabs(R_0_phi) <= 1e-100 ? 0.0 : sqrt((fabs(R_0_phi) <= 1e-100 ? 1.0 : fabs(R_0_phi)))) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
     const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
     const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
     const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
@@ -1151,8 +1161,8 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
     const double D_Vyk = F_z_limited*mu_y_pressed*zeta_2*(RVY1 + RVY2*dfz + RVY3*gamma_star)/sqrt(1.0 + square(RVY4)*square(alpha_star)); /* [4.E67] peak of S_Vyk */
     const double S_Vyk = D_Vyk*LVYKA*fade_smooth*fast_sin(RVY5*fast_atan(RVY6*kappa_in)); /* [4.E66] side force made by longitudinal slip */
-    const double Fx = (Fz < 1e-100 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
-    const double Fy = (Fz < 1e-100 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
+    const double Fx = (Fz < 1e-06 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
+    const double Fy = (Fz < 1e-06 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
     const double B_ykappa_g0 = LYKA*RBY1/sqrt(1.0 + square(RBY2)*square(alpha_star - RBY3)); /* [4.E62] stiffness of G_yk */
     const double G_yk_g0_u = B_ykappa_g0*(S_Hyk + kappa_in); /* [4.1] B x */
     const double G_yk_g0_v = G_yk_g0_u - E_ykappa*(G_yk_g0_u - fast_atan(G_yk_g0_u)); /* [4.1] B x bent by E */
@@ -1170,7 +1180,8 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double D_t = F_zm*LTR*UNLOADED_RADIUS*zeta_5*(1.0 - PPZ1*dpi)*(QDZ1 + QDZ2*dfz)*(CONVENTION > 0.5 ? 1.0 + QDZ3*fabs(gamma_star) + QDZ4*square(gamma_star) : 1.0 + QDZ3*gamma_in + QDZ4*square(gamma_in))*(CONVENTION > 0.5 ? sgn(V) : 1.0)/F_z01; /* [4.E43] peak factor of the trail */
     const double E_t = (LIMITS > 0.5 ? ((1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz)) > 1.0 ? 1.0 : (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz))) : (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz))); /* [4.E44] curvature factor of the trail */
     const double B_r = zeta_6*(B_y*C_y*QBZ10 + LKY*QBZ9/LMUY_star); /* [4.E45] stiffness factor of the residual moment */
-    const double M_zphi_inf_signed = F_zm*LMP*QCRP1*UNLOADED_RADIUS*sqrt(1e-60 + F_zm/F_z01)*fabs(mu_y_pressed); /* [4.95] moment of turning on the spot */
+    const double F_zm_share = F_zm/F_z01; /* [4.95] load per nominal load */
+    const double M_zphi_inf_signed = F_zm*LMP*QCRP1*UNLOADED_RADIUS*(F_zm_share <= 1e-100 ? 0.0 : sqrt((F_zm_share <= 1e-100 ? 1.0 : F_zm_share)))*fabs(mu_y_pressed); /* [4.95] moment of turning on the spot */
     const double M_zphi_inf = (M_zphi_inf_signed <= 0.0 ? 1e-06 : M_zphi_inf_signed); /* [4.95] moment of turning on the spot, above 0 */
     const double D_Drphi = M_zphi_inf/fast_sin(0.5*PI*QDRP1); /* [4.94] peak of the moment by spin */
     const double K_zgammar0 = F_zm*LKZC*UNLOADED_RADIUS*(CONVENTION > 0.5 ? QDZ8 + QDZ9*dfz + (QDZ10 + QDZ11*dfz)*fabs(gamma_star) : QDZ10 + dfz*(SIGNS > 0.5 ? -QDZ8*QDZ9 : QDZ8*QDZ9) + QDZ11*dfz*fabs(gamma_in)); /* [4.99] camber torque stiffness */
@@ -1189,10 +1200,12 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double D_r = -1.0 + zeta_8 + F_zm*LMUY_star*UNLOADED_RADIUS*(LRES*zeta_2*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*zeta_0*((1.0 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*fabs(gamma_star)))*fast_cos(alpha_star)*sgn(V); /* [4.E47] peak factor of the residual moment */
     const double kappa_share = square(K_xkappa)*square(kappa_in)/square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double tan_alpha_teq = (CONVENTION > 0.5 ? alpha_t : fast_tan(alpha_t)); /* [4.E77] the same as a slip */
-    const double slip_alpha_teq = sqrt(1e-60 + kappa_share + square(tan_alpha_teq)); /* [4.E77] size of the equivalent slip */
+    const double slip_alpha_teq_squared = kappa_share + square(tan_alpha_teq); /* [4.E77] equivalent slip, squared */
+    const double slip_alpha_teq = (slip_alpha_teq_squared <= 1e-100 ? 0.0 : sqrt((slip_alpha_teq_squared <= 1e-100 ? 1.0 : slip_alpha_teq_squared))); /* [4.E77] size of the equivalent slip */
     const double alpha_teq = (CONVENTION > 0.5 ? slip_alpha_teq : fast_atan(slip_alpha_teq))*sgn(alpha_t); /* [4.E77] equivalent slip of the trail */
     const double tan_alpha_req = (CONVENTION > 0.5 ? alpha_r : fast_tan(alpha_r)); /* [4.E78] the same as a slip */
-    const double slip_alpha_req = sqrt(1e-60 + kappa_share + square(tan_alpha_req)); /* [4.E78] size of the equivalent slip */
+    const double slip_alpha_req_squared = kappa_share + square(tan_alpha_req); /* [4.E78] equivalent slip, squared */
+    const double slip_alpha_req = (slip_alpha_req_squared <= 1e-100 ? 0.0 : sqrt((slip_alpha_req_squared <= 1e-100 ? 1.0 : slip_alpha_req_squared))); /* [4.E78] size of the equivalent slip */
     const double alpha_req = (CONVENTION > 0.5 ? slip_alpha_req : fast_atan(slip_alpha_req))*sgn(alpha_r); /* [4.E78] equivalent slip of the residual moment */
     const double trail_u = B_t*alpha_teq; /* [4.1] B x */
     const double trail_v = trail_u - E_t*(trail_u - fast_atan(trail_u)); /* [4.1] B x bent by E */
@@ -1205,21 +1218,24 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double s = LS*UNLOADED_RADIUS*(CONVENTION > 0.5 ? SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01 : SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
     const double G_yk_g0 = fast_cos(G_yk_g0_w)/fast_cos(G_yk_g00_w); /* [4.E74] G_yk without inclination */
     const double F_y1 = F_y0_g0*(CONVENTION > 0.5 ? G_yk_g0 : G_yk); /* [4.E74] side force that the trail carries */
-    const double Mz = (Fz < 1e-100 ? 0.0 : M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
+    const double Mz = (Fz < 1e-06 ? 0.0 : M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
 
     /* Overturning and rolling resistance moment */
-    const double F_zx = (CONVENTION > 0.5 ? F_z_limited : (FZMIN > F_z_limited ? cube(F_z_limited)/square(FZMIN) : F_z_limited)); /* [MFeval] load of M_x */
+    const double F_zx = (CONVENTION > 0.5 ? F_z_limited : (FZMIN > F_z_limited ? cube(F_z_limited)/square((FZMIN > F_z_limited ? FZMIN : 1.0)) : F_z_limited)); /* [MFeval] load of M_x */
     const double M_x_hump = QSX4*fast_cos(QSX5*fast_atan(square(F_zx)*square(QSX6)/square(FNOMIN)))*fast_sin(QSX7*gamma_in + QSX8*fast_atan(Fy*QSX9/FNOMIN)); /* [M] hump of M_x over load and side force */
-    const double Mx = (Fz < 1e-100 ? 0.0 : LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma_in*fast_atan(F_zx*QSX11/FNOMIN) - QSX12*gamma_in*fabs(gamma_in) - QSX2*gamma_in*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*fabs(gamma_in)))); /* [4.E69] overturning moment */
-    const double F_zy = (CONVENTION > 0.5 ? F_z_limited : (FZMIN > F_z ? square(F_z)/FZMIN : F_z)); /* [MFeval] load of M_y */
-    const double F_zy_share = (F_zy <= 0.0 ? 1e-60 : F_zy/FNOMIN); /* [MFeval] load of M_y in nominal loads, above 0 */
+    const double Mx = (Fz < 1e-06 ? 0.0 : LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma_in*fast_atan(F_zx*QSX11/FNOMIN) - QSX12*gamma_in*fabs(gamma_in) - QSX2*gamma_in*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*fabs(gamma_in)))); /* [4.E69] overturning moment */
+    const double F_zy = (CONVENTION > 0.5 ? F_z_limited : (FZMIN > F_z ? square(F_z)/(FZMIN > F_z ? FZMIN : 1.0) : F_z)); /* [MFeval] load of M_y */
+    const double F_zy_share = (F_zy <= 0.0 ? 1.0 : F_zy/FNOMIN); /* [MFeval] load of M_y in nominal loads; 1 off the ground */
     const double M_y_speed = QSY1 + QSY3*fabs(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*fourth(V)/fourth(LONGVL); /* [4.E70] resistance by force and speed */
-    const double M_y_near_locked = fast_sin(0.5*PI*(1.0 + kappa)*fabs(V)/VXLOW); /* [MFeval] fade near the locked wheel */
-    const double M_y_backward = (kappa >= -VXLOW - VXLOW/fabs(V) ? M_y_near_locked : -1.0); /* [MFeval] the same, -1 where the wheel turns backward */
-    const double M_y_taper = (CONVENTION > 0.5 ? 1.0 : (kappa <= -1.0 + VXLOW/fabs(V) ? M_y_backward : 1.0)); /* [MFeval] the same, 1 where the wheel rolls */
-    const double M_y_full = -LMY*UNLOADED_RADIUS*pow(F_zy_share, QSY7)*pow(p_in/NOMPRES, QSY8)*(M_y_speed + square(gamma_in)*(QSY5 + F_zy_share*QSY6))*(CONVENTION > 0.5 ? F_z_limited : FNOMIN); /* [4.E70] rolling resistance moment of the rolling wheel */
+    const double speed_moving = (V == 0.0 ? 1.0 : fabs(V)); /* [tirefmu] speed; 1 at standstill, where M_y is 0 */
+    const double M_y_near_locked = fast_sin(0.5*PI*(1.0 + kappa)*fabs(V)/V_xlow); /* [MFeval] fade near the locked wheel */
+    const double M_y_backward = (kappa >= -V_xlow - V_xlow/speed_moving ? M_y_near_locked : -1.0); /* [MFeval] the same, -1 where the wheel turns backward */
+    const double M_y_taper = (CONVENTION > 0.5 ? 1.0 : (kappa <= -1.0 + V_xlow/speed_moving ? M_y_backward : 1.0)); /* [MFeval] the same, 1 where the wheel rolls */
+    const double p_share = p_in/NOMPRES; /* [4.E70] pressure per nominal pressure */
+    const double M_y_pressure = (p_share < 1e-06 ? 1e-06 : p_share); /* [4.E70] pressure per nominal pressure, above 0 */
+    const double M_y_full = -LMY*UNLOADED_RADIUS*pow(F_zy_share, QSY7)*pow(M_y_pressure, QSY8)*(M_y_speed + square(gamma_in)*(QSY5 + F_zy_share*QSY6))*(CONVENTION > 0.5 ? F_z_limited : FNOMIN); /* [4.E70] rolling resistance moment of the rolling wheel */
     const double M_y_rolling = (V == 0.0 ? 0.0 : M_y_full*M_y_taper*sgn1(V)); /* [MFeval] rolling resistance moment, 0 at standstill */
-    const double My = (Fz < 1e-100 ? 0.0 : M_y_rolling); /* [4.E70] rolling resistance moment */
+    const double My = (Fz < 1e-06 ? 0.0 : M_y_rolling); /* [4.E70] rolling resistance moment */
 
     results[0] = Fx;
     results[1] = Fy;
@@ -1293,17 +1309,18 @@ static void relaxation_general(const double inputs[], const double parameters[],
 
     /* Inputs */
     const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
-    const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
+    const double V_xlow = (VXLOW <= 0.0 ? 1e-06 : VXLOW); /* [tirefmu] speed below which slips fade out, above 0 */
+    const double fade = (LIMITS > 0.5 ? (V_xlow >= fabs(V) ? fabs(V)/(V_xlow >= fabs(V) ? V_xlow : 1.0) : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
     const double phit_in = (LIMITS > 0.5 ? fade*phit*(V < 0.0 ? -1.0 : 1.0)*fast_cos(alpha_folded) : phit); /* [MFeval] turn slip, within limits */
     const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha_folded)) : 1.0); /* [MFeval] rolling and sliding speed */
-    const double alpha_low = (LIMITS > 0.5 ? (VXLOW > speed_sum ? alpha_folded*speed_sum/VXLOW : alpha_folded) : alpha_folded); /* [MFeval] slip angle, faded out at low speed */
+    const double alpha_low = (LIMITS > 0.5 ? (V_xlow > speed_sum ? alpha_folded*speed_sum/(V_xlow > speed_sum ? V_xlow : 1.0) : alpha_folded) : alpha_folded); /* [MFeval] slip angle, faded out at low speed */
     const double alpha_raised = (LIMITS > 0.5 ? (ALPMIN > alpha_low ? ALPMIN : alpha_low) : alpha_low); /* [MFeval] alpha, with limits not below the lowest */
     const double alpha_in = (LIMITS > 0.5 ? (ALPMAX < alpha_raised ? ALPMAX : alpha_raised) : alpha_raised); /* [MFeval] alpha, within limits */
     const double gamma_raised = (LIMITS > 0.5 ? (CAMMIN > gamma ? CAMMIN : gamma) : gamma); /* [MFeval] gamma, with limits not below the lowest */
     const double gamma_in = (LIMITS > 0.5 ? (CAMMAX < gamma_raised ? CAMMAX : gamma_raised) : gamma_raised); /* [MFeval] gamma, within limits */
     const double p_raised = (LIMITS > 0.5 ? (PRESMIN > p ? PRESMIN : p) : p); /* [MFeval] p, with limits not below the lowest */
     const double p_in = (LIMITS > 0.5 ? (PRESMAX < p_raised ? PRESMAX : p_raised) : p_raised); /* [MFeval] p, within limits */
-    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z = (Fz < 1e-06 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z_limited = (LIMITS > 0.5 ? (FZMAX < F_z ? FZMAX : F_z) : F_z); /* [MFeval] load, within limits */
 
     /* Normalized inputs */
@@ -1328,7 +1345,7 @@ static void relaxation_general(const double inputs[], const double parameters[],
     /* Turn slip */
     const double turn_share = (1000000.0*fabs(phit_in) < 1.0 ? 1000000000000.0*square(fabs(phit_in))*(3.0 - 2000000.0*fabs(phit_in)) : 1.0); /* [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight */
     const double eps_gamma = PECP1*(1.0 + PECP2*dfz); /* [4.90] equivalent spin of camber */
-    const double V_spin = (VXLOW > fabs(V) ? VXLOW*sgn1(V) : (CONVENTION > 0.5 ? V : V_c)); /* [4.76] speed that the spin refers to */
+    const double V_spin = (V_xlow > fabs(V) ? V_xlow*sgn1(V) : (CONVENTION > 0.5 ? V : V_c)); /* [4.76] speed that the spin refers to */
     const double phi = (phit_in + omega*(1.0 - eps_gamma)*fast_sin(gamma_in)/V_spin)*(CONVENTION > 0.5 ? 1.0 : -1.0); /* [4.76] spin by path curvature and camber */
     const double R_0_phi = UNLOADED_RADIUS*phi; /* [4.76] spin per radius */
     const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
@@ -1520,7 +1537,8 @@ void mf61_forces_straight(const double inputs[], const double parameters[], doub
 
     /* Two calls of a function that do not depend on each other are computed at a time */
     const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
-    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double V_xlow = (VXLOW <= 0.0 ? 1e-06 : VXLOW); /* [tirefmu] speed below which slips fade out, above 0 */
+    const double F_z = (Fz < 1e-06 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
     const double dpi = (p - NOMPRES)/NOMPRES; /* [4.E2b] normalized change in pressure */
     const double C_x = LCX*PCX1; /* [4.E11] shape factor */
@@ -1530,12 +1548,14 @@ void mf61_forces_straight(const double inputs[], const double parameters[], doub
     const double C_ykappa = RCY1; /* [4.E63] shape of G_yk */
     const double S_Vyk_atan_of = RVY6*kappa;
     const double C_t = QCZ1; /* [4.E41] shape factor of the trail */
-    const double M_y_near_locked_sin_of = 0.5*PI*(1.0 + kappa)*fabs(V)/VXLOW;
-    const double M_y_full_pow_of = p/NOMPRES;
+    const double speed_moving = (V == 0.0 ? 1.0 : fabs(V)); /* [tirefmu] speed; 1 at standstill, where M_y is 0 */
+    const double p_share = p/NOMPRES; /* [4.E70] pressure per nominal pressure */
     const double dfz = (F_z - F_z01)/F_z01; /* [4.E2a] normalized change in load */
     const double K_yalpha_g0_atan_of = F_z/(F_z01*PKY2*(1.0 + PPY2*dpi));
-    const double F_zx = (FZMIN > F_z ? cube(F_z)/square(FZMIN) : F_z); /* [MFeval] load of M_x */
-    const double F_zy = (FZMIN > F_z ? square(F_z)/FZMIN : F_z); /* [MFeval] load of M_y */
+    const double F_zx = (FZMIN > F_z ? cube(F_z)/square((FZMIN > F_z ? FZMIN : 1.0)) : F_z); /* [MFeval] load of M_x */
+    const double F_zy = (FZMIN > F_z ? square(F_z)/(FZMIN > F_z ? FZMIN : 1.0) : F_z); /* [MFeval] load of M_y */
+    const double M_y_near_locked_sin_of = 0.5*PI*(1.0 + kappa)*fabs(V)/V_xlow;
+    const double M_y_pressure = (p_share < 1e-06 ? 1e-06 : p_share); /* [4.E70] pressure per nominal pressure, above 0 */
     const double S_Hx = LHX*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
     const double mu_x_loaded = LMUX*(1.0 - PDX3*square(gamma))*(PDX1 + PDX2*dfz)*(1.0 + PPX3*dpi + PPX4*square(dpi)); /* [4.E13] peak friction */
     const double K_xkappa_exp_of = PKX3*dfz;
@@ -1551,7 +1571,7 @@ void mf61_forces_straight(const double inputs[], const double parameters[], doub
     const double D_t = F_z*LTR*UNLOADED_RADIUS*(1.0 - PPZ1*dpi)*(QDZ1 + QDZ2*dfz)*(1.0 + QDZ3*gamma + QDZ4*square(gamma))/F_z01; /* [4.E43] peak factor of the trail */
     const double M_x_hump_atan_of = square(F_zx)*square(QSX6)/square(FNOMIN);
     const double Mx_atan_of = F_zx*QSX11/FNOMIN;
-    const double F_zy_share = (F_zy <= 0.0 ? 1e-60 : F_zy/FNOMIN); /* [MFeval] load of M_y in nominal loads, above 0 */
+    const double F_zy_share = (F_zy <= 0.0 ? 1.0 : F_zy/FNOMIN); /* [MFeval] load of M_y in nominal loads; 1 off the ground */
     const double kappa_x = S_Hx + kappa; /* [4.E10] longitudinal slip, shifted */
     const double mu_x = (F_z <= 0.0 ? 0.0 : mu_x_loaded); /* [4.E13] peak friction; 0 off the ground, as MFeval prints it */
     const double D_y_g0 = F_z*mu_y_loaded_g0; /* [4.E22] peak factor */
@@ -1568,7 +1588,7 @@ void mf61_forces_straight(const double inputs[], const double parameters[], doub
     const double gamma_star_sin = PAIR_AT(pair_3, 0);
     const double M_y_near_locked_sin = PAIR_AT(pair_3, 1);
     const double K_xkappa_exp = fast_exp(K_xkappa_exp_of);
-    const pair pair_4 = fast_pair_pow(PAIR(F_zy_share, M_y_full_pow_of), PAIR(QSY7, QSY8));
+    const pair pair_4 = fast_pair_pow(PAIR(F_zy_share, M_y_pressure), PAIR(QSY7, QSY8));
     const double M_y_full_pow = PAIR_AT(pair_4, 0);
     const double M_y_full_pow_ = PAIR_AT(pair_4, 1);
     const double tan_alpha = tan_alpha_tan; /* [2.11] lateral slip */
@@ -1586,7 +1606,7 @@ void mf61_forces_straight(const double inputs[], const double parameters[], doub
     const double mu_y_loaded = LMUY*(1.0 - PDY3*square(gamma_star))*(PDY1 + PDY2*dfz)*(1.0 + PPY3*dpi + PPY4*square(dpi)); /* [4.E23] peak friction */
     const double B_xalpha = LXAL*(RBX1 + RBX3*square(gamma_star))/sqrt(1.0 + square(RBX2)*square(kappa)); /* [4.E54] stiffness of G_xa */
     const double S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
-    const double M_y_backward = (kappa >= -VXLOW - VXLOW/fabs(V) ? M_y_near_locked : -1.0); /* [MFeval] the same, -1 where the wheel turns backward */
+    const double M_y_backward = (kappa >= -V_xlow - V_xlow/speed_moving ? M_y_near_locked : -1.0); /* [MFeval] the same, -1 where the wheel turns backward */
     const double cos_alpha = V/(1e-06 + V_c); /* [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed */
     const double F_x0_u = B_x*kappa_x; /* [4.1] B x */
     const double D_y = F_z*mu_y_loaded; /* [4.E22] peak factor */
@@ -1597,7 +1617,7 @@ void mf61_forces_straight(const double inputs[], const double parameters[], doub
     const double G_xa0_u = B_xalpha*RHX1; /* [4.1] B x */
     const double B_ykappa = LYKA*(RBY1 + RBY4*square(gamma_star))/sqrt(1.0 + square(RBY2)*square(alpha_star - RBY3)); /* [4.E62] stiffness of G_yk */
     const double alpha_t = S_Ht + alpha_star; /* [4.E34] slip angle of the trail */
-    const double M_y_taper = (kappa <= -1.0 + VXLOW/fabs(V) ? M_y_backward : 1.0); /* [MFeval] the same, 1 where the wheel rolls */
+    const double M_y_taper = (kappa <= -1.0 + V_xlow/speed_moving ? M_y_backward : 1.0); /* [MFeval] the same, 1 where the wheel rolls */
     const double E_y_g0 = LEY*(1.0 - PEY3*sgn1(alpha_y_g0))*(PEY1 + PEY2*dfz); /* [4.E24] curvature factor */
     const double G_yk_u = B_ykappa*(S_Hyk + kappa); /* [4.1] B x */
     const double G_yk0_u = B_ykappa*S_Hyk; /* [4.1] B x */
@@ -1657,9 +1677,10 @@ void mf61_forces_straight(const double inputs[], const double parameters[], doub
     const double kappa_share = square(K_xkappa)*square(kappa)/square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double alpha_y = S_Hy + alpha_star; /* [4.E20] slip angle, shifted */
     const double alpha_r = S_Hy + alpha_star + S_Vy/K_yalpha1; /* [4.E37] slip angle of the residual moment */
-    const double slip_alpha_teq = sqrt(1e-60 + kappa_share + square(tan_alpha_teq)); /* [4.E77] size of the equivalent slip */
+    const double slip_alpha_teq_squared = kappa_share + square(tan_alpha_teq); /* [4.E77] equivalent slip, squared */
     const double E_y = LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*square(gamma_star) - (PEY3 + PEY4*gamma_star)*sgn1(alpha_y)); /* [4.E24] curvature factor */
     const double F_y0_u = B_y*alpha_y; /* [4.1] B x */
+    const double slip_alpha_teq = (slip_alpha_teq_squared <= 1e-100 ? 0.0 : sqrt((slip_alpha_teq_squared <= 1e-100 ? 1.0 : slip_alpha_teq_squared))); /* [4.E77] size of the equivalent slip */
     const pair pair_13 = fast_pair_atan(PAIR(F_y0_u, F_y0_g0_v));
     const double F_y0_v_atan = PAIR_AT(pair_13, 0);
     const double F_y0_g0_w_atan = PAIR_AT(pair_13, 1);
@@ -1679,13 +1700,14 @@ void mf61_forces_straight(const double inputs[], const double parameters[], doub
     const double G_yk = G_yk_cos_/G_yk_cos; /* [4.E59] weighting of Fy by longitudinal slip */
     const double alpha_teq = alpha_teq_atan*sgn(alpha_t); /* [4.E77] equivalent slip of the trail */
     const double tan_alpha_req = tan_alpha_req_tan; /* [4.E78] the same as a slip */
-    const double Fx = (Fz < 1e-100 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
-    const double slip_alpha_req = sqrt(1e-60 + kappa_share + square(tan_alpha_req)); /* [4.E78] size of the equivalent slip */
+    const double Fx = (Fz < 1e-06 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
+    const double slip_alpha_req_squared = kappa_share + square(tan_alpha_req); /* [4.E78] equivalent slip, squared */
     const double trail_u = B_t*alpha_teq; /* [4.1] B x */
+    const double slip_alpha_req = (slip_alpha_req_squared <= 1e-100 ? 0.0 : sqrt((slip_alpha_req_squared <= 1e-100 ? 1.0 : slip_alpha_req_squared))); /* [4.E78] size of the equivalent slip */
     const double M_y_speed = QSY1 + QSY3*fabs(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*fourth(V)/fourth(LONGVL); /* [4.E70] resistance by force and speed */
     const double M_y_full = -FNOMIN*LMY*M_y_full_pow*M_y_full_pow_*UNLOADED_RADIUS*(M_y_speed + square(gamma)*(QSY5 + F_zy_share*QSY6)); /* [4.E70] rolling resistance moment of the rolling wheel */
     const double M_y_rolling = (V == 0.0 ? 0.0 : M_y_full*M_y_taper*sgn1(V)); /* [MFeval] rolling resistance moment, 0 at standstill */
-    const double My = (Fz < 1e-100 ? 0.0 : M_y_rolling); /* [4.E70] rolling resistance moment */
+    const double My = (Fz < 1e-06 ? 0.0 : M_y_rolling); /* [4.E70] rolling resistance moment */
     const pair pair_16 = fast_pair_atan(PAIR(F_y0_v, slip_alpha_req));
     const double F_y0_w_atan = PAIR_AT(pair_16, 0);
     const double alpha_req_atan = PAIR_AT(pair_16, 1);
@@ -1701,17 +1723,17 @@ void mf61_forces_straight(const double inputs[], const double parameters[], doub
     const double F_y0_sin = fast_sin(F_y0_w);
     const double F_y0 = (S_Vy + D_y*F_y0_sin)*sgn1(V); /* [4.E19] side force in pure slip */
     const double trail_w = C_t*trail_w_atan; /* [4.1] angle of the Magic Formula */
-    const double Fy = (Fz < 1e-100 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
+    const double Fy = (Fz < 1e-06 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
     const double s = LS*UNLOADED_RADIUS*(SSZ1 + gamma*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
     const double M_x_hump_atan_of_ = Fy*QSX9/FNOMIN;
     const double M_x_hump_atan_ = fast_atan(M_x_hump_atan_of_);
     const double trail_cos = fast_cos(trail_w);
     const double trail = D_t*LFZO*cos_alpha*trail_cos; /* [4.E73] pneumatic trail */
     const double M_x_hump_sin_of = M_x_hump_atan_*QSX8 + QSX7*gamma;
-    const double Mz = (Fz < 1e-100 ? 0.0 : M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
+    const double Mz = (Fz < 1e-06 ? 0.0 : M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
     const double M_x_hump_sin = fast_sin(M_x_hump_sin_of);
     const double M_x_hump = M_x_hump_cos*M_x_hump_sin*QSX4; /* [M] hump of M_x over load and side force */
-    const double Mx = (Fz < 1e-100 ? 0.0 : LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + Mx_atan*QSX10*gamma - QSX12*gamma*fabs(gamma) - QSX2*gamma*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*fabs(gamma)))); /* [4.E69] overturning moment */
+    const double Mx = (Fz < 1e-06 ? 0.0 : LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + Mx_atan*QSX10*gamma - QSX12*gamma*fabs(gamma) - QSX2*gamma*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*fabs(gamma)))); /* [4.E69] overturning moment */
 
     results[0] = Fx;
     results[1] = Fy;
@@ -1758,7 +1780,7 @@ void mf61_relaxation_straight(const double inputs[], const double parameters[], 
     const double SIGK = parameters[MF61_SIGK];
 
     /* Inputs */
-    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z = (Fz < 1e-06 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
 
     /* Normalized inputs */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */

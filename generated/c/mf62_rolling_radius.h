@@ -18,7 +18,7 @@ static double rolling_radius(const double inputs[], double omega, const double p
     const double PFZ1 = parameters[MF62_PFZ1];
     const double Fz = inputs[MF62_Fz];
     const double p = inputs[MF62_p];
-    const double F_z = (Fz < 1e-100 ? 0.0 : Fz);
+    const double F_z = (Fz < 1e-06 ? 0.0 : Fz);
     const double dpi = (p - NOMPRES)/NOMPRES;
     const double c_zn = VERTICAL_STIFFNESS*(1.0 + PFZ1*dpi);
     const double sink = FNOMIN*(DREFF*atan(BREFF*F_z/FNOMIN) + FREFF*F_z/FNOMIN)/c_zn;

@@ -4,6 +4,10 @@
 #ifndef TIREFMU_STATE_LAWS_H
 #define TIREFMU_STATE_LAWS_H
 
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(_M_FP_FAST)
+#error "NaN has to stay NaN: compile without -ffast-math, -Ofast, -ffinite-math-only and /fp:fast"
+#endif
+
 #include <float.h>
 #include <math.h>
 #include <stdint.h>

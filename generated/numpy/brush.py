@@ -69,11 +69,10 @@ def quantities(inputs, parameters, xp=np):
     reach_x = 0.3333333333333333*K_xkappa*slip_x/(F_z*mu_x)  # [3.2.3] psi of the longitudinal slip alone
     reach_y = 0.3333333333333333*K_yalpha*slip_y/(F_z*mu_y)  # [3.2.3] psi of the side slip alone
     psi_squared = reach_x**2 + reach_y**2  # [3.2.3] psi squared, beyond full sliding too
-    psi_bounded = xp.where(psi_squared >= 1, 1, xp.where(psi_squared < 1e-30, 1e-30, psi_squared))  # [3.2.3] psi squared
-    psi = xp.sqrt(psi_bounded)  # [3.2.3] share of the contact patch that slides
+    psi_bounded = xp.where(psi_squared >= 1, 1, psi_squared)  # [3.2.3] psi squared
+    psi = xp.where(psi_bounded <= 1e-100, 0, xp.sqrt(xp.where(psi_bounded <= 1e-100, 1, psi_bounded)))  # [3.2.3] share of the contact patch that slides
     sliding_squared = kappa**2*mu_x**2 + mu_y**2*tan_alpha**2  # [tirefmu] sliding velocity weighted with friction, squared
-    sliding_nonzero = xp.where(sliding_squared < 1e-30, 1e-30, sliding_squared)  # [tirefmu] the same, limited to positive values
-    sliding = F_z*psi**2*(3 - 2*psi)/xp.sqrt(sliding_nonzero)  # [tirefmu] load on the sliding part per weighted sliding velocity
+    sliding = xp.where(sliding_squared <= 1e-100, 0, F_z*psi**2*(3 - 2*psi)/xp.sqrt(xp.where(sliding_squared <= 1e-100, 1, sliding_squared)))  # [tirefmu] load on the sliding part per weighted sliding velocity
     sticking = (1 - psi)**2/rolling  # [3.2.3] share of the slip stiffness on the sticking part, per rolling velocity
     F_y_sticking = K_yalpha*sticking  # [3.2.3] side force of the sticking part per tan(alpha)
     F_y_sliding = side*sliding*mu_y**2  # [3.2.3] side force of the sliding part per tan(alpha)
@@ -123,11 +122,10 @@ def forces(inputs, parameters, xp=np):
     reach_x = 0.3333333333333333*K_xkappa*slip_x/(F_z*mu_x)  # [3.2.3] psi of the longitudinal slip alone
     reach_y = 0.3333333333333333*K_yalpha*slip_y/(F_z*mu_y)  # [3.2.3] psi of the side slip alone
     psi_squared = reach_x**2 + reach_y**2  # [3.2.3] psi squared, beyond full sliding too
-    psi_bounded = xp.where(psi_squared >= 1, 1, xp.where(psi_squared < 1e-30, 1e-30, psi_squared))  # [3.2.3] psi squared
-    psi = xp.sqrt(psi_bounded)  # [3.2.3] share of the contact patch that slides
+    psi_bounded = xp.where(psi_squared >= 1, 1, psi_squared)  # [3.2.3] psi squared
+    psi = xp.where(psi_bounded <= 1e-100, 0, xp.sqrt(xp.where(psi_bounded <= 1e-100, 1, psi_bounded)))  # [3.2.3] share of the contact patch that slides
     sliding_squared = kappa**2*mu_x**2 + mu_y**2*tan_alpha**2  # [tirefmu] sliding velocity weighted with friction, squared
-    sliding_nonzero = xp.where(sliding_squared < 1e-30, 1e-30, sliding_squared)  # [tirefmu] the same, limited to positive values
-    sliding = F_z*psi**2*(3 - 2*psi)/xp.sqrt(sliding_nonzero)  # [tirefmu] load on the sliding part per weighted sliding velocity
+    sliding = xp.where(sliding_squared <= 1e-100, 0, F_z*psi**2*(3 - 2*psi)/xp.sqrt(xp.where(sliding_squared <= 1e-100, 1, sliding_squared)))  # [tirefmu] load on the sliding part per weighted sliding velocity
     sticking = (1 - psi)**2/rolling  # [3.2.3] share of the slip stiffness on the sticking part, per rolling velocity
     F_y_sticking = K_yalpha*sticking  # [3.2.3] side force of the sticking part per tan(alpha)
     F_y_sliding = side*sliding*mu_y**2  # [3.2.3] side force of the sliding part per tan(alpha)

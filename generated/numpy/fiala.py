@@ -61,8 +61,8 @@ def quantities(inputs, parameters, xp=np):
     sense = xp.where(SIGNS > 0.5, 1, -1)  # [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE
     tan_alpha = xp.tan(alpha_folded)  # [tirefmu] tangent of the side slip angle
     S_square = kappa**2 + tan_alpha**2  # [Adams] comprehensive slip, squared
-    S_square_inside = xp.where(xp.logical_or(S_square >= 1, S_square <= 0), 1, S_square)  # [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of
-    S_s_alpha = xp.where(S_square <= 0, 0, xp.sqrt(S_square_inside))  # [Adams] comprehensive slip, 1 at most
+    S_square_inside = xp.where(S_square >= 1, 1, S_square)  # [tirefmu] the same, 1 at most
+    S_s_alpha = xp.where(S_square_inside <= 1e-100, 0, xp.sqrt(xp.where(S_square_inside <= 1e-100, 1, S_square_inside)))  # [Adams] comprehensive slip, 1 at most
     mu_x_fall = UMAX - UMIN  # [Adams] what mu_x loses up to comprehensive slip 1
     U = UMAX - S_s_alpha*mu_x_fall  # [Adams] friction at this comprehensive slip
     mu_x = U  # [Adams] largest |Fx| per load at this comprehensive slip
@@ -119,8 +119,8 @@ def forces(inputs, parameters, xp=np):
     sense = xp.where(SIGNS > 0.5, 1, -1)  # [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE
     tan_alpha = xp.tan(alpha_folded)  # [tirefmu] tangent of the side slip angle
     S_square = kappa**2 + tan_alpha**2  # [Adams] comprehensive slip, squared
-    S_square_inside = xp.where(xp.logical_or(S_square >= 1, S_square <= 0), 1, S_square)  # [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of
-    S_s_alpha = xp.where(S_square <= 0, 0, xp.sqrt(S_square_inside))  # [Adams] comprehensive slip, 1 at most
+    S_square_inside = xp.where(S_square >= 1, 1, S_square)  # [tirefmu] the same, 1 at most
+    S_s_alpha = xp.where(S_square_inside <= 1e-100, 0, xp.sqrt(xp.where(S_square_inside <= 1e-100, 1, S_square_inside)))  # [Adams] comprehensive slip, 1 at most
     mu_x_fall = UMAX - UMIN  # [Adams] what mu_x loses up to comprehensive slip 1
     U = UMAX - S_s_alpha*mu_x_fall  # [Adams] friction at this comprehensive slip
     mu_x = U  # [Adams] largest |Fx| per load at this comprehensive slip
@@ -128,11 +128,11 @@ def forces(inputs, parameters, xp=np):
     K_xkappa = CSLIP  # [Adams] longitudinal slip stiffness
     F_x_limit = F_z*mu_x  # [Adams] largest longitudinal force
     F_x_linear = K_xkappa*kappa  # [Adams] longitudinal force without sliding
-    Fx = xp.where(Fz <= 1e-06, 0, xp.where(xp.abs(F_x_linear) <= 0.5*F_x_limit, F_x_linear, F_x_limit*xp.sign(F_x_linear) - 0.25*F_x_limit**2/F_x_linear))  # [Adams] longitudinal force
+    Fx = xp.where(Fz <= 1e-06, 0, xp.where(xp.abs(F_x_linear) <= 0.5*F_x_limit, F_x_linear, F_x_limit*xp.sign(F_x_linear) - 0.25*F_x_limit**2/xp.where(xp.abs(F_x_linear) <= 0.5*F_x_limit, 1, F_x_linear)))  # [Adams] longitudinal force
     K_yalpha = CALPHA*sense  # [Adams] cornering stiffness
     F_y_limit = F_z*mu_y  # [Adams] largest side force
     F_y_linear = K_yalpha*tan_alpha  # [Adams] side force without sliding
-    sliding_y = xp.where(xp.abs(F_y_linear) >= 3*F_y_limit, xp.sign(F_y_linear), 0.3333333333333333*F_y_linear/F_y_limit)  # [Adams] 1 - H with the sense of the side force: share of the contact that slides
+    sliding_y = xp.where(xp.abs(F_y_linear) >= 3*F_y_limit, xp.sign(F_y_linear), 0.3333333333333333*F_y_linear/xp.where(xp.abs(F_y_linear) >= 3*F_y_limit, 1, F_y_limit))  # [Adams] 1 - H with the sense of the side force: share of the contact that slides
     Fy = xp.where(Fz <= 1e-06, 0, F_y_limit*sliding_y*(3 + sliding_y**2 - 3*xp.abs(sliding_y)))  # [Adams] side force
     t_0 = 0.3333333333333333*WIDTH  # [Adams] pneumatic trail at zero slip
     Mz = xp.where(Fz <= 1e-06, 0, -3*F_y_limit*sliding_y*t_0*(1 - xp.abs(sliding_y))**3)  # [Adams] aligning moment

@@ -138,11 +138,12 @@ def quantities(inputs, parameters, xp=np):
 
     # Inputs
     alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
-    fade = xp.where(LIMITS > 0.5, xp.where(VXLOW >= xp.abs(V), xp.abs(V)/VXLOW, 1), 1)  # [MFeval] reduction of kappa and phit at low speed
-    fade_smooth = xp.where(LIMITS > 0.5, xp.where(VXLOW >= xp.abs(V), 0.5 - 0.5*xp.cos(xp.pi*V/VXLOW), 1), 1)  # [MFeval] reduction of the shifts, the trail and the residual moment at low speed
+    V_xlow = xp.where(VXLOW <= 0, 1e-06, VXLOW)  # [tirefmu] speed below which slips fade out, above 0
+    fade = xp.where(LIMITS > 0.5, xp.where(V_xlow >= xp.abs(V), xp.abs(V)/xp.where(V_xlow >= xp.abs(V), V_xlow, 1), 1), 1)  # [MFeval] reduction of kappa and phit at low speed
+    fade_smooth = xp.where(LIMITS > 0.5, xp.where(V_xlow >= xp.abs(V), 0.5 - 0.5*xp.cos(xp.pi*V/xp.where(V_xlow >= xp.abs(V), V_xlow, 1)), 1), 1)  # [MFeval] reduction of the shifts, the trail and the residual moment at low speed
     phit_in = xp.where(LIMITS > 0.5, fade*phit*xp.where(V < 0, -1, 1)*xp.cos(alpha_folded), phit)  # [MFeval] turn slip, within limits
     speed_sum = xp.where(LIMITS > 0.5, xp.abs(V) + xp.abs(V*xp.tan(alpha_folded)), 1)  # [MFeval] rolling and sliding speed
-    alpha_low = xp.where(LIMITS > 0.5, xp.where(VXLOW > speed_sum, alpha_folded*speed_sum/VXLOW, alpha_folded), alpha_folded)  # [MFeval] slip angle, faded out at low speed
+    alpha_low = xp.where(LIMITS > 0.5, xp.where(V_xlow > speed_sum, alpha_folded*speed_sum/xp.where(V_xlow > speed_sum, V_xlow, 1), alpha_folded), alpha_folded)  # [MFeval] slip angle, faded out at low speed
     kappa_raised = xp.where(LIMITS > 0.5, xp.where(KPUMIN > fade*kappa, KPUMIN, fade*kappa), fade*kappa)  # [MFeval] kappa, with limits not below the lowest
     kappa_in = xp.where(LIMITS > 0.5, xp.where(KPUMAX < kappa_raised, KPUMAX, kappa_raised), kappa_raised)  # [MFeval] kappa, within limits
     alpha_raised = xp.where(LIMITS > 0.5, xp.where(ALPMIN > alpha_low, ALPMIN, alpha_low), alpha_low)  # [MFeval] alpha, with limits not below the lowest
@@ -151,7 +152,7 @@ def quantities(inputs, parameters, xp=np):
     gamma_in = xp.where(LIMITS > 0.5, xp.where(CAMMAX < gamma_raised, CAMMAX, gamma_raised), gamma_raised)  # [MFeval] gamma, within limits
     p_raised = xp.where(LIMITS > 0.5, xp.where(PRESMIN > p, PRESMIN, p), p)  # [MFeval] p, with limits not below the lowest
     p_in = xp.where(LIMITS > 0.5, xp.where(PRESMAX < p_raised, PRESMAX, p_raised), p_raised)  # [MFeval] p, within limits
-    F_z = xp.where(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = xp.where(Fz < 1e-06, 0, Fz)  # [MFeval] load, 0 off the ground
     F_z_limited = xp.where(LIMITS > 0.5, xp.where(FZMAX < F_z, FZMAX, F_z), F_z)  # [MFeval] load, within limits
     F_zl = xp.where(LIMITS > 0.5, xp.where(FZMIN > F_z_limited, FZMIN, F_z_limited), F_z_limited)  # [MFeval] load of the deflection, not below FZMIN with limits
     F_zm = xp.where(LIMITS > 0.5, xp.where(F_z_limited <= 0, 0, F_zl), F_z_limited)  # [MFeval] load of the aligning moment, the same but on the ground
@@ -165,7 +166,8 @@ def quantities(inputs, parameters, xp=np):
     cos_alpha = V/(1e-06 + V_c)  # [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed
     alpha_star = xp.where(SLIP_ANGLE > 0.5, alpha_in, tan_alpha*xp.sign(V))  # [4.E3] lateral slip alpha*
     gamma_star = xp.where(SLIP_ANGLE > 0.5, gamma_in, xp.sin(gamma_in))  # [4.E4] inclination gamma*
-    slide = xp.where(CONVENTION > 0.5, 1 + LMUV*xp.sqrt(1e-60 + kappa_in**2 + tan_alpha**2)*xp.abs(V)/LONGVL, 1)  # [4.E7] by how much slip speed lowers friction
+    slip_squared = kappa_in**2 + tan_alpha**2  # [4.E7] longitudinal and lateral slip, squared
+    slide = xp.where(CONVENTION > 0.5, 1 + LMUV*xp.where(slip_squared <= 1e-100, 0, xp.sqrt(xp.where(slip_squared <= 1e-100, 1, slip_squared)))*xp.abs(V)/LONGVL, 1)  # [4.E7] by how much slip speed lowers friction
     LMUX_star = xp.where(CONVENTION > 0.5, LMUX/slide, LMUX)  # [4.E7] friction scale of Fx
     LMUY_star = xp.where(CONVENTION > 0.5, LMUY/slide, LMUY)  # [4.E7] friction scale of Fy
     LMUX_shift = xp.where(CONVENTION > 0.5, 10*LMUX_star/(1 + 9*LMUX_star), LMUX_star)  # [4.E8] friction scale of the shifts of Fx
@@ -187,14 +189,14 @@ def quantities(inputs, parameters, xp=np):
     # Turn slip
     turn_share = xp.where(1000000.0*xp.abs(phit_in) < 1, 1000000000000.0*xp.abs(phit_in)**2*(3 - 2000000.0*xp.abs(phit_in)), 1)  # [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight
     eps_gamma = PECP1*(1 + PECP2*dfz)  # [4.90] equivalent spin of camber
-    V_spin = xp.where(VXLOW > xp.abs(V), VXLOW*xp.where(V >= 0, 1, xp.sign(V)), xp.where(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
+    V_spin = xp.where(V_xlow > xp.abs(V), V_xlow*xp.where(V >= 0, 1, xp.sign(V)), xp.where(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
     phi = (phit_in + omega*(1 - eps_gamma)*xp.sin(gamma_in)/V_spin)*xp.where(CONVENTION > 0.5, 1, -1)  # [4.76] spin by path curvature and camber
     R_0_phi = UNLOADED_RADIUS*phi  # [4.76] spin per radius
     zeta_0 = xp.where(phit_in == 0, 1, 1 - turn_share)  # [4.83] camber acts through its spin
     B_xphi = PDXP1*(1 + PDXP2*dfz)/xp.sqrt(1 + PDXP3**2*kappa_in**2)  # [4.106] fall of D_x with spin
     zeta_1 = xp.where(phit_in == 0, 1, 1 - turn_share + turn_share/xp.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
     B_yphi = PDYP1*(1 + PDYP2*dfz)/xp.sqrt(1 + PDYP3**2*tan_alpha**2)  # [4.78] fall of D_y with spin
-    zeta_2 = xp.where(phit_in == 0, 1, 1 - turn_share + turn_share/xp.sqrt(1 + B_yphi**2*(PDYP4*xp.sqrt(1e-60 + xp.abs(R_0_phi)) + xp.abs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
+    zeta_2 = xp.where(phit_in == 0, 1, 1 - turn_share + turn_share/xp.sqrt(1 + B_yphi**2*(PDYP4*xp.where(xp.abs(R_0_phi) <= 1e-100, 0, xp.sqrt(xp.where(xp.abs(R_0_phi) <= 1e-100, 1, xp.abs(R_0_phi)))) + xp.abs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
     zeta_3 = xp.where(phit_in == 0, 1, 1 - turn_share + turn_share/xp.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
     zeta_5 = xp.where(phit_in == 0, 1, 1 - turn_share + turn_share/xp.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
     zeta_6 = xp.where(phit_in == 0, 1, 1 - turn_share + turn_share/xp.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
@@ -283,8 +285,8 @@ def quantities(inputs, parameters, xp=np):
     G_yk = xp.cos(G_yk_w)/xp.cos(G_yk0_w)  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk = F_z_limited*mu_y_pressed*zeta_2*(RVY1 + RVY2*dfz + RVY3*gamma_star)/xp.sqrt(1 + RVY4**2*alpha_star**2)  # [4.E67] peak of S_Vyk
     S_Vyk = D_Vyk*LVYKA*fade_smooth*xp.sin(RVY5*xp.atan(RVY6*kappa_in))  # [4.E66] side force made by longitudinal slip
-    Fx = xp.where(Fz < 1e-100, 0, F_x0*G_xa)  # [4.E50] longitudinal force
-    Fy = xp.where(Fz < 1e-100, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
+    Fx = xp.where(Fz < 1e-06, 0, F_x0*G_xa)  # [4.E50] longitudinal force
+    Fy = xp.where(Fz < 1e-06, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
 
     # Aligning moment
     S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz)  # [4.E35] shift of the trail
@@ -295,7 +297,8 @@ def quantities(inputs, parameters, xp=np):
     D_t = F_zm*LTR*UNLOADED_RADIUS*zeta_5*(1 - PPZ1*dpi)*(QDZ1 + QDZ2*dfz)*xp.where(CONVENTION > 0.5, 1 + QDZ3*xp.abs(gamma_star) + QDZ4*gamma_star**2, 1 + QDZ3*gamma_in + QDZ4*gamma_in**2)*xp.where(CONVENTION > 0.5, xp.sign(V), 1)/F_z01  # [4.E43] peak factor of the trail
     E_t = xp.where(LIMITS > 0.5, xp.where((1 + (2*QEZ4 + 2*QEZ5*gamma_star)*xp.atan(B_t*C_t*alpha_t)/xp.pi)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2) > 1, 1, (1 + (2*QEZ4 + 2*QEZ5*gamma_star)*xp.atan(B_t*C_t*alpha_t)/xp.pi)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2)), (1 + (2*QEZ4 + 2*QEZ5*gamma_star)*xp.atan(B_t*C_t*alpha_t)/xp.pi)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2))  # [4.E44] curvature factor of the trail
     B_r = zeta_6*(B_y*C_y*QBZ10 + LKY*QBZ9/LMUY_star)  # [4.E45] stiffness factor of the residual moment
-    M_zphi_inf_signed = F_zm*LMP*QCRP1*UNLOADED_RADIUS*xp.sqrt(1e-60 + F_zm/F_z01)*xp.abs(mu_y_pressed)  # [4.95] moment of turning on the spot
+    F_zm_share = F_zm/F_z01  # [4.95] load per nominal load
+    M_zphi_inf_signed = F_zm*LMP*QCRP1*UNLOADED_RADIUS*xp.where(F_zm_share <= 1e-100, 0, xp.sqrt(xp.where(F_zm_share <= 1e-100, 1, F_zm_share)))*xp.abs(mu_y_pressed)  # [4.95] moment of turning on the spot
     M_zphi_inf = xp.where(M_zphi_inf_signed <= 0, 1e-06, M_zphi_inf_signed)  # [4.95] moment of turning on the spot, above 0
     D_Drphi = M_zphi_inf/xp.sin(0.5*xp.pi*QDRP1)  # [4.94] peak of the moment by spin
     K_zgammar0 = F_zm*LKZC*UNLOADED_RADIUS*xp.where(CONVENTION > 0.5, QDZ8 + QDZ9*dfz + (QDZ10 + QDZ11*dfz)*xp.abs(gamma_star), QDZ10 + dfz*xp.where(SIGNS > 0.5, -QDZ8*QDZ9, QDZ8*QDZ9) + QDZ11*dfz*xp.abs(gamma_in))  # [4.99] camber torque stiffness
@@ -323,10 +326,12 @@ def quantities(inputs, parameters, xp=np):
     M_z0 = M_zr0 - F_y0_00*trail_0  # [4.E31] aligning moment in pure slip
     kappa_share = K_xkappa**2*kappa_in**2/K_yalpha1**2  # [4.E77] equivalent slip angle of kappa, squared
     tan_alpha_teq = xp.where(CONVENTION > 0.5, alpha_t, xp.tan(alpha_t))  # [4.E77] the same as a slip
-    slip_alpha_teq = xp.sqrt(1e-60 + kappa_share + tan_alpha_teq**2)  # [4.E77] size of the equivalent slip
+    slip_alpha_teq_squared = kappa_share + tan_alpha_teq**2  # [4.E77] equivalent slip, squared
+    slip_alpha_teq = xp.where(slip_alpha_teq_squared <= 1e-100, 0, xp.sqrt(xp.where(slip_alpha_teq_squared <= 1e-100, 1, slip_alpha_teq_squared)))  # [4.E77] size of the equivalent slip
     alpha_teq = xp.where(CONVENTION > 0.5, slip_alpha_teq, xp.atan(slip_alpha_teq))*xp.sign(alpha_t)  # [4.E77] equivalent slip of the trail
     tan_alpha_req = xp.where(CONVENTION > 0.5, alpha_r, xp.tan(alpha_r))  # [4.E78] the same as a slip
-    slip_alpha_req = xp.sqrt(1e-60 + kappa_share + tan_alpha_req**2)  # [4.E78] size of the equivalent slip
+    slip_alpha_req_squared = kappa_share + tan_alpha_req**2  # [4.E78] equivalent slip, squared
+    slip_alpha_req = xp.where(slip_alpha_req_squared <= 1e-100, 0, xp.sqrt(xp.where(slip_alpha_req_squared <= 1e-100, 1, slip_alpha_req_squared)))  # [4.E78] size of the equivalent slip
     alpha_req = xp.where(CONVENTION > 0.5, slip_alpha_req, xp.atan(slip_alpha_req))*xp.sign(alpha_r)  # [4.E78] equivalent slip of the residual moment
     trail_u = B_t*alpha_teq  # [4.1] B x
     trail_v = trail_u - E_t*(trail_u - xp.atan(trail_u))  # [4.1] B x bent by E
@@ -341,15 +346,14 @@ def quantities(inputs, parameters, xp=np):
     # Deflection and loaded radius
     c_z_normalized = UNLOADED_RADIUS*VERTICAL_STIFFNESS/FNOMIN  # [P 4] vertical stiffness in nominal loads per radius
     Q_FZ1_squared = c_z_normalized**2 - 4*Q_FZ2  # [P 4] linear coefficient of load over deflection, squared
-    Q_FZ1 = xp.where(Q_FZ1_squared < 0, 0, xp.sqrt(Q_FZ1_squared))  # [P 4] linear coefficient of load over deflection
+    Q_FZ1 = xp.where(Q_FZ1_squared <= 1e-100, 0, xp.sqrt(xp.where(Q_FZ1_squared <= 1e-100, 1, Q_FZ1_squared)))  # [P 4] linear coefficient of load over deflection
     f_z = FNOMIN*(1 + PFZ1*dpi)*(1 - Fx**2*Q_FCX**2/FNOMIN**2 - Fy**2*Q_FCY**2/FNOMIN**2 + Q_V2*UNLOADED_RADIUS*xp.abs(omega)/LONGVL)  # [P 3] scale of the load by speed, forces and pressure
     rho_root = Q_FZ1**2 + 4*F_zl*Q_FZ2/f_z  # [P 3] discriminant
-    rho_sqrt = xp.sqrt(rho_root)  # [P 3] its root
-    Q_FZ2_divisor = xp.where(Q_FZ2 == 0, 1, Q_FZ2)  # [tirefmu] Q_FZ2; 1 where it is 0 and the other branch is taken
-    rho_closed = xp.where(Q_FZ2 == 0, F_zl*UNLOADED_RADIUS/(Q_FZ1*f_z), 0.5*UNLOADED_RADIUS*(rho_sqrt - Q_FZ1)/Q_FZ2_divisor)  # [P 3] deflection of the upright tire
+    rho_sqrt = xp.where(rho_root <= 1e-100, 0, xp.sqrt(xp.where(rho_root <= 1e-100, 1, rho_root)))  # [P 3] its root
+    rho_closed = xp.where(Q_FZ2 == 0, F_zl*UNLOADED_RADIUS/(Q_FZ1*f_z), 0.5*UNLOADED_RADIUS*(rho_sqrt - Q_FZ1)/xp.where(Q_FZ2 == 0, 1, Q_FZ2))  # [P 3] deflection of the upright tire
     rho_upright = xp.where(rho_closed > 0, rho_closed, 0)  # [P 3] deflection of the upright tire, not below 0
     R_l = xp.where(R_omega > rho_upright, R_omega - rho_upright, 0)  # [A3.2] loaded radius
-    rho = xp.where(F_zl == 0, 1e-06, rho_upright)  # [A3.3] deflection
+    rho = xp.where(xp.logical_or(F_zl == 0, rho_upright <= 0), 1e-06, rho_upright)  # [A3.3] deflection
     c_z = F_zl/rho  # [A3.3] vertical stiffness, load per deflection
 
     # Contact patch
@@ -464,11 +468,12 @@ def forces(inputs, parameters, xp=np):
 
     # Inputs
     alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
-    fade = xp.where(LIMITS > 0.5, xp.where(VXLOW >= xp.abs(V), xp.abs(V)/VXLOW, 1), 1)  # [MFeval] reduction of kappa and phit at low speed
-    fade_smooth = xp.where(LIMITS > 0.5, xp.where(VXLOW >= xp.abs(V), 0.5 - 0.5*xp.cos(xp.pi*V/VXLOW), 1), 1)  # [MFeval] reduction of the shifts, the trail and the residual moment at low speed
+    V_xlow = xp.where(VXLOW <= 0, 1e-06, VXLOW)  # [tirefmu] speed below which slips fade out, above 0
+    fade = xp.where(LIMITS > 0.5, xp.where(V_xlow >= xp.abs(V), xp.abs(V)/xp.where(V_xlow >= xp.abs(V), V_xlow, 1), 1), 1)  # [MFeval] reduction of kappa and phit at low speed
+    fade_smooth = xp.where(LIMITS > 0.5, xp.where(V_xlow >= xp.abs(V), 0.5 - 0.5*xp.cos(xp.pi*V/xp.where(V_xlow >= xp.abs(V), V_xlow, 1)), 1), 1)  # [MFeval] reduction of the shifts, the trail and the residual moment at low speed
     phit_in = xp.where(LIMITS > 0.5, fade*phit*xp.where(V < 0, -1, 1)*xp.cos(alpha_folded), phit)  # [MFeval] turn slip, within limits
     speed_sum = xp.where(LIMITS > 0.5, xp.abs(V) + xp.abs(V*xp.tan(alpha_folded)), 1)  # [MFeval] rolling and sliding speed
-    alpha_low = xp.where(LIMITS > 0.5, xp.where(VXLOW > speed_sum, alpha_folded*speed_sum/VXLOW, alpha_folded), alpha_folded)  # [MFeval] slip angle, faded out at low speed
+    alpha_low = xp.where(LIMITS > 0.5, xp.where(V_xlow > speed_sum, alpha_folded*speed_sum/xp.where(V_xlow > speed_sum, V_xlow, 1), alpha_folded), alpha_folded)  # [MFeval] slip angle, faded out at low speed
     kappa_raised = xp.where(LIMITS > 0.5, xp.where(KPUMIN > fade*kappa, KPUMIN, fade*kappa), fade*kappa)  # [MFeval] kappa, with limits not below the lowest
     kappa_in = xp.where(LIMITS > 0.5, xp.where(KPUMAX < kappa_raised, KPUMAX, kappa_raised), kappa_raised)  # [MFeval] kappa, within limits
     alpha_raised = xp.where(LIMITS > 0.5, xp.where(ALPMIN > alpha_low, ALPMIN, alpha_low), alpha_low)  # [MFeval] alpha, with limits not below the lowest
@@ -477,7 +482,7 @@ def forces(inputs, parameters, xp=np):
     gamma_in = xp.where(LIMITS > 0.5, xp.where(CAMMAX < gamma_raised, CAMMAX, gamma_raised), gamma_raised)  # [MFeval] gamma, within limits
     p_raised = xp.where(LIMITS > 0.5, xp.where(PRESMIN > p, PRESMIN, p), p)  # [MFeval] p, with limits not below the lowest
     p_in = xp.where(LIMITS > 0.5, xp.where(PRESMAX < p_raised, PRESMAX, p_raised), p_raised)  # [MFeval] p, within limits
-    F_z = xp.where(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = xp.where(Fz < 1e-06, 0, Fz)  # [MFeval] load, 0 off the ground
     F_z_limited = xp.where(LIMITS > 0.5, xp.where(FZMAX < F_z, FZMAX, F_z), F_z)  # [MFeval] load, within limits
     F_zl = xp.where(LIMITS > 0.5, xp.where(FZMIN > F_z_limited, FZMIN, F_z_limited), F_z_limited)  # [MFeval] load of the deflection, not below FZMIN with limits
     F_zm = xp.where(LIMITS > 0.5, xp.where(F_z_limited <= 0, 0, F_zl), F_z_limited)  # [MFeval] load of the aligning moment, the same but on the ground
@@ -491,7 +496,8 @@ def forces(inputs, parameters, xp=np):
     cos_alpha = V/(1e-06 + V_c)  # [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed
     alpha_star = xp.where(SLIP_ANGLE > 0.5, alpha_in, tan_alpha*xp.sign(V))  # [4.E3] lateral slip alpha*
     gamma_star = xp.where(SLIP_ANGLE > 0.5, gamma_in, xp.sin(gamma_in))  # [4.E4] inclination gamma*
-    slide = xp.where(CONVENTION > 0.5, 1 + LMUV*xp.sqrt(1e-60 + kappa_in**2 + tan_alpha**2)*xp.abs(V)/LONGVL, 1)  # [4.E7] by how much slip speed lowers friction
+    slip_squared = kappa_in**2 + tan_alpha**2  # [4.E7] longitudinal and lateral slip, squared
+    slide = xp.where(CONVENTION > 0.5, 1 + LMUV*xp.where(slip_squared <= 1e-100, 0, xp.sqrt(xp.where(slip_squared <= 1e-100, 1, slip_squared)))*xp.abs(V)/LONGVL, 1)  # [4.E7] by how much slip speed lowers friction
     LMUX_star = xp.where(CONVENTION > 0.5, LMUX/slide, LMUX)  # [4.E7] friction scale of Fx
     LMUY_star = xp.where(CONVENTION > 0.5, LMUY/slide, LMUY)  # [4.E7] friction scale of Fy
     LMUX_shift = xp.where(CONVENTION > 0.5, 10*LMUX_star/(1 + 9*LMUX_star), LMUX_star)  # [4.E8] friction scale of the shifts of Fx
@@ -511,14 +517,14 @@ def forces(inputs, parameters, xp=np):
     # Turn slip
     turn_share = xp.where(1000000.0*xp.abs(phit_in) < 1, 1000000000000.0*xp.abs(phit_in)**2*(3 - 2000000.0*xp.abs(phit_in)), 1)  # [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight
     eps_gamma = PECP1*(1 + PECP2*dfz)  # [4.90] equivalent spin of camber
-    V_spin = xp.where(VXLOW > xp.abs(V), VXLOW*xp.where(V >= 0, 1, xp.sign(V)), xp.where(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
+    V_spin = xp.where(V_xlow > xp.abs(V), V_xlow*xp.where(V >= 0, 1, xp.sign(V)), xp.where(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
     phi = (phit_in + omega*(1 - eps_gamma)*xp.sin(gamma_in)/V_spin)*xp.where(CONVENTION > 0.5, 1, -1)  # [4.76] spin by path curvature and camber
     R_0_phi = UNLOADED_RADIUS*phi  # [4.76] spin per radius
     zeta_0 = xp.where(phit_in == 0, 1, 1 - turn_share)  # [4.83] camber acts through its spin
     B_xphi = PDXP1*(1 + PDXP2*dfz)/xp.sqrt(1 + PDXP3**2*kappa_in**2)  # [4.106] fall of D_x with spin
     zeta_1 = xp.where(phit_in == 0, 1, 1 - turn_share + turn_share/xp.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
     B_yphi = PDYP1*(1 + PDYP2*dfz)/xp.sqrt(1 + PDYP3**2*tan_alpha**2)  # [4.78] fall of D_y with spin
-    zeta_2 = xp.where(phit_in == 0, 1, 1 - turn_share + turn_share/xp.sqrt(1 + B_yphi**2*(PDYP4*xp.sqrt(1e-60 + xp.abs(R_0_phi)) + xp.abs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
+    zeta_2 = xp.where(phit_in == 0, 1, 1 - turn_share + turn_share/xp.sqrt(1 + B_yphi**2*(PDYP4*xp.where(xp.abs(R_0_phi) <= 1e-100, 0, xp.sqrt(xp.where(xp.abs(R_0_phi) <= 1e-100, 1, xp.abs(R_0_phi)))) + xp.abs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
     zeta_3 = xp.where(phit_in == 0, 1, 1 - turn_share + turn_share/xp.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
     zeta_5 = xp.where(phit_in == 0, 1, 1 - turn_share + turn_share/xp.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
     zeta_6 = xp.where(phit_in == 0, 1, 1 - turn_share + turn_share/xp.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
@@ -606,8 +612,8 @@ def forces(inputs, parameters, xp=np):
     G_yk = xp.cos(G_yk_w)/xp.cos(G_yk0_w)  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk = F_z_limited*mu_y_pressed*zeta_2*(RVY1 + RVY2*dfz + RVY3*gamma_star)/xp.sqrt(1 + RVY4**2*alpha_star**2)  # [4.E67] peak of S_Vyk
     S_Vyk = D_Vyk*LVYKA*fade_smooth*xp.sin(RVY5*xp.atan(RVY6*kappa_in))  # [4.E66] side force made by longitudinal slip
-    Fx = xp.where(Fz < 1e-100, 0, F_x0*G_xa)  # [4.E50] longitudinal force
-    Fy = xp.where(Fz < 1e-100, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
+    Fx = xp.where(Fz < 1e-06, 0, F_x0*G_xa)  # [4.E50] longitudinal force
+    Fy = xp.where(Fz < 1e-06, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
     B_ykappa_g0 = LYKA*RBY1/xp.sqrt(1 + RBY2**2*(alpha_star - RBY3)**2)  # [4.E62] stiffness of G_yk
     G_yk_g0_u = B_ykappa_g0*(S_Hyk + kappa_in)  # [4.1] B x
     G_yk_g0_v = G_yk_g0_u - E_ykappa*(G_yk_g0_u - xp.atan(G_yk_g0_u))  # [4.1] B x bent by E
@@ -625,7 +631,8 @@ def forces(inputs, parameters, xp=np):
     D_t = F_zm*LTR*UNLOADED_RADIUS*zeta_5*(1 - PPZ1*dpi)*(QDZ1 + QDZ2*dfz)*xp.where(CONVENTION > 0.5, 1 + QDZ3*xp.abs(gamma_star) + QDZ4*gamma_star**2, 1 + QDZ3*gamma_in + QDZ4*gamma_in**2)*xp.where(CONVENTION > 0.5, xp.sign(V), 1)/F_z01  # [4.E43] peak factor of the trail
     E_t = xp.where(LIMITS > 0.5, xp.where((1 + (2*QEZ4 + 2*QEZ5*gamma_star)*xp.atan(B_t*C_t*alpha_t)/xp.pi)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2) > 1, 1, (1 + (2*QEZ4 + 2*QEZ5*gamma_star)*xp.atan(B_t*C_t*alpha_t)/xp.pi)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2)), (1 + (2*QEZ4 + 2*QEZ5*gamma_star)*xp.atan(B_t*C_t*alpha_t)/xp.pi)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2))  # [4.E44] curvature factor of the trail
     B_r = zeta_6*(B_y*C_y*QBZ10 + LKY*QBZ9/LMUY_star)  # [4.E45] stiffness factor of the residual moment
-    M_zphi_inf_signed = F_zm*LMP*QCRP1*UNLOADED_RADIUS*xp.sqrt(1e-60 + F_zm/F_z01)*xp.abs(mu_y_pressed)  # [4.95] moment of turning on the spot
+    F_zm_share = F_zm/F_z01  # [4.95] load per nominal load
+    M_zphi_inf_signed = F_zm*LMP*QCRP1*UNLOADED_RADIUS*xp.where(F_zm_share <= 1e-100, 0, xp.sqrt(xp.where(F_zm_share <= 1e-100, 1, F_zm_share)))*xp.abs(mu_y_pressed)  # [4.95] moment of turning on the spot
     M_zphi_inf = xp.where(M_zphi_inf_signed <= 0, 1e-06, M_zphi_inf_signed)  # [4.95] moment of turning on the spot, above 0
     D_Drphi = M_zphi_inf/xp.sin(0.5*xp.pi*QDRP1)  # [4.94] peak of the moment by spin
     K_zgammar0 = F_zm*LKZC*UNLOADED_RADIUS*xp.where(CONVENTION > 0.5, QDZ8 + QDZ9*dfz + (QDZ10 + QDZ11*dfz)*xp.abs(gamma_star), QDZ10 + dfz*xp.where(SIGNS > 0.5, -QDZ8*QDZ9, QDZ8*QDZ9) + QDZ11*dfz*xp.abs(gamma_in))  # [4.99] camber torque stiffness
@@ -644,10 +651,12 @@ def forces(inputs, parameters, xp=np):
     D_r = -1 + zeta_8 + F_zm*LMUY_star*UNLOADED_RADIUS*(LRES*zeta_2*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*zeta_0*((1 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*xp.abs(gamma_star)))*xp.cos(alpha_star)*xp.sign(V)  # [4.E47] peak factor of the residual moment
     kappa_share = K_xkappa**2*kappa_in**2/K_yalpha1**2  # [4.E77] equivalent slip angle of kappa, squared
     tan_alpha_teq = xp.where(CONVENTION > 0.5, alpha_t, xp.tan(alpha_t))  # [4.E77] the same as a slip
-    slip_alpha_teq = xp.sqrt(1e-60 + kappa_share + tan_alpha_teq**2)  # [4.E77] size of the equivalent slip
+    slip_alpha_teq_squared = kappa_share + tan_alpha_teq**2  # [4.E77] equivalent slip, squared
+    slip_alpha_teq = xp.where(slip_alpha_teq_squared <= 1e-100, 0, xp.sqrt(xp.where(slip_alpha_teq_squared <= 1e-100, 1, slip_alpha_teq_squared)))  # [4.E77] size of the equivalent slip
     alpha_teq = xp.where(CONVENTION > 0.5, slip_alpha_teq, xp.atan(slip_alpha_teq))*xp.sign(alpha_t)  # [4.E77] equivalent slip of the trail
     tan_alpha_req = xp.where(CONVENTION > 0.5, alpha_r, xp.tan(alpha_r))  # [4.E78] the same as a slip
-    slip_alpha_req = xp.sqrt(1e-60 + kappa_share + tan_alpha_req**2)  # [4.E78] size of the equivalent slip
+    slip_alpha_req_squared = kappa_share + tan_alpha_req**2  # [4.E78] equivalent slip, squared
+    slip_alpha_req = xp.where(slip_alpha_req_squared <= 1e-100, 0, xp.sqrt(xp.where(slip_alpha_req_squared <= 1e-100, 1, slip_alpha_req_squared)))  # [4.E78] size of the equivalent slip
     alpha_req = xp.where(CONVENTION > 0.5, slip_alpha_req, xp.atan(slip_alpha_req))*xp.sign(alpha_r)  # [4.E78] equivalent slip of the residual moment
     trail_u = B_t*alpha_teq  # [4.1] B x
     trail_v = trail_u - E_t*(trail_u - xp.atan(trail_u))  # [4.1] B x bent by E
@@ -660,21 +669,24 @@ def forces(inputs, parameters, xp=np):
     s = LS*UNLOADED_RADIUS*xp.where(CONVENTION > 0.5, SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01, SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)  # [4.E76] moment arm of Fx
     G_yk_g0 = xp.cos(G_yk_g0_w)/xp.cos(G_yk_g00_w)  # [4.E74] G_yk without inclination
     F_y1 = F_y0_g0*xp.where(CONVENTION > 0.5, G_yk_g0, G_yk)  # [4.E74] side force that the trail carries
-    Mz = xp.where(Fz < 1e-100, 0, M_zr + Fx*s - F_y1*trail)  # [4.E71] aligning moment
+    Mz = xp.where(Fz < 1e-06, 0, M_zr + Fx*s - F_y1*trail)  # [4.E71] aligning moment
 
     # Overturning and rolling resistance moment
-    F_zx = xp.where(CONVENTION > 0.5, F_z_limited, xp.where(FZMIN > F_z_limited, F_z_limited**3/FZMIN**2, F_z_limited))  # [MFeval] load of M_x
+    F_zx = xp.where(CONVENTION > 0.5, F_z_limited, xp.where(FZMIN > F_z_limited, F_z_limited**3/xp.where(FZMIN > F_z_limited, FZMIN, 1)**2, F_z_limited))  # [MFeval] load of M_x
     M_x_hump = QSX4*xp.cos(QSX5*xp.atan(F_zx**2*QSX6**2/FNOMIN**2))*xp.sin(QSX7*gamma_in + QSX8*xp.atan(Fy*QSX9/FNOMIN))  # [M] hump of M_x over load and side force
-    Mx = xp.where(Fz < 1e-100, 0, LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma_in*xp.atan(F_zx*QSX11/FNOMIN) - QSX12*gamma_in*xp.abs(gamma_in) - QSX2*gamma_in*(1 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*xp.abs(gamma_in))))  # [4.E69] overturning moment
-    F_zy = xp.where(CONVENTION > 0.5, F_z_limited, xp.where(FZMIN > F_z, F_z**2/FZMIN, F_z))  # [MFeval] load of M_y
-    F_zy_share = xp.where(F_zy <= 0, 1e-60, F_zy/FNOMIN)  # [MFeval] load of M_y in nominal loads, above 0
+    Mx = xp.where(Fz < 1e-06, 0, LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma_in*xp.atan(F_zx*QSX11/FNOMIN) - QSX12*gamma_in*xp.abs(gamma_in) - QSX2*gamma_in*(1 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*xp.abs(gamma_in))))  # [4.E69] overturning moment
+    F_zy = xp.where(CONVENTION > 0.5, F_z_limited, xp.where(FZMIN > F_z, F_z**2/xp.where(FZMIN > F_z, FZMIN, 1), F_z))  # [MFeval] load of M_y
+    F_zy_share = xp.where(F_zy <= 0, 1, F_zy/FNOMIN)  # [MFeval] load of M_y in nominal loads; 1 off the ground
     M_y_speed = QSY1 + QSY3*xp.abs(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*V**4/LONGVL**4  # [4.E70] resistance by force and speed
-    M_y_near_locked = xp.sin(0.5*xp.pi*(1 + kappa)*xp.abs(V)/VXLOW)  # [MFeval] fade near the locked wheel
-    M_y_backward = xp.where(kappa >= -VXLOW - VXLOW/xp.abs(V), M_y_near_locked, -1)  # [MFeval] the same, -1 where the wheel turns backward
-    M_y_taper = xp.where(CONVENTION > 0.5, 1, xp.where(kappa <= -1 + VXLOW/xp.abs(V), M_y_backward, 1))  # [MFeval] the same, 1 where the wheel rolls
-    M_y_full = -LMY*UNLOADED_RADIUS*F_zy_share**QSY7*(p_in/NOMPRES)**QSY8*(M_y_speed + gamma_in**2*(QSY5 + F_zy_share*QSY6))*xp.where(CONVENTION > 0.5, F_z_limited, FNOMIN)  # [4.E70] rolling resistance moment of the rolling wheel
+    speed_moving = xp.where(V == 0, 1, xp.abs(V))  # [tirefmu] speed; 1 at standstill, where M_y is 0
+    M_y_near_locked = xp.sin(0.5*xp.pi*(1 + kappa)*xp.abs(V)/V_xlow)  # [MFeval] fade near the locked wheel
+    M_y_backward = xp.where(kappa >= -V_xlow - V_xlow/speed_moving, M_y_near_locked, -1)  # [MFeval] the same, -1 where the wheel turns backward
+    M_y_taper = xp.where(CONVENTION > 0.5, 1, xp.where(kappa <= -1 + V_xlow/speed_moving, M_y_backward, 1))  # [MFeval] the same, 1 where the wheel rolls
+    p_share = p_in/NOMPRES  # [4.E70] pressure per nominal pressure
+    M_y_pressure = xp.where(p_share < 1e-06, 1e-06, p_share)  # [4.E70] pressure per nominal pressure, above 0
+    M_y_full = -LMY*UNLOADED_RADIUS*F_zy_share**QSY7*M_y_pressure**QSY8*(M_y_speed + gamma_in**2*(QSY5 + F_zy_share*QSY6))*xp.where(CONVENTION > 0.5, F_z_limited, FNOMIN)  # [4.E70] rolling resistance moment of the rolling wheel
     M_y_rolling = xp.where(V == 0, 0, M_y_full*M_y_taper*xp.where(V >= 0, 1, xp.sign(V)))  # [MFeval] rolling resistance moment, 0 at standstill
-    My = xp.where(Fz < 1e-100, 0, M_y_rolling)  # [4.E70] rolling resistance moment
+    My = xp.where(Fz < 1e-06, 0, M_y_rolling)  # [4.E70] rolling resistance moment
 
     return (
         Fx,
@@ -709,17 +721,18 @@ def relaxation(inputs, parameters, xp=np):
 
     # Inputs
     alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
-    fade = xp.where(LIMITS > 0.5, xp.where(VXLOW >= xp.abs(V), xp.abs(V)/VXLOW, 1), 1)  # [MFeval] reduction of kappa and phit at low speed
+    V_xlow = xp.where(VXLOW <= 0, 1e-06, VXLOW)  # [tirefmu] speed below which slips fade out, above 0
+    fade = xp.where(LIMITS > 0.5, xp.where(V_xlow >= xp.abs(V), xp.abs(V)/xp.where(V_xlow >= xp.abs(V), V_xlow, 1), 1), 1)  # [MFeval] reduction of kappa and phit at low speed
     phit_in = xp.where(LIMITS > 0.5, fade*phit*xp.where(V < 0, -1, 1)*xp.cos(alpha_folded), phit)  # [MFeval] turn slip, within limits
     speed_sum = xp.where(LIMITS > 0.5, xp.abs(V) + xp.abs(V*xp.tan(alpha_folded)), 1)  # [MFeval] rolling and sliding speed
-    alpha_low = xp.where(LIMITS > 0.5, xp.where(VXLOW > speed_sum, alpha_folded*speed_sum/VXLOW, alpha_folded), alpha_folded)  # [MFeval] slip angle, faded out at low speed
+    alpha_low = xp.where(LIMITS > 0.5, xp.where(V_xlow > speed_sum, alpha_folded*speed_sum/xp.where(V_xlow > speed_sum, V_xlow, 1), alpha_folded), alpha_folded)  # [MFeval] slip angle, faded out at low speed
     alpha_raised = xp.where(LIMITS > 0.5, xp.where(ALPMIN > alpha_low, ALPMIN, alpha_low), alpha_low)  # [MFeval] alpha, with limits not below the lowest
     alpha_in = xp.where(LIMITS > 0.5, xp.where(ALPMAX < alpha_raised, ALPMAX, alpha_raised), alpha_raised)  # [MFeval] alpha, within limits
     gamma_raised = xp.where(LIMITS > 0.5, xp.where(CAMMIN > gamma, CAMMIN, gamma), gamma)  # [MFeval] gamma, with limits not below the lowest
     gamma_in = xp.where(LIMITS > 0.5, xp.where(CAMMAX < gamma_raised, CAMMAX, gamma_raised), gamma_raised)  # [MFeval] gamma, within limits
     p_raised = xp.where(LIMITS > 0.5, xp.where(PRESMIN > p, PRESMIN, p), p)  # [MFeval] p, with limits not below the lowest
     p_in = xp.where(LIMITS > 0.5, xp.where(PRESMAX < p_raised, PRESMAX, p_raised), p_raised)  # [MFeval] p, within limits
-    F_z = xp.where(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = xp.where(Fz < 1e-06, 0, Fz)  # [MFeval] load, 0 off the ground
     F_z_limited = xp.where(LIMITS > 0.5, xp.where(FZMAX < F_z, FZMAX, F_z), F_z)  # [MFeval] load, within limits
 
     # Normalized inputs
@@ -744,7 +757,7 @@ def relaxation(inputs, parameters, xp=np):
     # Turn slip
     turn_share = xp.where(1000000.0*xp.abs(phit_in) < 1, 1000000000000.0*xp.abs(phit_in)**2*(3 - 2000000.0*xp.abs(phit_in)), 1)  # [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight
     eps_gamma = PECP1*(1 + PECP2*dfz)  # [4.90] equivalent spin of camber
-    V_spin = xp.where(VXLOW > xp.abs(V), VXLOW*xp.where(V >= 0, 1, xp.sign(V)), xp.where(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
+    V_spin = xp.where(V_xlow > xp.abs(V), V_xlow*xp.where(V >= 0, 1, xp.sign(V)), xp.where(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
     phi = (phit_in + omega*(1 - eps_gamma)*xp.sin(gamma_in)/V_spin)*xp.where(CONVENTION > 0.5, 1, -1)  # [4.76] spin by path curvature and camber
     R_0_phi = UNLOADED_RADIUS*phi  # [4.76] spin per radius
     zeta_3 = xp.where(phit_in == 0, 1, 1 - turn_share + turn_share/xp.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
@@ -798,7 +811,8 @@ def forces_straight(inputs, parameters, xp=np):
 
     # Inputs
     alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
-    F_z = xp.where(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
+    V_xlow = xp.where(VXLOW <= 0, 1e-06, VXLOW)  # [tirefmu] speed below which slips fade out, above 0
+    F_z = xp.where(Fz < 1e-06, 0, Fz)  # [MFeval] load, 0 off the ground
 
     # Normalized inputs
     F_z01 = FNOMIN*LFZO  # [4.E1] nominal load, scaled
@@ -882,8 +896,8 @@ def forces_straight(inputs, parameters, xp=np):
     G_yk = xp.cos(G_yk_w)/xp.cos(G_yk0_w)  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma_star)/xp.sqrt(1 + RVY4**2*alpha_star**2)  # [4.E67] peak of S_Vyk
     S_Vyk = D_Vyk*LVYKA*xp.sin(RVY5*xp.atan(RVY6*kappa))  # [4.E66] side force made by longitudinal slip
-    Fx = xp.where(Fz < 1e-100, 0, F_x0*G_xa)  # [4.E50] longitudinal force
-    Fy = xp.where(Fz < 1e-100, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
+    Fx = xp.where(Fz < 1e-06, 0, F_x0*G_xa)  # [4.E50] longitudinal force
+    Fy = xp.where(Fz < 1e-06, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
 
     # Aligning moment
     S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz)  # [4.E35] shift of the trail
@@ -897,10 +911,12 @@ def forces_straight(inputs, parameters, xp=np):
     D_r = F_z*LMUY*UNLOADED_RADIUS*(LRES*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*((1 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*xp.abs(gamma_star)))*xp.cos(alpha_star)*xp.sign(V)  # [4.E47] peak factor of the residual moment
     kappa_share = K_xkappa**2*kappa**2/K_yalpha1**2  # [4.E77] equivalent slip angle of kappa, squared
     tan_alpha_teq = xp.tan(alpha_t)  # [4.E77] the same as a slip
-    slip_alpha_teq = xp.sqrt(1e-60 + kappa_share + tan_alpha_teq**2)  # [4.E77] size of the equivalent slip
+    slip_alpha_teq_squared = kappa_share + tan_alpha_teq**2  # [4.E77] equivalent slip, squared
+    slip_alpha_teq = xp.where(slip_alpha_teq_squared <= 1e-100, 0, xp.sqrt(xp.where(slip_alpha_teq_squared <= 1e-100, 1, slip_alpha_teq_squared)))  # [4.E77] size of the equivalent slip
     alpha_teq = xp.atan(slip_alpha_teq)*xp.sign(alpha_t)  # [4.E77] equivalent slip of the trail
     tan_alpha_req = xp.tan(alpha_r)  # [4.E78] the same as a slip
-    slip_alpha_req = xp.sqrt(1e-60 + kappa_share + tan_alpha_req**2)  # [4.E78] size of the equivalent slip
+    slip_alpha_req_squared = kappa_share + tan_alpha_req**2  # [4.E78] equivalent slip, squared
+    slip_alpha_req = xp.where(slip_alpha_req_squared <= 1e-100, 0, xp.sqrt(xp.where(slip_alpha_req_squared <= 1e-100, 1, slip_alpha_req_squared)))  # [4.E78] size of the equivalent slip
     alpha_req = xp.atan(slip_alpha_req)*xp.sign(alpha_r)  # [4.E78] equivalent slip of the residual moment
     trail_u = B_t*alpha_teq  # [4.1] B x
     trail_v = trail_u - E_t*(trail_u - xp.atan(trail_u))  # [4.1] B x bent by E
@@ -909,21 +925,24 @@ def forces_straight(inputs, parameters, xp=np):
     M_zr = D_r/xp.sqrt(1 + B_r**2*alpha_req**2)  # [4.E75] residual moment
     s = LS*UNLOADED_RADIUS*(SSZ1 + gamma*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)  # [4.E76] moment arm of Fx
     F_y1 = F_y0_g0*G_yk  # [4.E74] side force that the trail carries
-    Mz = xp.where(Fz < 1e-100, 0, M_zr + Fx*s - F_y1*trail)  # [4.E71] aligning moment
+    Mz = xp.where(Fz < 1e-06, 0, M_zr + Fx*s - F_y1*trail)  # [4.E71] aligning moment
 
     # Overturning and rolling resistance moment
-    F_zx = xp.where(FZMIN > F_z, F_z**3/FZMIN**2, F_z)  # [MFeval] load of M_x
+    F_zx = xp.where(FZMIN > F_z, F_z**3/xp.where(FZMIN > F_z, FZMIN, 1)**2, F_z)  # [MFeval] load of M_x
     M_x_hump = QSX4*xp.cos(QSX5*xp.atan(F_zx**2*QSX6**2/FNOMIN**2))*xp.sin(QSX7*gamma + QSX8*xp.atan(Fy*QSX9/FNOMIN))  # [M] hump of M_x over load and side force
-    Mx = xp.where(Fz < 1e-100, 0, LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma*xp.atan(F_zx*QSX11/FNOMIN) - QSX12*gamma*xp.abs(gamma) - QSX2*gamma*(1 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*xp.abs(gamma))))  # [4.E69] overturning moment
-    F_zy = xp.where(FZMIN > F_z, F_z**2/FZMIN, F_z)  # [MFeval] load of M_y
-    F_zy_share = xp.where(F_zy <= 0, 1e-60, F_zy/FNOMIN)  # [MFeval] load of M_y in nominal loads, above 0
+    Mx = xp.where(Fz < 1e-06, 0, LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma*xp.atan(F_zx*QSX11/FNOMIN) - QSX12*gamma*xp.abs(gamma) - QSX2*gamma*(1 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*xp.abs(gamma))))  # [4.E69] overturning moment
+    F_zy = xp.where(FZMIN > F_z, F_z**2/xp.where(FZMIN > F_z, FZMIN, 1), F_z)  # [MFeval] load of M_y
+    F_zy_share = xp.where(F_zy <= 0, 1, F_zy/FNOMIN)  # [MFeval] load of M_y in nominal loads; 1 off the ground
     M_y_speed = QSY1 + QSY3*xp.abs(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*V**4/LONGVL**4  # [4.E70] resistance by force and speed
-    M_y_near_locked = xp.sin(0.5*xp.pi*(1 + kappa)*xp.abs(V)/VXLOW)  # [MFeval] fade near the locked wheel
-    M_y_backward = xp.where(kappa >= -VXLOW - VXLOW/xp.abs(V), M_y_near_locked, -1)  # [MFeval] the same, -1 where the wheel turns backward
-    M_y_taper = xp.where(kappa <= -1 + VXLOW/xp.abs(V), M_y_backward, 1)  # [MFeval] the same, 1 where the wheel rolls
-    M_y_full = -FNOMIN*LMY*UNLOADED_RADIUS*F_zy_share**QSY7*(p/NOMPRES)**QSY8*(M_y_speed + gamma**2*(QSY5 + F_zy_share*QSY6))  # [4.E70] rolling resistance moment of the rolling wheel
+    speed_moving = xp.where(V == 0, 1, xp.abs(V))  # [tirefmu] speed; 1 at standstill, where M_y is 0
+    M_y_near_locked = xp.sin(0.5*xp.pi*(1 + kappa)*xp.abs(V)/V_xlow)  # [MFeval] fade near the locked wheel
+    M_y_backward = xp.where(kappa >= -V_xlow - V_xlow/speed_moving, M_y_near_locked, -1)  # [MFeval] the same, -1 where the wheel turns backward
+    M_y_taper = xp.where(kappa <= -1 + V_xlow/speed_moving, M_y_backward, 1)  # [MFeval] the same, 1 where the wheel rolls
+    p_share = p/NOMPRES  # [4.E70] pressure per nominal pressure
+    M_y_pressure = xp.where(p_share < 1e-06, 1e-06, p_share)  # [4.E70] pressure per nominal pressure, above 0
+    M_y_full = -FNOMIN*LMY*UNLOADED_RADIUS*F_zy_share**QSY7*M_y_pressure**QSY8*(M_y_speed + gamma**2*(QSY5 + F_zy_share*QSY6))  # [4.E70] rolling resistance moment of the rolling wheel
     M_y_rolling = xp.where(V == 0, 0, M_y_full*M_y_taper*xp.where(V >= 0, 1, xp.sign(V)))  # [MFeval] rolling resistance moment, 0 at standstill
-    My = xp.where(Fz < 1e-100, 0, M_y_rolling)  # [4.E70] rolling resistance moment
+    My = xp.where(Fz < 1e-06, 0, M_y_rolling)  # [4.E70] rolling resistance moment
 
     return (
         Fx,
@@ -960,7 +979,7 @@ def relaxation_straight(inputs, parameters, xp=np):
     ) = parameters
 
     # Inputs
-    F_z = xp.where(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = xp.where(Fz < 1e-06, 0, Fz)  # [MFeval] load, 0 off the ground
 
     # Normalized inputs
     F_z01 = FNOMIN*LFZO  # [4.E1] nominal load, scaled

@@ -18,7 +18,7 @@ from __future__ import annotations
 from sympy import Expr, Float, sqrt, tan
 
 from ..effects import load_friction
-from ..functions import absolute, where
+from ..functions import SMALLEST_SQUARE, absolute, root, where
 from ..notation import Chapter
 from ..options import signs
 from ..quantities import ALPHA, FZ, KAPPA
@@ -33,8 +33,6 @@ kappa = KAPPA.symbol
 LIFT_OFF = Float("1e-6")
 #: A wheel nearer to lock than this is computed at this distance from it: the whole patch slides.
 LOCKED = Float("1e-6")
-#: Squares of slips below this are replaced by it: roots remain differentiable at zero, and no digit changes.
-ZERO_SLIP = Float("1e-30")
 
 
 def on_ground(expression: Expr) -> Expr:
@@ -96,19 +94,16 @@ square  = eq("3.2.3", "psi_squared",
              reachx**2 + reachy**2,
              "1", "psi squared, beyond full sliding too", named=False)
 bounded = eq("3.2.3", "psi_bounded",
-             where(square >= 1, 1, where(square < ZERO_SLIP, ZERO_SLIP, square)),
+             where(square >= 1, 1, square),
              "1", "psi squared", named=False)
 psi     = eq("3.2.3", "psi",
-             sqrt(bounded),
+             root(bounded),
              "1", "share of the contact patch that slides")
 squares = eq("tirefmu", "sliding_squared",
              (mux*kappa)**2 + (muy*vy)**2,
              "1", "sliding velocity weighted with friction, squared", named=False)
-nonzero = eq("tirefmu", "sliding_nonzero",
-             where(squares < ZERO_SLIP, ZERO_SLIP, squares),
-             "1", "the same, limited to positive values", named=False)
 slides  = eq("tirefmu", "sliding",
-             Fz * psi**2 * (3 - 2*psi) / sqrt(nonzero),
+             where(squares <= SMALLEST_SQUARE, 0, Fz * psi**2 * (3 - 2*psi) / sqrt(squares)),
              "N", "load on the sliding part per weighted sliding velocity", named=False)
 sticks  = eq("3.2.3", "sticking",
              (1 - psi)**2 / rolling,

@@ -10,10 +10,10 @@ The argument of the side force is limited to -1 and 1, so that its cubic ends in
 
 from __future__ import annotations
 
-from sympy import Expr, Float, atan, sqrt, tan
+from sympy import Expr, Float, atan, tan
 
 from ..effects import relax_lat, relax_lon, rolling_resistance_My
-from ..functions import absolute, sgn, where
+from ..functions import absolute, root, sgn, where
 from ..notation import Chapter
 from ..options import signs
 from ..quantities import ALPHA, FZ, KAPPA, V
@@ -47,10 +47,10 @@ square = eq("Adams", "S_square",
             kappa**2 + slope**2,
             "1", "comprehensive slip, squared", named=False)
 inside = eq("tirefmu", "S_square_inside",
-            where((square <= 0) | (square >= 1), 1, square),
-            "1", "the same between 0 and 1, and 1 elsewhere: what the root is taken of", named=False)
+            where(square >= 1, 1, square),
+            "1", "the same, 1 at most", named=False)
 S      = eq("Adams", "S_s_alpha",
-            where(square <= 0, 0, sqrt(inside)),
+            root(inside),
             "1", "comprehensive slip, 1 at most")
 fall   = eq("Adams", "U_fall",
             p.UMAX - p.UMIN,

@@ -23,7 +23,7 @@ from ..effects import (
     trail_load,
     trail_shift,
 )
-from ..functions import absolute, sgn, where
+from ..functions import absolute, root, sgn, where
 from ..notation import Chapter, magic, only
 from ..options import convention, signs
 from ..quantities import V
@@ -35,7 +35,7 @@ from .coefficients.scaling import Scaling as s
 from .combined_slip import Eyk, Fx, Fy, Gyk, SHyk, SVyk, stiffness_ykappa, weighting
 from .inputs import Fzm, at_most_1, gamma, kappa, on_ground, phit, rs
 from .longitudinal_force import Kxk
-from .normalized import LMUY, TINY, Fz01, alphas, cos_alpha, dfz, dpi, gammas
+from .normalized import LMUY, Fz01, alphas, cos_alpha, dfz, dpi, gammas
 from .side_force import Kya1, muy_at, straight, with_camber, without_camber
 from .turn_slip import epsg, turning, zeta0, zeta2, zeta5, zeta6
 
@@ -80,8 +80,11 @@ Br     = eq("4.E45", "B_r",
                                       10 * s.LKY / LMUY) * zeta6,
             "1/rad", "stiffness factor of the residual moment")
 
+pressed = eq("4.95", "F_zm_share",
+             Fzm / Fz01,
+             "1", "load per nominal load", named=False)
 Mzinf_ = eq("4.95", "M_zphi_inf_signed",
-            ts.QCRP1 * absolute(muy_at) * R0 * Fzm * sqrt(Fzm / Fz01 + TINY) * s.LMP,
+            ts.QCRP1 * absolute(muy_at) * R0 * Fzm * root(pressed) * s.LMP,
             "N m", "moment of turning on the spot", named=False)
 Mzinf  = eq("4.95", "M_zphi_inf",
             where(Mzinf_ <= 0, Float("1e-6"), Mzinf_),
@@ -174,8 +177,11 @@ def equivalent(name: str, number: str, alpha: Symbol, text: str) -> Symbol:
     tangent = eq(number, f"tan_{name}",
                  convention.either(tan(alpha), alpha),
                  "1", "the same as a slip", named=False)
+    squared = eq(number, f"slip_{name}_squared",
+                 tangent**2 + share,
+                 "rad^2", "equivalent slip, squared", named=False)
     slip = eq(number, f"slip_{name}",
-              sqrt(tangent**2 + share + TINY),
+              root(squared),
               "1", "size of the equivalent slip", named=False)
     return eq(number, name,
               convention.either(atan(slip), slip) * sgn(alpha),

@@ -8,9 +8,9 @@ stiffness.
 
 from __future__ import annotations
 
-from sympy import Eq, Expr, Float, Symbol, sqrt, tan
+from sympy import Eq, Expr, Float, Or, Symbol, tan
 
-from ..functions import absolute, where
+from ..functions import absolute, root, where
 from ..notation import Chapter, only
 from .coefficients.body import Dimension, Model
 from .coefficients.body import Vertical as v
@@ -39,7 +39,7 @@ stiff  = eq("P 4", "Q_FZ1_squared",
             firmness**2 - 4 * v.Q_FZ2,
             "1", "linear coefficient of load over deflection, squared", named=False)
 QFZ1   = eq("P 4", "Q_FZ1",
-            sqrt(where(stiff < 0, 0, stiff)),
+            root(stiff),
             "1", "linear coefficient of load over deflection", named=False)
 faster = 1 + v.Q_V2 * R0 / Model.LONGVL * absolute(omega) - (v.Q_FCX * Fx / Fz0)**2
 firm   = eq("P 3", "f_z",
@@ -48,14 +48,11 @@ firm   = eq("P 3", "f_z",
 bent   = eq("P 3", "rho_root",
             QFZ1**2 + 4 * v.Q_FZ2 * Fzl / firm,
             "1", "discriminant", named=False)
-root   = eq("P 3", "rho_sqrt",
-            sqrt(bent),
+rooted = eq("P 3", "rho_sqrt",
+            root(bent),
             "1", "its root", named=False)
-bend   = eq("tirefmu", "Q_FZ2_divisor",
-            where(Eq(v.Q_FZ2, 0), 1, v.Q_FZ2),
-            "1", "Q_FZ2; 1 where it is 0 and the other branch is taken", named=False)
 closed = eq("P 3", "rho_closed",
-            where(Eq(v.Q_FZ2, 0), R0 * Fzl / (firm * QFZ1), R0 * ((root - QFZ1) / (2 * bend))),
+            where(Eq(v.Q_FZ2, 0), R0 * Fzl / (firm * QFZ1), R0 * ((rooted - QFZ1) / (2 * v.Q_FZ2))),
             "m", "deflection of the upright tire", named=False)
 upright = eq("P 3", "rho_upright",
              where(closed > 0, closed, 0),
@@ -131,7 +128,7 @@ rho_   = eq("A3.3", "rho_pressed",
             only("mf62", where(floats, rho_0, rho_balanced), upright),
             "m", "deflection", named=False)
 rho    = eq("A3.3", "rho",
-            where(Eq(only("mf62", Fz, Fzl), 0), NO_DEFLECTION, rho_),
+            where(Or(Eq(only("mf62", Fz, Fzl), 0), rho_ <= 0), NO_DEFLECTION, rho_),
             "m", "deflection")
 cz     = eq("A3.3", "c_z",
             only("mf62", Fz, Fzl) / rho,

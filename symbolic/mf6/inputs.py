@@ -15,10 +15,9 @@ from ..quantities import ALPHA, FZ, GAMMA, KAPPA, PHIT, P, V
 from .coefficients.body import InclinationRange, LoadRange, LongSlipRange, Model, PressureRange, SlipAngleRange
 
 eq = Chapter("Inputs")
-#: Below this load there is no contact, N: with turn slip, squares of moments would underflow in the derivatives.
-LIFT_OFF = Float("1e-100")
+#: Below this load there is no contact, N.
+LIFT_OFF = Float("1e-6")
 speed = absolute(V.symbol)
-VXLOW = Model.VXLOW
 
 # fmt: off
 
@@ -33,6 +32,9 @@ def within(name: str, unit: str, x: Expr, lower: Symbol, upper: Symbol) -> Symbo
               unit, f"{name}, within limits", named=False)
 
 
+VXLOW = eq("tirefmu", "V_xlow",
+           where(Model.VXLOW <= 0, Float("1e-6"), Model.VXLOW),
+           "m/s", "speed below which slips fade out, above 0", named=False)
 fade  = eq("MFeval", "fade",
            limits.either(1, where(speed <= VXLOW, speed / VXLOW, 1)),
            "1", "reduction of kappa and phit at low speed", named=False)

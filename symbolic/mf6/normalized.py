@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from sympy import Float, sin, sqrt, tan
 
-from ..functions import absolute, sgn
+from ..functions import absolute, root, sgn
 from ..notation import Chapter
 from ..options import convention, slip_angle
 from ..quantities import V
@@ -22,8 +22,6 @@ V0, Fz0, p0 = Model.LONGVL, Vertical.FNOMIN, Operating.NOMPRES
 
 #: The book's eps_V, eps_x, eps_y, eps_K, [4.E6a]: keeps quotients finite.
 EPS = Float("1e-6")
-#: Keeps the derivative of a square root finite if its argument is 0; below the last digit of all other values.
-TINY = Float("1e-60")
 #: The book's A_mu of eq. (4.E8).
 A_MU = 10
 
@@ -52,8 +50,11 @@ alphas = eq("4.E3", "alpha_star",
 gammas = eq("4.E4", "gamma_star",
             slip_angle.either(sin(gamma), gamma),
             "rad", "inclination gamma*")
+slip_squared = eq("4.E7", "slip_squared",
+                  kappa**2 + tan_alpha**2,
+                  "1", "longitudinal and lateral slip, squared", named=False)
 slide = eq("4.E7", "slide",
-           convention.either(1, 1 + s.LMUV * absolute(V.symbol) / V0 * sqrt(kappa**2 + tan_alpha**2 + TINY)),
+           convention.either(1, 1 + s.LMUV * absolute(V.symbol) / V0 * root(slip_squared)),
            "1", "by how much slip speed lowers friction", named=False)
 LMUX  = eq("4.E7", "LMUX_star",
            convention.either(s.LMUX, s.LMUX / slide),

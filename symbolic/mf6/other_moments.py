@@ -7,7 +7,7 @@ rolls forward (the book's plus belongs to its own axes). Near a locked wheel the
 
 from __future__ import annotations
 
-from sympy import Eq, atan, cos, pi, sin
+from sympy import Eq, Float, atan, cos, pi, sin
 
 from ..effects import overturning_Mx, pressure_moment, rolling_resistance_My
 from ..functions import absolute, sgn1, where
@@ -19,12 +19,14 @@ from .coefficients.moments import Overturning as x
 from .coefficients.moments import Rolling as y
 from .coefficients.scaling import Scaling as s
 from .combined_slip import Fx, Fy
-from .inputs import Fz, Fz_in, gamma, on_ground, p
-from .normalized import TINY, dpi
+from .inputs import VXLOW, Fz, Fz_in, gamma, on_ground, p
+from .normalized import dpi
 
 eq = Chapter("Overturning and rolling resistance moment")
 R0, Fz0, FZMIN = Dimension.UNLOADED_RADIUS, Vertical.FNOMIN, LoadRange.FZMIN
 speed = absolute(V.symbol)
+#: The smallest pressure of M_y per nominal pressure: its power may be negative.
+LEAST_SHARE = Float("1e-6")
 
 # fmt: off
 Fzx  = eq("MFeval", "F_zx",
@@ -44,15 +46,18 @@ Fzy  = eq("MFeval", "F_zy",
           convention.either(where(Fz_in < FZMIN, Fz_in**2 / FZMIN, Fz_in), Fz),
           "N", "load of M_y", named=False)
 load = eq("MFeval", "F_zy_share",
-          where(Fzy <= 0, TINY, Fzy / Fz0),
-          "1", "load of M_y in nominal loads, above 0", named=False)
+          where(Fzy <= 0, 1, Fzy / Fz0),
+          "1", "load of M_y in nominal loads; 1 off the ground", named=False)
 drag = eq("4.E70", "M_y_speed",
           y.QSY1 + y.QSY2*Fx/Fz0 + y.QSY3*absolute(V.symbol / Model.LONGVL) + y.QSY4*(V.symbol / Model.LONGVL)**4,
           "1", "resistance by force and speed", named=False)
-high = Model.VXLOW / speed - 1
-low  = -Model.VXLOW - Model.VXLOW / speed
+moving = eq("tirefmu", "speed_moving",
+            where(Eq(V.symbol, 0), 1, speed),
+            "m/s", "speed; 1 at standstill, where M_y is 0", named=False)
+high = VXLOW / moving - 1
+low  = -VXLOW - VXLOW / moving
 near = eq("MFeval", "M_y_near_locked",
-          sin(pi / 2 * (1 + KAPPA.symbol) * speed / Model.VXLOW),
+          sin(pi / 2 * (1 + KAPPA.symbol) * speed / VXLOW),
           "1", "fade near the locked wheel", named=False)
 back = eq("MFeval", "M_y_backward",
           where(KAPPA.symbol >= low, near, -1),
@@ -60,12 +65,18 @@ back = eq("MFeval", "M_y_backward",
 lock = eq("MFeval", "M_y_taper",
           convention.either(where(KAPPA.symbol <= high, back, 1), 1),
           "1", "the same, 1 where the wheel rolls", named=False)
+share = eq("4.E70", "p_share",
+           p / Operating.NOMPRES,
+           "1", "pressure per nominal pressure", named=False)
+press = eq("4.E70", "M_y_pressure",
+           where(share < LEAST_SHARE, LEAST_SHARE, share),
+           "1", "pressure per nominal pressure, above 0", named=False)
 full = eq("4.E70", "M_y_full",
           only("mf52",
                -R0 * Fzy * s.LMY * drag,
                -R0 * convention.either(Fz0, Fz) * s.LMY
                * (drag + (y.QSY5 + y.QSY6*load) * gamma**2)
-               * load**y.QSY7 * pressure_moment.factor((p / Operating.NOMPRES)**y.QSY8)),
+               * load**y.QSY7 * pressure_moment.factor(press**y.QSY8)),
           "N m", "rolling resistance moment of the rolling wheel", named=False)
 rolls = eq("MFeval", "M_y_rolling",
            where(Eq(V.symbol, 0), 0, full * sgn1(V.symbol) * lock),

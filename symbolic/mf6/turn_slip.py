@@ -11,17 +11,17 @@ are interpolated below PHIT_FULL, where a measured path cannot be distinguished 
 
 from __future__ import annotations
 
-from sympy import Eq, Expr, Float, atan, cos, sin, sqrt
+from sympy import Eq, Expr, Float, atan, cos, sin
 
 from ..effects import turn_slip
-from ..functions import absolute, sgn1, where
+from ..functions import absolute, root, sgn1, where
 from ..notation import Chapter
 from ..options import convention
 from ..quantities import V
-from .coefficients.body import Dimension, Model
+from .coefficients.body import Dimension
 from .coefficients.moments import TurnSlip as t
-from .inputs import gamma, kappa, phit
-from .normalized import TINY, Vc, dfz, tan_alpha
+from .inputs import VXLOW, gamma, kappa, phit
+from .normalized import Vc, dfz, tan_alpha
 from .rolling_radius import omega
 
 eq = Chapter("Turn slip")
@@ -44,7 +44,7 @@ epsg  = eq("4.90", "eps_gamma",
            t.PECP1 * (1 + t.PECP2*dfz),
            "1", "equivalent spin of camber", named=False)
 Vspin = eq("4.76", "V_spin",
-           where(absolute(V.symbol) < Model.VXLOW, Model.VXLOW * sgn1(V.symbol), convention.either(Vc, V.symbol)),
+           where(absolute(V.symbol) < VXLOW, VXLOW * sgn1(V.symbol), convention.either(Vc, V.symbol)),
            "m/s", "speed that the spin refers to", named=False)
 phi   = eq("4.76", "phi",
            convention.either(-1, 1) * (phit + (1 - epsg) * omega * sin(gamma) / Vspin),
@@ -65,7 +65,7 @@ Byphi = eq("4.78", "B_yphi",
            t.PDYP1 * (1 + t.PDYP2*dfz) * cos(atan(t.PDYP3*tan_alpha)),
            "1", "fall of D_y with spin", named=False)
 zeta2 = eq("4.77", "zeta_2",
-           turning(cos(atan(Byphi * (absolute(u) + t.PDYP4 * sqrt(absolute(u) + TINY))))),
+           turning(cos(atan(Byphi * (absolute(u) + t.PDYP4 * root(absolute(u)))))),
            "1", "reduction of D_y by spin", named=False)
 zeta3 = eq("4.79", "zeta_3",
            turning(cos(atan(t.PKYP1 * u**2))),

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import sympy as sp
 
-from ..functions import where
 from ..notation import Choice, Equation, Switch
 
 
@@ -60,7 +59,7 @@ def decided(expression: sp.Expr, read: Collection[str]) -> sp.Expr:
     def decide(option: sp.Symbol, first: sp.Expr, second: sp.Expr) -> sp.Expr:
         if first == second or option.name not in read:
             return first
-        return where(option > sp.Rational(1, 2), second, first)
+        return sp.Piecewise((second, option > sp.Rational(1, 2)), (first, True))
 
     return replaced(expression, Choice, decide)
 

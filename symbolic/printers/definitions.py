@@ -14,7 +14,12 @@ from importlib.resources import files
 
 from ...boundary.escaping import c_comment
 
-INCLUDES = "#include <float.h>\n#include <math.h>\n#include <stdint.h>\n#include <string.h>"
+#: What refuses a compiler that takes NaN for a number: comparisons would turn a load of NaN into no force.
+IEEE_ONLY = """\
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(_M_FP_FAST)
+#error "NaN has to stay NaN: compile without -ffast-math, -Ofast, -ffinite-math-only and /fp:fast"
+#endif"""
+INCLUDES = f"{IEEE_ONLY}\n\n#include <float.h>\n#include <math.h>\n#include <stdint.h>\n#include <string.h>"
 #: The headers, in the order in which they are printed.
 PLAIN = ("vectors.h", "arithmetic.h", "elementary.h")
 KERNEL = (*PLAIN, "lanes.h", "blocks.h", "normal_equations.h")

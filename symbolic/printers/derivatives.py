@@ -81,7 +81,7 @@ class _Splitter:
         if expression.is_Atom:
             return expression
         if isinstance(expression, sp.Piecewise):
-            return sp.Piecewise(*((self._branch(value), condition) for value, condition in expression.args))
+            return expression.func(*((self._branch(value), condition) for value, condition in expression.args))
         if expression.is_Pow and expression.exp.is_Rational and not expression.exp.is_Integer:
             return self._root(self._named(expression.base), expression.exp)
         if expression.is_Pow and expression.exp.is_negative and expression.exp.is_Integer:

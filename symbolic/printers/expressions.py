@@ -68,6 +68,12 @@ class NumberPrinter(StrPrinter):
     def _print_Literal(self, expr: Any) -> str:
         return repr(expr.value) if expr.value >= 0 else f"({expr.value!r})"
 
+    def _print_SmallestSquare(self, expr: Any) -> str:
+        return repr(expr.double)
+
+    def _print_Divisor(self, expr: Any) -> str:
+        return str(self._print_Piecewise(expr))
+
 
 def _is_plain_factor(factor: Any) -> bool:
     """Return whether a factor stays above the line, without brackets unless it is a sum."""

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from dataclasses import replace
+from itertools import chain, combinations
 
 import numpy as np
 import pytest
@@ -13,7 +15,8 @@ from tirefmu.applications.exports.printout import generate, printed, program_of
 from tirefmu.applications.exports.self_test import operating_conditions, reference
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.commands.cli import main
-from tirefmu.symbolic.printers.languages import LANGUAGES
+from tirefmu.symbolic.models import MODELS
+from tirefmu.symbolic.printers.languages import LANGUAGES, printer
 from tirefmu.symbolic.printers.languages.program import FUNCTIONS, PrintoutSelection
 
 from .conftest import HOSTILE, command_of, wet_grip
@@ -97,6 +100,31 @@ def test_lines_have_less_than_200_characters(request, language, name, functions,
     files = printed(request.getfixturevalue(name), language, functions=functions, values=values, rows=2)
     longest = {file: max(map(len, text.splitlines())) for file, text in files.items() if not file.endswith(".txt")}
     assert max(longest.values()) < 200, longest
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_every_subset_of_the_outputs(tire_of, model):
+    """Each is printed in one language in turn, with its self-test; `make hosts` prints each in all."""
+    tire = tire_of(model).in_signs("iso")
+    sizes = range(1, len(tire.outputs) + 1)
+    subsets = list(chain.from_iterable(combinations(tire.outputs, size) for size in sizes))
+    names = list(LANGUAGES)
+    functions = FUNCTIONS[: 3 if "TIREFMU_HOSTS" in os.environ else 2]
+    for i, only in enumerate(subsets):
+        program = program_of(tire, model, PrintoutSelection(functions, outputs=only), rows=2)
+        labels = {routine.name: routine.labels for routine in program.routines}
+        assert labels["forces"] == only
+        assert not set(labels["quantities"]) & set(tire.outputs)
+        chosen = names if "TIREFMU_HOSTS" in os.environ else [names[i % len(names)]]
+        for language in chosen:
+            files = printer(language)(program)
+            assert all(name in next(iter(files.values())) for name in only)
+
+
+@pytest.mark.parametrize("only", [["Mz"], ["Fy", "Mx"], ["My"]])
+def test_the_self_test_of_some_outputs(mf61, printout, assert_agrees, only):
+    folder = printout(mf61, "numpy", "-".join(only), rows=5, only=only)
+    assert_agrees(command_of("numpy", folder), folder, FUNCTIONS[:3])
 
 
 def test_only_some_outputs(trento):

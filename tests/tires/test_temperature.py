@@ -11,7 +11,7 @@ from tirefmu.boundary.errors import EffectError
 from tirefmu.symbolic.added.file import read_effect
 from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire
-from tirefmu.tires.states.simulation import simulation as states
+from tirefmu.tires.states import simulation as states
 
 NODES = ("T_surface", "T_bulk", "T_carcass", "T_gas")
 CAPACITY = {"T_surface": 140.0, "T_bulk": 450.0, "T_carcass": 1200.0, "T_gas": 900.0}

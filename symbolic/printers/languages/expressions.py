@@ -34,6 +34,9 @@ class CppPrinter(CallPrinter):
     choice = "Math::choose({condition}, {then}, {otherwise})"
     number = "Scalar({})"
 
+    def _print_SmallestSquare(self, expr: Any) -> str:
+        return "Math::smallest_square()"
+
 
 class JavaScriptPrinter(CallPrinter):
     """JavaScript.

@@ -139,7 +139,8 @@ def program(
         lines = tuple(reaching(lines, [*targets, *map(str, rates)]))
     if selection.placement == "inline":
         lines = folded(lines, values)
-    quantities = [line.symbol for line in lines if line.named and line.symbol.name not in targets]
+    forces = {quantity.name for quantity in model.outputs}
+    quantities = [line.symbol for line in lines if line.named and line.symbol.name not in forces]
     symbols = {symbol for line in lines for symbol in line.expression.free_symbols}
     read = {symbol.name for symbol in symbols if not isinstance(symbol, Literal)}
     read -= {line.symbol.name for line in lines}

@@ -38,6 +38,10 @@ class _Printer(NumpyPrinter):
 
     _print_sgn = _print_sgn1 = _print_absolute = _print_own
 
+    def _print_SmallestSquare(self, expr: sp.Expr) -> str:
+        # The first input: it has the type of all.
+        return str(super()._print_SmallestSquare(expr)) if self.module == "np" else "_smallest_square(inputs[0])"
+
     def _print_joined(self, expr: sp.Expr) -> str:
         return (" & " if expr.func is sp.And else " | ").join(f"({self._print(arg)})" for arg in expr.args)
 

@@ -16,6 +16,8 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from ...functions import SMALLEST_SQUARE
+from ..definitions import IEEE_ONLY
 from ..routines import Routine
 from .layout import Layout, wrapped
 from .program import TOLERANCE, Program
@@ -162,6 +164,8 @@ def variables(program: Program, layout: Layout) -> dict[str, Any]:
     lines = [PrintedValue(str(line.symbol), line.unit, line.description) for line in program.lines]
     return {
         "program": program,
+        "smallest_square": SMALLEST_SQUARE,
+        "ieee_only": IEEE_ONLY,
         "name": program.name,
         "title": program.model.title,
         "head": layout.head(program.header),
