@@ -52,16 +52,19 @@ def convert(tire: Path, output: Path, host: str, model: str | None, quiet: bool,
 def lint(file: Path, host: str, quiet: bool, json_file: Path | None) -> int:
     """Check whether another program accepts the .tir file FILE.
 
-    Effects that the program does not evaluate are reported. Exit code 1 if the program would refuse or misread the
-    file.
+    Effects that the program does not evaluate and values that no tire has are reported. Exit code 1 if the program
+    would refuse or misread the file.
     """
     check_output_paths(json_file)
     check_input_paths(file)
+    from ..applications.exports.lint import LintMessage
     from ..applications.exports.lint import lint as run
+    from ..tires import tire_from
+    from ..tires.implausible import implausible
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
-    findings = run(file, host)
+    findings = [*run(file, host), *(LintMessage("note", 0, str(doubt)) for doubt in implausible(tire_from(file)))]
     ok = not any(finding.severity == "error" for finding in findings)
     write_json(json_file, {"ok": ok, "host": host, "findings": [vars(finding) for finding in findings]})
     for finding in findings:

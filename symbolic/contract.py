@@ -213,6 +213,14 @@ def curvature(quantity: str, *over: str, effect: str = "") -> PhysicalConstraint
     return PhysicalConstraint(quantity, -inf, 1.0, over, kind="curvature", effect=effect)
 
 
+def weighting(quantity: str, *over: str, effect: str = "") -> PhysicalConstraint:
+    """Return the constraint that a weighting function is a share: positive, and at most 1 but for a shift of the slip.
+
+    It is 1 at zero slip. With a shift its highest value is elsewhere: 1.01 at most in published tires.
+    """
+    return PhysicalConstraint(quantity, 0.01, 1.05, over, effect=effect)
+
+
 def friction_falling(quantity: str, *over: str) -> PhysicalConstraint:
     """Return the constraint that friction does not grow with load."""
     return PhysicalConstraint(quantity, -inf, 0.0, over, 1.0, "friction_falling", "growth", "load_friction")

@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
-from .contract import Baseline, PhysicalConstraint, Role, curvature, friction_falling, positive, stiffness_saturating
+from .contract import (
+    Baseline,
+    PhysicalConstraint,
+    Role,
+    curvature,
+    friction_falling,
+    positive,
+    stiffness_saturating,
+    weighting,
+)
 
 ROLES = {
     "friction_x": Role("mu_x", ("PDX1", "PDX2")),
@@ -39,7 +48,7 @@ BASELINE = Baseline(
 def force_constraints(*, pressure: bool) -> dict[str, tuple[PhysicalConstraint, ...]]:
     """Return the physical constraints on Fx and Fy: the Trento report's table 1.2.5, and how they change with load.
 
-    Floors: 0.01 of friction, 0.1 of C and of B in 1/rad, 0.01 of G, 1 of slip stiffness in N and N/rad. The
+    Floors: 0.01 of friction, 0.1 of C and of B in 1/rad, 1 of slip stiffness in N and N/rad. The
     longitudinal stiffness of published passenger car tires grows faster than load: bounded on request only.
 
     Parameters
@@ -63,7 +72,7 @@ def force_constraints(*, pressure: bool) -> dict[str, tuple[PhysicalConstraint, 
             positive(f"B_{axis}", 0.1, *state),
             curvature(f"E_{axis}", "Fz", *camber, slip),
             positive(f"B_{axis}{across}", 0.0, other, *(("gamma",) if pressure else ()), effect=effect),
-            positive(f"G_{weight}", 0.01, "kappa", "alpha", *(("gamma", "Fz") if pressure else ()), effect=effect),
+            weighting(f"G_{weight}", "kappa", "alpha", *(("gamma", "Fz") if pressure else ()), effect=effect),
             friction_falling(f"mu_{axis}", *state),
             stiffness_saturating(f"K_{axis}{slip}", "Fz", *camber, *p, on_request=axis == "x"),
         )

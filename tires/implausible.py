@@ -1,4 +1,8 @@
-"""Implausible values and behaviour of a tire, and the probable mistake."""
+"""Implausible values and behaviour of a tire, and the probable mistake.
+
+A coefficient is compared with its declared bounds and with the size of the tire, which follows from its declared unit.
+Named quantities are compared with those of tires over the tire's own range of loads and slips.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ..numerics.ties import graded
+from ..symbolic.declarations import Coefficient
 from . import Tire
 from .definition import RANGES
 from .evaluation import quantities
+
+FloatArray = npt.NDArray[np.float64]
 
 #: Largest plausible magnitude of the ends of an input's range, and the probable unit of a larger number. They replace
 #: the bounds in the declarations of the coefficients.
@@ -20,21 +26,45 @@ FAR_ENDS = {
     "alpha": (1.6, "in degrees?"),
     "gamma": (1.6, "in degrees?"),
 }
-#: Probable units of values outside their bounds: coefficient, from, up to, hint.
-MISTAKEN = (
-    ("INFLPRES", 0.3, 20.0, "in bar?"),
-    ("INFLPRES", 20.0, 2000.0, "in kPa?"),
-    ("NOMPRES", 0.3, 20.0, "in bar?"),
-    ("NOMPRES", 20.0, 2000.0, "in kPa?"),
-    ("UNLOADED_RADIUS", 30.0, 3000.0, "in mm?"),
-    ("WIDTH", 15.0, 1500.0, "in mm?"),
-    ("RIM_RADIUS", 25.0, 2500.0, "in mm?"),
-    ("FNOMIN", 0.05, 1.0, "in kN?"),
-    ("VERTICAL_STIFFNESS", 10.0, 1000.0, "in N/mm?"),
-    ("LONGVL", 1e-3, 0.1, "in mm/s?"),
-)
-#: Roles of curvature factors, which are implausible above 1.
-CURVATURES = ("curvature_x", "curvature_y", "curvature_trail", "curvature_combined_x", "curvature_combined_y")
+#: Other units in which a value may be written, by SI unit: name and factor, the more frequent first.
+OTHER_UNITS = {
+    "m": (("mm", 1e-3), ("inches", 0.0254), ("cm", 1e-2)),
+    "N": (("kN", 1e3), ("lbf", 4.448)),
+    "Pa": (("bar", 1e5), ("kPa", 1e3), ("psi", 6894.8), ("MPa", 1e6)),
+    "N/m": (("N/mm", 1e3), ("lbf/in", 175.13)),
+    "N/rad": (("N/deg", 57.296), ("kN/rad", 1e3)),
+    "rad": (("degrees", 0.017453),),
+    "1/rad": (("1/deg", 57.296),),
+    "m/s": (("mm/s", 1e3), ("km/h", 1.0 / 3.6)),
+}
+#: Plausible magnitudes by SI unit, relative to the size of the tire: its radius, nominal load, and nominal load per
+#: radius. Published tires for 60 N to 10 kN are well inside. Judgement.
+PLAUSIBLE = {"m": (0.0, 6.0), "N": (0.5, 500.0), "N/rad": (0.5, 500.0), "N/m": (1.0, 1000.0)}
+#: Plausible sizes of a tire, m and N, and pressures, Pa: a kart tire has 0.5 bar, a bicycle tire 10 bar.
+SIZES = {"UNLOADED_RADIUS": (0.03, 2.0), "FNOMIN": (5.0, 2e5)}
+PRESSURES = (4e4, 1.2e6)
+#: Share of the largest plausible value from which a unit is a probable one, if 0 is plausible, too.
+LEAST_SHARE = 0.01
+#: Lowest plausible speeds, m/s: slower than walking, they are in another unit.
+SLOWEST = {"LONGVL": 0.5}
+#: Plausible named quantities at zero slip by role: from, to, relative to powers of the load and the unloaded radius.
+QUANTITIES = {
+    "friction_x": (0.05, 5.0, 0, 0),
+    "friction_y": (0.05, 5.0, 0, 0),
+    "trail": (-0.02, 0.6, 0, 1),
+    "shift_x": (-0.05, 0.05, 0, 0),
+    "shift_y": (-0.1, 0.1, 0, 0),
+    "offset_y": (-0.4, 0.4, 1, 0),
+    "residual_moment": (-0.2, 0.2, 1, 1),
+    "relaxation_x": (0.0, 6.0, 0, 1),
+    "relaxation_y": (0.0, 6.0, 0, 1),
+    "rolling_radius": (0.8, 1.1, 0, 1),
+    "loaded_radius": (0.5, 1.1, 0, 1),
+}
+#: Slip stiffness per friction force: the reciprocal is the slip at which a linear force reaches the friction.
+STEEPNESS = (1.0, 200.0)
+#: Steps of a slip over the range of the tire.
+STEPS = 61
 
 
 @dataclass(frozen=True)
@@ -59,35 +89,65 @@ class Doubt:
 def implausible(tire: Tire) -> list[Doubt]:
     """Return the implausible values of a tire.
 
-    Returns: coefficients outside their declared bounds (in adapted SAE, unless neutral), implausible ranges, and over
-    the range of loads: friction that is not positive or increases with load, slip stiffness of wrong or changing sign,
-    curvature above 1.
+    Returns: coefficients outside their declared bounds (in adapted SAE, unless neutral) or of another size than radius
+    and nominal load suggest, implausible ranges, and over the range of loads and slips: friction that is not positive
+    or increases with load, slip stiffness of wrong or changing sign, quantities of a size that no tire has, curvature
+    factors and weighting functions above the bounds that a fit enforces.
 
     >>> from tirefmu.tires import published
     >>> [doubt.name for doubt in implausible(published("trento_hoosier"))]
     ['E_t']
     """
-    return [*_beyond_bounds(tire), *_ranges(tire), *_behaviour(tire.in_signs("adapted-sae"))]
+    plain = tire.in_signs("adapted-sae")
+    return [*_coefficients(tire), *_ranges(tire), *_behaviour(plain), *_quantities(plain), *_constraints(plain)]
 
 
-def loads(tire: Tire) -> npt.NDArray[np.float64]:
+def loads(tire: Tire) -> FloatArray:
     """Return nine loads, N, shape (9,), over the valid range of a tire, or around its nominal load."""
     nominal = tire.values["FNOMIN"]
     low, high = tire.ranges.get("Fz", (0.2 * nominal, 2.0 * nominal))
     return np.linspace(max(low, 0.05 * high), high, 9) if high > 0 else np.full(9, nominal)
 
 
-def _beyond_bounds(tire: Tire) -> Iterator[Doubt]:
+def _coefficients(tire: Tire) -> Iterator[Doubt]:
     plain = tire.in_signs("adapted-sae").values
-    ends = {key for name in FAR_ENDS for key in RANGES[name]}
+    ends = {key for keys in RANGES.values() for key in keys}
     for name, declared in tire.symbolic_model.coefficients.items():
-        if name in ends or plain[name] == declared.neutral or declared.lower <= plain[name] <= declared.upper:
+        value = plain[name]
+        if name in ends or value == declared.neutral:
             continue
-        hints = [hint for mistaken, low, high, hint in MISTAKEN if mistaken == name and low <= abs(plain[name]) < high]
-        hints += ["wrong sign?"] if declared.lower <= -plain[name] <= declared.upper else []
-        converted = "" if plain[name] == tire.values[name] else " with the sign of adapted SAE"
-        reason = f"outside {declared.lower:g} .. {declared.upper:g}{converted}"
-        yield Doubt(name, tire.values[name], ": ".join([reason, *hints]))
+        low, high = _plausible(tire, declared)
+        within = declared.lower <= value <= declared.upper
+        if within and low <= abs(value) <= high:
+            continue
+        hints = [
+            f"in {unit}?"
+            for unit, factor in OTHER_UNITS.get(declared.unit, ())
+            if (low or LEAST_SHARE * high) <= abs(value) * factor <= high
+        ]
+        hints = hints[:1] + (["wrong sign?"] if declared.lower <= -value <= declared.upper and not within else [])
+        shown = (
+            f"{low:.3g} .. {high:.3g}, the sizes of such a tire"
+            if within
+            else f"{declared.lower:g} .. {declared.upper:g}"
+        )
+        converted = "" if value == tire.values[name] else " with the sign of adapted SAE"
+        yield Doubt(name, tire.values[name], ": ".join([f"outside {shown}{converted}", *hints]))
+
+
+def _plausible(tire: Tire, declared: Coefficient) -> tuple[float, float]:
+    """Return the magnitudes that a coefficient of a tire of this size may have."""
+    radius, load = tire.values["UNLOADED_RADIUS"], tire.values["FNOMIN"]
+    sizes = {"m": radius, "N": load, "N/rad": load, "N/m": load / radius if radius else 0.0}
+    if declared.name in SIZES:
+        return SIZES[declared.name]
+    if declared.unit == "Pa":
+        return PRESSURES
+    least = SLOWEST.get(declared.name, max(0.0, declared.lower))
+    if not sizes.get(declared.unit, 0.0) > 0.0:
+        return least, max(abs(declared.lower), abs(declared.upper))
+    low, high = PLAUSIBLE[declared.unit]
+    return (low * sizes[declared.unit] if declared.lower > 0.0 else 0.0), high * sizes[declared.unit]
 
 
 def _ranges(tire: Tire) -> Iterator[Doubt]:
@@ -95,18 +155,20 @@ def _ranges(tire: Tire) -> Iterator[Doubt]:
         for key, value in zip(RANGES[name], tire.ranges.get(name, ()), strict=False):
             if abs(value) > end:
                 yield Doubt(key, value, f"the range of {name} exceeds {end:g}: {hint}")
+    nominal = tire.values["FNOMIN"]
     low, high = tire.ranges.get("Fz", (0.0, np.inf))
-    if not low <= tire.values["FNOMIN"] <= high:
-        yield Doubt("FNOMIN", tire.values["FNOMIN"], f"outside the range of Fz, {low:g} .. {high:g} N")
+    if not low <= nominal <= high:
+        yield Doubt("FNOMIN", nominal, f"outside the range of Fz, {low:g} .. {high:g} N")
+    low, high = tire.ranges.get("p", (0.0, np.inf))
+    if 0.0 < high < PRESSURES[0]:
+        hints = [f": in {unit}?" for unit, factor in OTHER_UNITS["Pa"] if PRESSURES[0] <= high * factor <= PRESSURES[1]]
+        yield Doubt(RANGES["p"][1], high, f"the range of p ends below the pressure of any tire{''.join(hints[:1])}")
 
 
 def _behaviour(tire: Tire) -> Iterator[Doubt]:
-    """Yield doubts about named quantities over the range of loads, in adapted SAE."""
-    points = [(Fz, side * 0.5 * _end(tire, "kappa", 0.2), side * 0.5 * _end(tire, "alpha", 0.2))
-              for Fz in loads(tire) for side in (-1.0, 1.0)]  # fmt: skip
-    inputs = dict(zip(("Fz", "kappa", "alpha"), np.array(points).T, strict=True))
-    computed, load = quantities(tire.in_signs("adapted-sae"), inputs), inputs["Fz"]
-    model = tire.symbolic_model
+    """Yield doubts about the signs of friction and slip stiffness over the range of loads, in adapted SAE."""
+    load, model = loads(tire), tire.symbolic_model
+    computed = quantities(tire, {"Fz": load})
     for axis in ("x", "y"):
         friction, stiffness = model.quantity(f"friction_{axis}"), model.quantity(f"stiffness_{axis}")
         yield from _sign(friction, computed[friction], load)
@@ -115,15 +177,9 @@ def _behaviour(tire: Tire) -> Iterator[Doubt]:
         first, last = computed[friction][0], computed[friction][-1]
         if computed[friction].min() > 0 and last > first * (1 + 1e-9):
             yield Doubt(friction, float(last), f"increases with load, from {first:.3g} at {load[0]:g} N")
-    for name in filter(None, map(model.quantity, CURVATURES)):
-        curvature = np.nan_to_num(computed[name], nan=-np.inf)
-        row = int(graded(curvature).argmax())
-        if curvature[row] > 1:
-            at = ", ".join(f"{key} = {values[row]:.3g}" for key, values in inputs.items())
-            yield Doubt(name, float(curvature[row]), f"above 1 at {at}")
 
 
-def _sign(name: str, values: npt.NDArray[np.float64], load: npt.NDArray[np.float64]) -> Iterator[Doubt]:
+def _sign(name: str, values: FloatArray, load: FloatArray) -> Iterator[Doubt]:
     """Yield a doubt if a quantity is not positive everywhere."""
     bad = np.flatnonzero(~(values > 0))
     if bad.size == 0:
@@ -133,6 +189,51 @@ def _sign(name: str, values: npt.NDArray[np.float64], load: npt.NDArray[np.float
     if len(bad) < len(values) and not np.isnan(values[row]):
         reason = "changes sign within the range of loads"
     yield Doubt(name, float(values[row]), f"{reason} (adapted SAE), Fz = {load[row]:.4g} N")
+
+
+def _quantities(tire: Tire) -> Iterator[Doubt]:
+    """Yield doubts about the size of named quantities at zero slip, over the range of loads, in adapted SAE."""
+    load, radius, model = loads(tire), tire.values["UNLOADED_RADIUS"], tire.symbolic_model
+    computed = quantities(tire, {"Fz": load})
+    for role, (low, high, of_load, of_radius) in QUANTITIES.items():
+        if name := model.quantity(role):
+            yield from _outside(name, computed[name], load, (low, high), load**of_load * radius**of_radius)
+    for axis in "xy":
+        friction, stiffness = model.quantity(f"friction_{axis}"), model.quantity(f"stiffness_{axis}")
+        if stiffness and np.all(computed[friction] > 0.0) and np.all(computed[stiffness] > 0.0):
+            yield from _outside(stiffness, computed[stiffness], load, STEEPNESS, computed[friction] * load)
+
+
+def _outside(
+    name: str, values: FloatArray, load: FloatArray, ends: tuple[float, float], size: FloatArray
+) -> Iterator[Doubt]:
+    """Yield a doubt at the load at which a quantity is furthest outside its plausible range."""
+    low, high = ends
+    size = np.broadcast_to(size, load.shape)
+    excess = np.nan_to_num(np.maximum(low - values / size, values / size - high), nan=-np.inf)
+    row = int(np.argmax(graded(excess)))
+    if excess[row] > 0.0:
+        ends_there = f"{low * size[row]:.3g} .. {high * size[row]:.3g}"
+        yield Doubt(name, float(values[row]), f"outside {ends_there}, those of tires, at Fz = {load[row]:.4g} N")
+
+
+def _constraints(tire: Tire) -> Iterator[Doubt]:
+    """Yield doubts about quantities above the bound that a fit enforces, over loads and slips, in adapted SAE."""
+    model, share = tire.symbolic_model, np.linspace(-1.0, 1.0, STEPS)
+    swept = {name: share * _end(tire, name, 0.2) for name in ("kappa", "alpha")}
+    slips = [*((kappa, 0.0) for kappa in swept["kappa"]), *((0.0, alpha) for alpha in swept["alpha"])]
+    points = np.array([(load, *slip) for load in loads(tire) for slip in slips]).T
+    inputs = dict(zip(("Fz", "kappa", "alpha"), points, strict=True))
+    computed = quantities(tire, inputs)
+    for bound in (bound for bounds in model.fit.constraints.values() for bound in bounds):
+        present = not bound.effect or bound.effect in tire.has
+        if bound.measure != "value" or bound.upper == np.inf or bound.kind == "extrapolation" or not present:
+            continue
+        values = np.nan_to_num(computed[bound.quantity], nan=-np.inf)
+        row = int(graded(values).argmax())
+        if values[row] > bound.upper:
+            at = ", ".join(f"{key} = {given[row]:.3g}" for key, given in inputs.items())
+            yield Doubt(bound.quantity, float(values[row]), f"above {bound.upper:g} at {at}")
 
 
 def _end(tire: Tire, name: str, default: float) -> float:

@@ -122,9 +122,7 @@ def checked_table(
     else:
         raise WrongType("table", table, "a DataFrame or a Recording (tirefmu.evaluate takes a path)")
     given = convert_signs(rows[[name for name in RANGES if name in rows]], written, "iso")
-    for name in RANGES:
-        if name not in given:
-            continue
+    for name in map(str, given):
         values = _numbers(name, given[name])
         values = values[np.isfinite(values)]  # others are errors of their row
         problem = _wrong_load_signs(values, written) if name == "Fz" else ""

@@ -3,7 +3,8 @@
 A name consists of a kind and a quantity, ``signs:mu_x``; the kind alone selects all of its constraints:
 
 signs
-    C, mu (and with it D), B, G, slip stiffness and trail are positive: the Trento report's table 1.2.5.
+    C, mu (and with it D), B, G, slip stiffness and trail are positive: the Trento report's table 1.2.5. G, a share of
+    the force, is also at most 1.05, 1 but for a shift.
 curvature
     E <= 1, from the same table.
 friction_falling
@@ -68,7 +69,8 @@ class Constraint(PhysicalConstraint):
         """The constraint as a formula: ``E_x <= 1``."""
         if self.measure != "value":
             return f"{self.quantity} {'falls with load' if self.measure == 'growth' else 'saturates with load'}"
-        bound = f"{self.quantity} <= {self.upper:g}" if self.upper < inf else f"{self.quantity} > 0"
+        above = f"{self.lower:g} <= " if self.lower > -inf else ""
+        bound = f"{above}{self.quantity} <= {self.upper:g}" if self.upper < inf else f"{self.quantity} > 0"
         return f"{bound}, {REACH:g} x the range" if self.kind == "extrapolation" else bound
 
     def distance(self, values: FloatArray) -> FloatArray:

@@ -12,7 +12,7 @@ from typing import Any
 from ...boundary.errors import FmuError, path_from
 from ...boundary.escaping import visible
 from ...tires import Tire, TireLike, tire_from
-from ...tires.mirror import mirrored, sided
+from ...tires.property_file.mirror import mirrored, sided
 from ...tires.property_file.writing import tir_text
 from ..description.interface import interface
 from ..description.system_structure import Component, parameter_mapping, parameter_set, system_structure

@@ -55,7 +55,7 @@ def test_every_form_of_a_tire_evaluates_every_form_of_a_table(forms, tires, benc
         pd.testing.assert_series_equal(tirefmu.evaluate(tire, bench.table)["Fy"], expected, rtol=1e-9)
     for table in forms.values():
         pd.testing.assert_series_equal(tirefmu.evaluate(NAME, table)["Fy"], expected, rtol=1e-9)
-        pd.testing.assert_series_equal(tires["Tire"].evaluate(table)["Fy"], expected, rtol=1e-9)
+    pd.testing.assert_series_equal(tires["Tire"].evaluate(bench)["Fy"], expected, rtol=1e-9)
     turned = tirefmu.evaluate(NAME, bench.with_signs("sae"))
     np.testing.assert_allclose(turned["Fy"], -expected, rtol=1e-12)
     pd.testing.assert_frame_equal(tirefmu.evaluate(NAME, bench.with_signs("sae").table, signs="sae"), turned)

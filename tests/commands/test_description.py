@@ -68,11 +68,48 @@ def test_each_doubt_has_its_reason(model, values, name, reason):
         ({"ALPMIN": -12.0, "ALPMAX": 12.0}, "in degrees?"),
         ({"KPUMIN": -100.0, "KPUMAX": 100.0}, "in percent?"),
         ({"VERTICAL_STIFFNESS": 210.0}, "in N/mm?"),
+        ({"LATERAL_STIFFNESS": 100.0}, "in N/mm?"),
+        ({"VERTICAL_STIFFNESS": 1200.0}, "in "),
+        ({"INFLPRES": 32.0}, "in psi?"),
+        ({"WIDTH": 8.0}, "in inches?"),
+        ({"RIM_RADIUS": 190.0}, "in mm?"),
+        ({"PHY1": 0.5}, "in degrees?"),
+        ({"PKY1": 0.35}, "in 1/deg?"),
+        ({"LONGVL": 0.0112}, "in mm/s?"),
     ],
 )
 def test_a_unit_that_was_mistaken_is_guessed(values, hint):
     found = doubts(generic(**values))
     assert all(hint in found[name] for name in values)
+
+
+@pytest.mark.parametrize(
+    ("values", "name"),
+    [
+        ({"RHX1": 0.05, "RBX1": 20.0, "RCX1": 1.0}, "G_xa"),
+        ({"RHY1": 0.05, "RBY1": 20.0, "RCY1": 1.0}, "G_yk"),
+        ({"PDX1": 5.0, "PDX2": -0.5}, "mu_x"),
+        ({"PVY1": 0.5}, "S_Vy"),
+        ({"PHX1": 0.09}, "S_Hx"),
+        ({"QDZ1": 0.9}, "D_t"),
+        ({"QDZ6": 0.5}, "D_r"),
+    ],
+)
+@pytest.mark.parametrize("model", MAGIC)
+def test_quantities_that_no_tire_has_are_named_though_each_coefficient_is_within_its_bounds(model, values, name):
+    found = doubts(generic(model, **values))
+    assert name in found
+    assert not set(values) & set(found)
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_published_tires_have_plausible_sizes(name, golden):
+    tire = read_tir_with_notes(golden / f"{name}_Parameters.tir").tire
+    assert {doubt.name for doubt in implausible(tire)} <= {"E_x", "E_xalpha"}
+
+
+def test_a_pressure_range_in_bar_is_named():
+    assert "in bar?" in doubts(generic(PRESMIN=1.5, PRESMAX=3.0))["PRESMAX"]
 
 
 def test_ranges_are_judged_where_the_model_has_no_coefficient_for_them():

@@ -16,6 +16,7 @@ from tirefmu.boundary.errors import TirefmuError
 from tirefmu.commands.cli import main
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import read_tir
+from tirefmu.tires.evaluation import forces
 
 CASES = [(host, model) for host, rules in HOSTS.items() for model in rules.dialects]
 
@@ -26,7 +27,7 @@ def errors_of(path, host):
 
 def forces_of(tire):
     rows = dict(zip(tire.inputs, operating_conditions(tire, 30), strict=True))
-    return np.stack(list(tire.forces(**rows).values()))
+    return np.stack(list(forces(tire, rows).values()))
 
 
 @pytest.mark.parametrize(("host", "model"), CASES)

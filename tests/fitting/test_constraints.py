@@ -24,7 +24,9 @@ from tirefmu.fitting.constraints.physical import (
 )
 from tirefmu.fitting.constraints.verification import VerifiedConstraints
 from tirefmu.symbolic.models import MODELS
+from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
+from tirefmu.tires.evaluation import quantities
 
 INPUTS = ("kappa", "alpha", "gamma", "Fz")
 NOMINAL = {"kappa": 0.0, "alpha": 0.0, "gamma": 0.0, "Fz": 700.0}
@@ -234,3 +236,14 @@ def test_operating_range(known, make):
     assert ranges["kappa"] == (0.0, 0.0)
     assert ranges["Fz"] == (220.0, 1120.0)
     assert ranges["alpha"] == (table["alpha"].min(), table["alpha"].max())
+
+
+@pytest.mark.parametrize("model", [model for model in MODELS if "RHX1" in MODELS[model].coefficients])
+def test_weighting_functions_are_bounded_on_both_sides(model):
+    values = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.3, "RBX1": 20.0, "RCX1": 1.0, "RHX1": 0.05}
+    bounded = [c for c in declared_constraints(model)["Fx"] if c.quantity == "G_xa" and c.kind == "signs"]
+    assert [c.text for c in bounded] == ["0.01 <= G_xa <= 1.05"]
+    for shift, within in ((0.0, True), (0.005, True), (0.05, False)):
+        tire = Tire(model, {**values, "RHX1": shift}, signs="adapted-sae")
+        shares = quantities(tire, {"alpha": np.linspace(-0.2, 0.2, 41)})["G_xa"]
+        assert bool((bounded[0].distance(shares) >= 0.0).all()) == within

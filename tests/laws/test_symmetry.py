@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.symbolic.models import MODELS
-from tirefmu.tires import mirror
+from tirefmu.tires.property_file import mirror
 from tirefmu.tires.signs import MIRRORED, reversed_columns
 
 CASES = [

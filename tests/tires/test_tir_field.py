@@ -353,7 +353,8 @@ def test_what_a_file_requests_and_tirefmu_does_not_do_is_stated(line, note, tmp_
 
 def test_what_agrees_is_not_stated(tmp_path):
     lines = "FITTYP = 61\nTYRESIDE = 'LEFT'\nUSE_MODE = 124\nMFSAFE1 = 0\nVXLOW = 1\nLONGVL = 16.7\nFE_METHOD = 'NO'"
-    assert read_tir_with_notes(written(tmp_path / "t.tir", small("", lines))).notes == ()
+    notes = read_tir_with_notes(written(tmp_path / "t.tir", small("", lines))).notes
+    assert not [note for note in notes if any(line.split(" ")[0] in note for line in lines.split("\n"))]
 
 
 @pytest.mark.parametrize("fittyp", [5, 51, 52])

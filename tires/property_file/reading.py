@@ -24,8 +24,8 @@ from ...symbolic.model import INDISPENSABLE, Model
 from ...symbolic.models import with_library
 from ..code.printed import model_with
 from ..definition import RANGES
-from ..mirror import sided, symmetric
 from ..tire import Tire
+from .mirror import sided, symmetric
 from .model_identification import model_of
 from .names import (
     ADDED,

@@ -7,10 +7,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from ..boundary.errors import TireError
-from .definition import RANGES, TireDefinition
-from .evaluation import Conventions, evaluate
-from .signs import MIRRORED
+from ...boundary.errors import TireError
+from ..definition import RANGES, TireDefinition
+from ..evaluation import Conventions, evaluate
+from ..signs import MIRRORED
 
 AnyTire = TypeVar("AnyTire", bound=TireDefinition)
 
@@ -73,8 +73,8 @@ def _check_image(tire: TireDefinition, image: TireDefinition) -> None:
     nominal, slips = tire.values["FNOMIN"], np.array([-0.1, -0.02, 0.0, 0.03, 0.12])
     table = pd.DataFrame({"kappa": slips[::-1], "alpha": slips, "gamma": slips / 2.0, "Fz": nominal})
     outputs, signs = list(tire.outputs), tire.signs
-    wanted = evaluate(tire, table, Conventions(signs, mirror=True, steady=True))[outputs].to_numpy()
-    found = evaluate(image, table, Conventions(signs, steady=True))[outputs].to_numpy()
-    if not np.max(np.abs(found - wanted)) <= EQUAL * np.max(np.abs(wanted)):
+    expected = evaluate(tire, table, Conventions(signs, mirror=True, steady=True))[outputs].to_numpy()
+    computed = evaluate(image, table, Conventions(signs, steady=True))[outputs].to_numpy()
+    if not np.max(np.abs(computed - expected)) <= EQUAL * np.max(np.abs(expected)):
         names = ", ".join(effect.name for effect in tire.symbolic_model.added if effect.name in tire.has)
         raise TireError(f"{tire.name or tire.model}: no mirror image with the added effects {names}")
