@@ -6,7 +6,7 @@ BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 PACKAGES := boundary symbolic generated tires measurements estimation fitting fmu batch comparison diagnosis hosts explorer planning driving studio benchmarks/missing_effects
 
 # The first working Python (version managers install commands that only print a notice) that can create a venv.
-PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python; do \
+PYTHON ?= $(shell for python in python3.14 python3.13 python3.12 python3.11 python3 python; do \
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
@@ -21,7 +21,7 @@ demo: $(VENV)/installed  ## the full workflow on the built-in virtual bench
 test: $(VENV)/installed-dev  ## all tests; those on measured recordings need their folder in TIREFMU_DATA
 	$(BIN)/pytest $(PYTEST_ARGS)
 
-matrix: $(VENV)/installed  ## all tests with gcc and clang, on Python 3.11 to 3.13, and with the oldest dependencies
+matrix: $(VENV)/installed  ## all tests with gcc and clang, on Python 3.11 to 3.14, and with the oldest dependencies
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[matrix]"
 	$(BIN)/nox $(NOX_ARGS)
 

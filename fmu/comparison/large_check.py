@@ -51,8 +51,8 @@ def check_large(
         tire = embedded_tire(folder, fmu_path, columns_of(variables, TABLE_OUTPUTS, "output"))
         if tire is None or not table.rows_are_independent(tire):
             return None
-        present, measured, outputs = compared_columns(variables, table.survey)
         axes, starts = axes_of_inputs(folder, fmu_path), _starts(table)
+        present, measured, outputs = compared_columns(variables, table.survey, fmu_path)
         errors = {name: ChannelErrors(name) for name in measured}
         difference, first = 0.0, 0
         problems: tuple[str, ...] = ()
