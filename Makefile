@@ -18,7 +18,7 @@ install: $(VENV)/installed  ## the command tirefmu in .venv/bin
 demo: $(VENV)/installed  ## the full workflow on the built-in virtual bench
 	$(BIN)/tirefmu demo -o demo-output
 
-test: $(VENV)/installed-dev  ## all tests; those on measured recordings need their folder in TIREFMU_DATA
+test: $(VENV)/installed-dev  ## all tests but the slow ones, which run with TIREFMU_SLOW=1; those on measured recordings need their folder in TIREFMU_DATA
 	$(BIN)/pytest $(PYTEST_ARGS)
 
 matrix: $(VENV)/installed  ## all tests with gcc and clang, on Python 3.11 to 3.14, and with the oldest dependencies
@@ -48,7 +48,7 @@ studio: $(VENV)/installed-dev  ## the window in Chromium: from recordings to an 
 	TIREFMU_STUDIO=1 $(BIN)/pytest tests/studio -s $(PYTEST_ARGS)
 
 fuzz: $(VENV)/installed-dev  ## 10,000 mutated files of every kind that is read, a million random calls of hub FMUs; a traceback is printed if a test hangs for a minute
-	TIREFMU_FUZZ=10000 $(BIN)/pytest tests/fuzz -o faulthandler_timeout=60 $(PYTEST_ARGS)
+	TIREFMU_FUZZ=10000 TIREFMU_SLOW=1 $(BIN)/pytest tests/fuzz -o faulthandler_timeout=60 $(PYTEST_ARGS)
 	TIREFMU_FUZZ=10000 $(BIN)/pytest tests/fmu/test_robustness.py -k random_calls $(PYTEST_ARGS)
 
 mutants: $(VENV)/installed-dev  ## 66 single-line faults in a copy of the tree: lists those that the nearest tests miss
@@ -59,7 +59,7 @@ perturb: $(VENV)/installed-dev  ## fits and a diagnosis have equal results with 
 	$(BIN)/python benchmarks/perturbed_suite.py $(PYTEST_ARGS) $(PERTURB_ARGS)
 
 workers: $(VENV)/installed-dev  ## two Dask workers, one of them killed midway: diagnoses with FMUs, a study, cross-validation, a bootstrap
-	TIREFMU_WORKERS=1 $(BIN)/pytest tests/batch/test_two_workers.py tests/batch/test_intervals.py $(PYTEST_ARGS)
+	TIREFMU_WORKERS=1 TIREFMU_SLOW=1 $(BIN)/pytest tests/batch/test_two_workers.py tests/batch/test_intervals.py $(PYTEST_ARGS)
 
 discovery: $(VENV)/installed-dev  ## success rate of the diagnosis over made recordings: two suites, see docs/discovery.md
 	TIREFMU_SLOW=1 $(BIN)/pytest tests/diagnosis -m slow $(PYTEST_ARGS)
@@ -138,7 +138,7 @@ examples: $(VENV)/installed-dev  ## FMUs in fmpy, libcosim, ecos and fmutool, an
 	$(BIN)/pytest tests/examples $(PYTEST_ARGS)
 
 hosts: $(VENV)/installed-dev  ## code for other programs, also with Ceres, CasADi symbols, JAX, PyTorch and rumoca where they are installed
-	TIREFMU_HOSTS=1 $(BIN)/pytest tests/hosts $(PYTEST_ARGS)
+	TIREFMU_HOSTS=1 TIREFMU_SLOW=1 $(BIN)/pytest tests/hosts $(PYTEST_ARGS)
 
 readers: $(VENV)/installed-dev  ## MFeval, OpenTirePython and Chrono on files of convert: TIREFMU_MFEVAL, TIREFMU_OPENTIRE, TIREFMU_CHRONO are their paths
 	$(BIN)/pytest tests/exports/test_readers.py -rP
