@@ -139,13 +139,13 @@ def compared_columns(
     present = [name for name in inputs if name in recording.table]
     measured = [name for name in recording.measured() if name in outputs]
     sides = (("input", inputs, TABLE_INPUTS, present), ("measured output", outputs, TABLE_OUTPUTS, measured))
-    for kind, needed, known, found in sides:
+    for kind, needed, readable, recorded in sides:
         if not needed:
             causality = kind.split()[-1]
-            own = [excerpt(name) for name, variable in variables.items() if variable.causality == causality]
-            listed = f"{', '.join(own[:SHOWN_NAMES])}{', ...' if own[SHOWN_NAMES:] else ''}" or "none"
-            raise FmuError(f"{fmu_path}: no {causality} named {', '.join(known)}: its {causality}s are {listed}")
-        if not found:
+            names = [excerpt(name) for name, variable in variables.items() if variable.causality == causality]
+            listed = f"{', '.join(names[:SHOWN_NAMES])}{', ...' if names[SHOWN_NAMES:] else ''}" or "none"
+            raise FmuError(f"{fmu_path}: no {causality} named {', '.join(readable)}: its {causality}s are {listed}")
+        if not recorded:
             raise DataError(f"{recording.source}: no {kind} of the FMU ({', '.join(needed)})")
     return present, measured, outputs
 
