@@ -6,7 +6,7 @@ BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 INSTALL := $(BIN)/python -m pip install --quiet --no-build-isolation --editable
 
 # The first working Python (version managers install commands that only print a notice) that can create a venv.
-PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python; do \
+PYTHON ?= $(shell for python in python3.14 python3.13 python3.12 python3.11 python3 python; do \
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
@@ -18,7 +18,7 @@ install: $(VENV)/installed  ## the command tirefmu in .venv/bin
 demo: $(VENV)/installed  ## the full workflow on the built-in virtual bench
 	$(BIN)/tirefmu demo -o demo-output
 
-test: $(VENV)/installed-dev  ## all tests; those on measured recordings need their folder in TIREFMU_DATA
+test: $(VENV)/installed-dev  ## all tests but the slow ones (TIREFMU_SLOW=1); those on measured recordings need their folder in TIREFMU_DATA
 	$(BIN)/pytest $(PYTEST_ARGS)
 
 check: $(VENV)/installed-dev types  ## lint, format, types, imports, and generated/ compared with the equations

@@ -15,7 +15,7 @@ nox.options.default_venv_backend = "uv"
 nox.options.error_on_missing_interpreters = False
 nox.options.download_python = "never"
 
-PYTHONS = ["3.11", "3.12", "3.13"]
+PYTHONS = ["3.11", "3.12", "3.13", "3.14"]
 COMPILERS = ["gcc", "clang"]
 #: Direct dependencies at the lower ends of their ranges in pyproject.toml.
 OLDEST = "--resolution=lowest-direct"

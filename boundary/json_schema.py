@@ -51,7 +51,7 @@ def schema_of(kind: Any, *, missing: bool = False) -> dict[str, Any]:
         return {"type": "array", "prefixItems": pair, "items": False, "minItems": len(pair)}
     if origin in (list, tuple, Sequence):
         return {"type": "array", "items": schema_of(parts[0], missing=missing)}
-    if getattr(origin, "__name__", "") == "ndarray":
+    if getattr(origin, "__name__", "") in ("ndarray", "NDArray"):  # from NumPy 2.5 on the alias has a name of its own
         return {"type": "array"}
     if origin in (dict, Mapping):
         return {"type": "object", "additionalProperties": schema_of(parts[1], missing=missing)}

@@ -223,12 +223,12 @@ def _means(tires: Sequence[Tire]) -> dict[str, float]:
 def _places(tires: Sequence[Tire], levels: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
     """Return the covariates of the tires and of the new one, from the mean of the family, shapes (m, k) and (k,)."""
     means = _means(tires)
-    names = [name for name in means if len({tire.values[name] for tire in tires}) > 1]
-    logs = np.log([[tire.values[name] / means[name] for name in names] for tire in tires])
-    logs = logs.reshape(len(tires), len(names))
-    new = np.log([levels[name] / means[name] for name in names])
+    logs = np.log([[tire.values[name] / mean for name, mean in means.items()] for tire in tires])
+    logs = logs.reshape(len(tires), len(means))
+    new = np.log([levels[name] / mean for name, mean in means.items()])
     spread = np.sqrt(np.mean(logs**2, axis=0))
-    return logs / spread, new / spread
+    varied = spread > ROUNDING
+    return logs[:, varied] / spread[varied], new[varied] / spread[varied]
 
 
 def _check_nominal(tires: Sequence[Tire], nominal: Mapping[str, float]) -> None:

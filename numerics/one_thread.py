@@ -12,6 +12,9 @@ from threadpoolctl import ThreadpoolController
 def one_blas_thread() -> AbstractContextManager[object]:
     """Return a context in which the BLAS libraries of NumPy and SciPy use one thread.
 
+    CasADi brings a BLAS of its own, which the list of libraries does not contain: its threads are those that the
+    environment variable OMP_NUM_THREADS sets before it is loaded.
+
     >>> with one_blas_thread():
     ...     print("one thread")
     one thread

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ..numerics.ties import graded
 from ..symbolic.declarations import Coefficient
 from . import Tire
 from .definition import RANGES

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from ...boundary.errors import DataError, path_from
+from ...boundary.errors import DataError, FmuError, path_from
 from ...boundary.escaping import excerpt
 from ...measurements.checks.columns.check import check_columns
 from ...measurements.recording import Recording
@@ -31,6 +31,8 @@ FloatArray = npt.NDArray[np.float64]
 STEP = 0.01
 #: Largest number of characters of a unit.
 LONGEST_UNIT = 20
+#: Variables of an FMU that a message lists.
+SHOWN_NAMES = 8
 
 
 def check(
@@ -97,9 +99,9 @@ def check(
     with unpacked(fmu_path) as folder:
         description = read_description(fmu_path, folder)
         variables = {variable.name: variable for variable in description.modelVariables}
-        present, measured, outputs = compared_columns(variables, given)
-        time = times_of(table)
         axes = axes_of_inputs(folder, fmu_path)
+        present, measured, outputs = compared_columns(variables, given, fmu_path)
+        time = times_of(table)
         tire = embedded_tire(folder, fmu_path, outputs)
         rows = convert_signs(table, "iso", axes)[present].to_numpy(dtype=np.float64)
         simulation = simulate(fmu_path, folder, time, rows, present, outputs, segments, timeout)
@@ -122,18 +124,27 @@ def check(
     )
 
 
-def compared_columns(variables: Mapping[str, Any], recording: Recording) -> tuple[list[str], list[str], list[str]]:
+def compared_columns(
+    variables: Mapping[str, Any], recording: Recording, fmu_path: str | os.PathLike[str]
+) -> tuple[list[str], list[str], list[str]]:
     """Return the inputs of an FMU and the measured outputs in a recording, and all outputs of the FMU.
 
-    Raises `DataError` if the recording has none of the inputs or outputs.
+    Raises `FmuError` if the FMU has no input or output with a name of `TABLE_INPUTS` or `TABLE_OUTPUTS`, `DataError` if
+    the recording has none of those that the FMU has.
     """
     inputs, outputs = (
         columns_of(variables, names, kind) for names, kind in ((TABLE_INPUTS, "input"), (TABLE_OUTPUTS, "output"))
     )
     present = [name for name in inputs if name in recording.table]
     measured = [name for name in recording.measured() if name in outputs]
-    for kind, needed, present_names in (("input", inputs, present), ("measured output", outputs, measured)):
-        if not present_names:
+    sides = (("input", inputs, TABLE_INPUTS, present), ("measured output", outputs, TABLE_OUTPUTS, measured))
+    for kind, needed, readable, recorded in sides:
+        if not needed:
+            causality = kind.split()[-1]
+            names = [excerpt(name) for name, variable in variables.items() if variable.causality == causality]
+            listed = f"{', '.join(names[:SHOWN_NAMES])}{', ...' if names[SHOWN_NAMES:] else ''}" or "none"
+            raise FmuError(f"{fmu_path}: no {causality} named {', '.join(readable)}: its {causality}s are {listed}")
+        if not recorded:
             raise DataError(f"{recording.source}: no {kind} of the FMU ({', '.join(needed)})")
     return present, measured, outputs
 

@@ -26,6 +26,7 @@ def table(tmp_path_factory):
     return path
 
 
+@pytest.mark.slow
 def test_the_intervals_are_those_of_any_number_and_kind_of_workers(table, cluster, kill_once):
     recording = read_recording(table)
     result = fit(recording, "mf96", **OPTIONS)

@@ -20,6 +20,7 @@ from tirefmu.tires import Tire, published
 TIRE = Tire("fiala", {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.25, "CALPHA": 15000.0, "UMAX": 1.2, "UMIN": 1.0})
 
 
+@pytest.mark.slow
 def test_a_study_is_that_of_one_process(cluster, kill_once, tmp_path, monkeypatch):
     t = np.arange(400) / 100.0
     steer = pd.DataFrame({"t": t, "alpha": 0.1 * np.sin(3.0 * t), "Fz": 900.0 + 300.0 * np.sin(t)})
@@ -36,6 +37,7 @@ def test_a_study_is_that_of_one_process(cluster, kill_once, tmp_path, monkeypatc
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes(), name
 
 
+@pytest.mark.slow
 def test_cross_validation_is_that_of_one_process(cluster, kill_once):
     bench = VirtualBench(published("trento_hoosier"), Noise(), seed=3)
     recording = bench.run(alpha_sweeps([220.0, 400.0, 700.0, 900.0, 1120.0], sample_rate=6.0))

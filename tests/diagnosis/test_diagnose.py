@@ -167,14 +167,22 @@ def with_text(diagnosis, text):
     return changed, simulated
 
 
-@pytest.mark.parametrize("text", HOSTILE)
-def test_no_text_changes_the_structure_of_the_page(thrust, text, monkeypatch):
-    monkeypatch.setattr(report, "_maps", lambda *_: [])
+def page_with_text(thrust, text):
     case, diagnosis = thrust
-    pages = []
-    for word in ("plain", text):
-        changed, simulated = with_text(diagnosis, word)
-        pages.append(report_page(changed, Recording(case.table, case.signs, word), simulated, word))
+    changed, simulated = with_text(diagnosis, text)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(report, "_maps", lambda *_: [])
+        return report_page(changed, Recording(case.table, case.signs, text), simulated, text)
+
+
+@pytest.fixture(scope="module")
+def plain_page(thrust):
+    return page_with_text(thrust, "plain")
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_no_text_changes_the_structure_of_the_page(thrust, plain_page, text):
+    pages = [plain_page, page_with_text(thrust, text)]
     # The only code is the same in both pages: it makes charts.
     contents, codes = zip(*(page.rsplit("<script>", 1) for page in pages), strict=True)
     assert codes[0] == codes[1]
@@ -361,6 +369,7 @@ def test_sensor_errors_are_reported_as_confounded_only():
     assert any("turn the tire on the rim" in text for text in diagnosis.next_measurement)
 
 
+@pytest.mark.slow
 def test_what_was_not_recorded_is_not_identifiable():
     diagnosis = answer(make_case(31, ("relax_lat",), without=("T", "Fx")))
     assert [one.effect for one in diagnosis.found] == ["relax_lat"]

@@ -26,8 +26,8 @@ BASE = ("load_friction", "load_stiffness", "combined_Gxa", "combined_Gyk")
 
 
 @pytest.fixture(scope="module")
-def answered(tmp_path_factory):
-    """Return the folder of a diagnosis and the recording: noisy Fx and Fy, 18 sweeps at several loads and speeds."""
+def recorded(tmp_path_factory):
+    """Return a recording and its nominal values: noisy Fx and Fy, 18 sweeps at several loads and speeds."""
     folder = tmp_path_factory.mktemp("own effect")
     case = make_case(7, sweeps=18)
     size = {"FNOMIN": case.nominal["Fz0"], "UNLOADED_RADIUS": 0.3, "NOMPRES": 220e3, "INFLPRES": 220e3, "LONGVL": 16.7}
@@ -40,13 +40,21 @@ def answered(tmp_path_factory):
     for name in ("Fx", "Fy"):
         table[name] = forces[name] + rng.normal(0.0, 0.01 * size["FNOMIN"], len(table))
     table.to_csv(folder / "bench.csv", index=False)
-    nominal = f"Fz0={size['FNOMIN']},R0=0.3,p0=220000,V0=16.7"
-    status = main(["diagnose", str(folder / "bench.csv"), "--signs", "adapted-sae", "--effects", ",".join(BASE),
-                   "--nominal", nominal, "--effect", str(FILE), "-o", str(folder / "answer"), "--quiet"])  # fmt: skip
+    return folder / "bench.csv", f"Fz0={size['FNOMIN']},R0=0.3,p0=220000,V0=16.7"
+
+
+@pytest.fixture(scope="module")
+def answered(recorded):
+    """Return the folder of a diagnosis, and the recording."""
+    table, nominal = recorded
+    folder = table.with_name("answer")
+    status = main(["diagnose", str(table), "--signs", "adapted-sae", "--effects", ",".join(BASE),
+                   "--nominal", nominal, "--effect", str(FILE), "-o", str(folder), "--quiet"])  # fmt: skip
     assert status == 0
-    return folder / "answer", folder / "bench.csv"
+    return folder, table
 
 
+@pytest.mark.slow
 def test_it_is_identified_among_all_candidates(answered):
     reported = json.loads((answered[0] / "diagnosis.json").read_text(encoding="utf-8"))
     assert [one["effect"] for one in reported["found"]] == [EFFECT.name]
@@ -59,6 +67,7 @@ def test_it_is_identified_among_all_candidates(answered):
     assert {one["input"] for one in reported["extrapolation"]} == {"Fz", "V"}
 
 
+@pytest.mark.slow
 def test_the_improved_tire_contains_its_equations(answered):
     improved = read_tir(answered[0] / "improved.tir")
     assert EFFECT.name in improved.has
@@ -68,6 +77,7 @@ def test_the_improved_tire_contains_its_equations(answered):
     assert "FLASH1*sqrt(" in page
 
 
+@pytest.mark.slow
 def test_fmu_and_tire_file_agree(answered, tmp_path):
     folder, table = answered
     reported = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
@@ -86,6 +96,7 @@ def test_fmu_and_tire_file_agree(answered, tmp_path):
     assert reported["simulated"]["after"]["holdout"]["Fy"] < 0.8 * reported["simulated"]["before"]["holdout"]["Fy"]
 
 
+@pytest.mark.slow
 def test_an_exported_tire_file_contains_the_effect(answered, tmp_path):
     folder, table = answered
     assert main(["export", str(folder / "improved.tir"), "-o", str(tmp_path / "own.fmu"), "--quiet"]) == 0
@@ -105,11 +116,11 @@ def test_an_exported_tire_file_contains_the_effect(answered, tmp_path):
         ('on = "mu_y"', 'on = "mu"', "acts on 'mu', which is no named quantity"),
     ],
 )
-def test_an_invalid_file_raises_one_line_and_writes_nothing(answered, tmp_path, capsys, old, new, message):
+def test_an_invalid_file_raises_one_line_and_writes_nothing(recorded, tmp_path, capsys, old, new, message):
     text = FILE.read_text(encoding="utf-8")
     assert old in text
     (tmp_path / "own.toml").write_text(text.replace(old, new), encoding="utf-8")
-    arguments = ["diagnose", str(answered[1]), "--signs", "adapted-sae", "--nominal", "Fz0=3000,R0=0.3"]
+    arguments = ["diagnose", str(recorded[0]), "--signs", "adapted-sae", "--nominal", "Fz0=3000,R0=0.3"]
     arguments += ["--effect", str(tmp_path / "own.toml")]
     assert main([*arguments, "-o", str(tmp_path / "answer"), "--quiet"]) == 2
     error = capsys.readouterr().err

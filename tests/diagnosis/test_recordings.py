@@ -63,7 +63,7 @@ def test_a_bare_parquet_file_of_side_force(tmp_path, rate, dropped):
     assert gap["after"] < 0.6 * gap["before"]
 
 
-@pytest.mark.parametrize("family", ["mf96", "mf52"])
+@pytest.mark.parametrize("family", ["mf96", pytest.param("mf52", marks=pytest.mark.slow)])
 def test_a_fitted_tire_of_another_family_is_a_baseline(family):
     if family == "mf96":
         whole = published("trento_hoosier")

@@ -84,6 +84,7 @@ def test_the_text_of_a_feature_evaluates_to_its_values():
         assert set(feature.depends_on) <= set(named)
 
 
+@pytest.mark.slow
 def test_an_unexplained_effect_is_added_to_the_model():
     case = case_of("unknown", list(UNKNOWN).index("crown"))
     diagnosis = answer(case)

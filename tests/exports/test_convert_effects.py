@@ -19,6 +19,7 @@ from tirefmu.symbolic.added import library, read_effect
 from tirefmu.symbolic.models import MODELS, whole_library
 from tirefmu.tires import Tire, read_tir
 
+from ..relatives import slow_relatives
 from .conftest import FIALA
 
 #: Few operating conditions, for the laws without a fit.
@@ -43,7 +44,7 @@ def with_effect(tire, effect):
     return replace(extended, values=given, effects={*tire.has, effect.name})
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", slow_relatives(MODELS))
 def test_a_tire_with_an_effect_converts_for_every_host(model, tire_of, tmp_path, monkeypatch):
     """The fits are replaced by their start: what is fitted is tested below."""
     monkeypatch.setattr(conversion, "_operating_range", lambda tire: ROWS)

@@ -130,3 +130,16 @@ def test_command(tmp_path, capsys, family):
     assert read_tir(tire).about["family"] == "8 tires, within"
     assert main([*command, "--family", "hoosier"]) == 2
     assert "did you mean trento_hoosier" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("count", [2, 3, 5])
+def test_rounded_values_are_no_differences_among_tires(count, tmp_path):
+    """Neither of the tire's size, over which coefficients would have slopes, nor of coefficients."""
+    tire = bench_tire()
+    for number in range(count):
+        size = {name: tire.values[name] * (1.0 + number * 2.0**-51) for name in ("FNOMIN", "UNLOADED_RADIUS")}
+        replace(tire, values={**tire.values, **size}).save(tmp_path / f"{number}.tir")
+    larger = {"FNOMIN": 1.5 * tire.values["FNOMIN"]}
+    here, there = (Family.of(tmp_path, tire.symbolic_model, nominal) for nominal in ({}, larger))
+    np.testing.assert_array_equal(there.mean, here.mean)
+    np.testing.assert_array_equal(there.covariance, here.covariance)

@@ -13,6 +13,7 @@ from tirefmu.fitting.constraints.physical import chosen_constraints, grid, opera
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire
 
+from ..relatives import slow_relatives
 from .known_tires import CHANNELS, NOMINAL, PRESSURES, SIZES, known_tire, moved, recorded
 
 MODEL, ROWS = "mf96", 2500
@@ -73,7 +74,7 @@ def test_the_known_tires_satisfy_every_constraint(model):
 # --------- MF5.2, MF6.1 and MF6.2: known tires recovered from data with pressure, with the constraints of these models
 
 
-LATER = ("mf52", "mf61", "mf62")
+LATER = slow_relatives(["mf52", "mf61", "mf62"])
 
 
 def inputs(seed, n):

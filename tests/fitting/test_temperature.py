@@ -32,6 +32,7 @@ def result(table):
     return fit(table, "mf96", effects=EFFECTS, nominal=NOMINAL)
 
 
+@pytest.mark.slow
 def test_the_temperature_of_another_law_is_predicted(result):
     """The generator has four nodes and other laws of cooling; 0.3 K of sensor noise."""
     assert result.temperature.holdout_rmse < 0.25 * result.temperature.constant_rmse
@@ -87,7 +88,9 @@ def test_time_that_goes_backward_begins_with_other_temperatures(table):
     assert found.rmse < 0.1
 
 
-@pytest.mark.parametrize(("optimum", "curvature"), [(55.0, 2e-4), (140.0, 2e-5), (60.0, 0.0)])
+@pytest.mark.parametrize(
+    ("optimum", "curvature"), [pytest.param(55.0, 2e-4, marks=pytest.mark.slow), (140.0, 2e-5), (60.0, 0.0)]
+)
 def test_an_optimum_is_determined_only_within_the_recorded_temperatures(optimum, curvature):
     table = recording(seed=0, friction=curvature, optimum=optimum, duration=180.0)
     forces = fit(table, "mf96", effects=["load_friction", "load_stiffness", "temp_friction"], nominal=NOMINAL)

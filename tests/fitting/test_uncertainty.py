@@ -36,6 +36,7 @@ def sweeps(tire, noise, free=FREE, loads=(300.0, 700.0, 1100.0), passes=1):
     return Problem(tire, rows, free, np.array([[0.0, 1.0 / (N * 400.0), 0.0]]), scale)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("stays", "passes"), [(0.0, 1), (0.95, 1), (0.95, 40)])
 def test_intervals_have_their_nominal_coverage(known, stays, passes):
     """One Gauss-Newton step from the truth is the fit, because the model is almost linear in that range.

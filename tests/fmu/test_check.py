@@ -182,6 +182,17 @@ def test_a_table_of_other_things(fmu, table):
         check(fmu, table[["t", "Fy"]])
 
 
+def test_an_fmu_with_other_names(fmu, table, tmp_path):
+    files, path = unzipped(fmu), tmp_path / "other.fmu"
+    for causality, names in (("input", ("kappa", "alpha", "gamma", "Fz", "V")), ("output", ("Fx", "Fy", "Mz"))):
+        text = files[DESCRIPTION]
+        for name in names:
+            text = text.replace(f'name="{name}"'.encode(), f'name="tire_{name}"'.encode())
+        zipped(path, {**files, DESCRIPTION: text})
+        with pytest.raises(FmuError, match=rf"other\.fmu: no {causality} .*: its {causality}s are tire_{names[0]}, "):
+            check(path, table)
+
+
 def test_an_fmu_without_a_binary_for_this_machine(fmu, table, tmp_path):
     zipped(tmp_path / "bare.fmu", {DESCRIPTION: unzipped(fmu)[DESCRIPTION]})
     with pytest.raises(FmuError, match=r"bare\.fmu: cannot be loaded: Cannot find shared library binaries"):

@@ -14,6 +14,7 @@ import pytest
 from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.symbolic.models import MODELS
 
+from ..relatives import slow_relatives
 from .conftest import OK, Host
 
 #: Effects that make a force or a moment without slip, or distinguish the signs of a slip; coefficients of other ones.
@@ -112,7 +113,7 @@ def test_shifts_are_mirrored_too_if_the_model_is_that_of_forward_rolling(wheel_o
 
 
 @pytest.mark.parametrize("inputs", KINDS)
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", slow_relatives(MODELS))
 def test_sliding_dissipates(wheel_of, model, inputs):
     wheel, draw = wheel_of(model, inputs), np.random.default_rng(5).uniform
     drawn = [(draw(0.0, 30.0), draw(-4.0, 4.0), draw(-2.0, 2.0)) for _ in range(60)]
@@ -124,7 +125,7 @@ def test_sliding_dissipates(wheel_of, model, inputs):
 
 
 @pytest.mark.parametrize("inputs", KINDS[1:])
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", slow_relatives(MODELS))
 def test_with_shifts_too_a_locked_wheel_is_braked(wheel_of, model, inputs):
     wheel = wheel_of(model, inputs, shifts=True)
     for V_x in (*SPEEDS, *(-speed for speed in SPEEDS)):
@@ -132,7 +133,7 @@ def test_with_shifts_too_a_locked_wheel_is_braked(wheel_of, model, inputs):
 
 
 @pytest.mark.parametrize("inputs", ["wheel", "hub"])
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", slow_relatives(MODELS))
 def test_derivatives_are_those_of_the_mirrored_forces(wheel_of, model, inputs):
     wheel = wheel_of(model, inputs, shifts=True)
     host, knowns = wheel.host, ("omega", *(("V_x", "V_y") if inputs == "wheel" else ("v_x", "v_y")))

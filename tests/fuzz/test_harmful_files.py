@@ -20,6 +20,8 @@ from .kinds import KINDS
 ROOT = Path(__file__).parents[2]
 #: Memory of a process that reads such files, beyond what it has before, in bytes; the files have up to 20 MB.
 MEMORY = 400_000_000
+#: Kinds of files that take many seconds to make and to read.
+SLOW = ("tydex", "parquet")
 #: Memory of the process that reads Parquet and MATLAB files, in KiB.
 READER_MEMORY = 1_000_000
 
@@ -47,7 +49,9 @@ print(json.dumps(answers))
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux enforces the memory limit in every case")
-@pytest.mark.parametrize("kind", HARMFUL)
+@pytest.mark.parametrize(
+    "kind", [pytest.param(kind, marks=pytest.mark.slow) if kind in SLOW else kind for kind in HARMFUL]
+)
 def test_a_harmful_file_needs_little_memory(kind, tmp_path):
     if kind == "parquet":
         pytest.importorskip("pyarrow")

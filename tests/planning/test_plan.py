@@ -61,6 +61,7 @@ def test_combined_slip_is_named_as_missing(result):
     assert any("combined slip" in reason or "kappa" in reason for reason in result.undetermined.values())
 
 
+@pytest.mark.slow
 def test_predicted_intervals_are_those_of_simulated_estimates():
     """The truth is a linear estimate in plain NumPy, with finite differences, over noisy recordings.
 
@@ -208,6 +209,7 @@ def test_a_bench_that_cannot_do_what_is_required_is_named(bench, aims, message):
         plan("trento_hoosier", Bench(**{"limits": limits, **bench}), aims=aims, minutes=2.0)
 
 
+@pytest.mark.slow
 def test_a_bench_with_one_side_has_programs():
     bench = replace(LATERAL, limits={"Fz": LOADS, "alpha": replace(ALPHA, low=0.0)})
     steps = plan("trento_hoosier", bench, aims=["stiffness"], minutes=2.0).program.table

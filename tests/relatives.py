@@ -1,0 +1,19 @@
+"""Models that share their equations with another one: what is tested of each model is slow to test of all relatives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import pytest
+
+from tirefmu.symbolic.models import MODELS
+
+#: The one of its folder that is always tested.
+TESTED = "mf61"
+
+
+def slow_relatives(models: Iterable[str]) -> list[object]:
+    """Return parameters for pytest of which the relatives of the tested model are marked as slow."""
+    folder = MODELS[TESTED].source.folder
+    relatives = {name for name, model in MODELS.items() if model.source.folder == folder} - {TESTED}
+    return [pytest.param(name, marks=pytest.mark.slow) if name in relatives else name for name in models]
