@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: install demo test matrix pages studio docs docs-commands release fuzz mutants discovery drives foreign-drive measured-drives missing-effects awkward wrong-tables recovery planning confounded coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench-languages bench-steps performance clean
+.PHONY: install demo test matrix pages studio docs docs-commands release fuzz mutants discovery drives foreign-drive measured-drives missing-effects awkward wrong-tables recovery planning confounded coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers other-processors examples perturb workers check generate types bench-languages bench-steps performance clean
 .NOTPARALLEL:
 
 install: $(VENV)/installed  ## the command tirefmu in .venv/bin
@@ -139,6 +139,9 @@ hosts: $(VENV)/installed-dev  ## code for other programs, also with Ceres, CasAD
 
 readers: $(VENV)/installed-dev  ## MFeval, OpenTirePython and Chrono on files of convert: TIREFMU_MFEVAL, TIREFMU_OPENTIRE, TIREFMU_CHRONO are their paths
 	$(BIN)/pytest tests/exports/test_readers.py -rP
+
+other-processors: $(VENV)/installed-dev  ## printed C and FMUs under qemu-user on aarch64, riscv64 and s390x (big-endian); needs Debian's gcc-aarch64-linux-gnu, gcc-riscv64-linux-gnu, gcc-s390x-linux-gnu, qemu-user
+	TIREFMU_PROCESSORS=1 $(BIN)/pytest tests/fmu/test_other_processors.py -rP
 
 check: $(VENV)/installed-dev types  ## lint, format, types, imports, and generated/ compared with the equations
 	$(BIN)/ruff check .

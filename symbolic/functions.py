@@ -1,8 +1,8 @@
 """Functions of the lines that SymPy lacks or differentiates otherwise: signs, magnitude, root, a choice by condition.
 
 One convention holds at kinks, in every language: the slope of the magnitude and of the root of a square is 0 at 0, as
-sgn(0) is. A branch that is not taken is finite too: arithmetic raises no exception in it, and automatic differentiation,
-which multiplies its derivative by 0, remains finite.
+sgn(0) is. A branch that is not taken is finite too: arithmetic raises no exception in it, and automatic
+differentiation, which multiplies its derivative by 0, remains finite.
 """
 
 from __future__ import annotations
@@ -144,7 +144,7 @@ def where(condition: Any, then: Any, otherwise: Any) -> sp.Expr:
 
 
 def _guarded(branch: Any, condition: Any, guard: Callable[[sp.Expr], sp.Expr]) -> sp.Expr:
-    """Return a branch in which the bases of quotients and roots are guarded if the condition reads one of their symbols."""
+    """Return a branch with guarded bases of quotients and roots, of those that share a symbol with the condition."""
     branch, read = sp.sympify(branch), condition.free_symbols
     powers = [
         power
