@@ -22,6 +22,8 @@ from .channels import CHANNELS, INPUTS
 from .checks.columns.limits import check_plausible
 from .column_names import check_names
 from .files.parquet_table import parquet_header, parquet_parts
+from .files.resolution import choices
+from .files.table_recording import channel_table
 from .recording import Recording
 
 #: Rows from which a table is large: with every named quantity of an evaluation they need about 250 MB.
@@ -42,8 +44,10 @@ class LargeTable:
     def __init__(self, path: Path, signs: str = "iso") -> None:
         reversed_columns(signs, "iso")  # raises for an unknown convention
         self._path, self.signs = path, signs
-        self._header, self.rows = parquet_header(path)
-        self.columns = tuple(column.name for column in self._header)
+        header, self.rows = parquet_header(path)
+        chosen = choices(header, CHANNELS, str(path))
+        self.columns = tuple(channel_table(header, chosen, str(path)).columns)
+        self._declared = " ".join(name for name, choice in chosen.items() if choice.declared)
 
     @classmethod
     def of(cls, path: Path, signs: str | None = None) -> LargeTable | None:
@@ -70,7 +74,8 @@ class LargeTable:
         the file has changed.
         """
         count = 0
-        for start, table in parquet_parts(self._path, self._header, PART):
+        for start, content in parquet_parts(self._path, PART):
+            table = channel_table(content, choices(content, CHANNELS, str(self._path)), str(self._path))
             self._check_finite(table, start)
             yield table
             count += len(table)
@@ -93,8 +98,7 @@ class LargeTable:
                 if name in table and table[name].notna().any():
                     _update_extremes(extremes, table, name)
         rows = pd.concat([*chosen, *(row for _, row in extremes.values())], ignore_index=True)
-        declared = " ".join(column.name for column in self._header if column.unit is not None)
-        recording = Recording(rows, self.signs, self._path.name, {"declared": declared})
+        recording = Recording(rows, self.signs, self._path.name, {"declared": self._declared})
         check_plausible(recording)
         return recording
 

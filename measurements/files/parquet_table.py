@@ -2,58 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-
 from ...boundary.errors import DataError
-from ..interpretation import Interpretation
-from ..recording import Recording
 from . import native_reader
-from .columns import Column, converted_channels, parse_header
-from .table_recording import table_recording
+from .content import Content, frame_columns
 
 EXTRA = "Parquet needs pyarrow, which the extra 'parquet' installs: pip install 'tirefmu[parquet]'"
 
 
-def read_parquet_table(path: Path, signs: str, interpretation: Interpretation) -> Recording:
-    """Read a Parquet table.
+def read_parquet(path: Path) -> Content:
+    """Return the content of a Parquet file; a named index is a column of it.
 
-    `signs`: the convention of the table. Raises `DataError` if pyarrow is not installed, the file is not a Parquet
-    file, or a channel cannot be used. The message counts rows from 1.
+    Units are those of the metadata of fields (``unit`` or ``units``). Raises `DataError` if pyarrow is not installed,
+    or the file is not a Parquet file. Messages count rows from 1.
     """
-    return table_recording(path, parquet_cells(path), signs, interpretation, lambda row: f"row {row + 1}")
+    table, units = _loaded("parquet", path)
+    return Content(tuple(frame_columns(table, units)))
 
 
-def parquet_cells(path: Path) -> pd.DataFrame:
-    """Return the table of a Parquet file; raises `DataError` if it is none or pyarrow is not installed."""
-    return _loaded("parquet", path)  # type: ignore[no-any-return]
+def parquet_header(path: Path) -> tuple[Content, int]:
+    """Return the content of a Parquet file without its rows, and their number; raises as `read_parquet`."""
+    (table, units), rows = _loaded("parquet header", path)
+    return Content(tuple(frame_columns(table, units))), rows
 
 
-def parquet_header(path: Path) -> tuple[list[Column], int]:
-    """Return the columns of a Parquet file and its number of rows.
-
-    Raises `DataError` if pyarrow is not installed, the file is not a Parquet file, or its columns cannot be used.
-    """
-    names, rows = _loaded("parquet header", path)
-    return parse_header(names, str(path)), rows
-
-
-def parquet_parts(path: Path, columns: Sequence[Column], most: int) -> Iterator[tuple[int, pd.DataFrame]]:
-    """Yield the number of the first row of each part and at most `most` of its rows, channels in SI.
-
-    Raises `DataError` if a channel cannot be used. The message counts rows from 1.
-    """
+def parquet_parts(path: Path, most: int) -> Iterator[tuple[int, Content]]:
+    """Yield the number of the first row of each part, and the content of at most `most` rows; raises as `read_parquet`."""
     start = 0
-    while (table := _loaded("parquet part", path, start, most)) is not None:
-        yield start, converted_channels(table, columns, str(path), _numbered_from(start))
+    while (part := _loaded("parquet part", path, start, most)) is not None:
+        table, units = part
+        yield start, Content(tuple(frame_columns(table, units)), lambda row, start=start: f"row {start + row + 1}")
         start += len(table)
-
-
-def _numbered_from(start: int) -> Callable[[int], str]:
-    return lambda row: f"row {start + row + 1}"
 
 
 def _loaded(wanted: str, path: Path, *arguments: int) -> Any:

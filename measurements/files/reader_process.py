@@ -13,7 +13,7 @@ import pickle
 import signal
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any, BinaryIO
 
 
@@ -49,46 +49,83 @@ def _load_newer(path: str, kind: str) -> dict[str, Any]:
     return loaded
 
 
-def load_mdf(path: str) -> list[tuple[str, str, Any, Any]]:
-    """Return name, unit, times and samples of each channel of numbers of an MDF file."""
+def load_mdf(path: str) -> tuple[list[tuple[Any, ...]], list[str]]:
+    """Return the channels of numbers of an MDF file, and the names of the others.
+
+    Each is name, unit, group, times, samples, invalid samples or None, and what its master is if it is not time.
+    """
     try:
         from asammdf import MDF
     except ImportError:
         raise MissingPackage("MDF") from None
+    numbers, others = [], []
     with MDF(path) as file:
-        return [
-            (str(signal.name), str(signal.unit or ""), signal.timestamps, signal.samples.astype(float))
-            for signal in file.iter_channels()
-            if signal.samples.ndim == 1 and signal.samples.dtype.kind in "fiu"
-        ]
+        for number, group in enumerate(file.groups):
+            master = file.masters_db.get(number)
+            channel = None if master is None else group.channels[master]
+            kind = 1 if channel is None else int(getattr(channel, "sync_type", 1) or 1)
+            axis = "" if kind == 1 or channel is None else f"{channel.name} ({channel.unit or 'no unit'})"
+            signals = file.select([(None, number, i) for i in range(len(group.channels)) if i != master])
+            for signal in signals:
+                if signal.samples.ndim == 1 and signal.samples.dtype.kind in "fiu":
+                    unit, label = str(signal.unit or ""), _mdf_group(group, number)
+                    samples = signal.timestamps, signal.samples, signal.invalidation_bits
+                    numbers.append((str(signal.name), unit, label, *samples, axis))
+                else:
+                    others.append(str(signal.name))
+    return numbers, others
 
 
-def load_parquet(path: str) -> Any:
-    """Return the table of a Parquet file."""
+def _mdf_group(group: Any, number: int) -> str:
+    """Return the name of a group of channels: of its acquisition or its comment, otherwise its number."""
+    named = getattr(group.channel_group, "acq_name", "") or str(getattr(group.channel_group, "comment", "") or "")
+    name = " ".join(str(named).split())
+    return name if 0 < len(name) <= 60 and "<" not in name else f"group {number + 1}"
+
+
+def load_parquet(path: str) -> tuple[Any, dict[str, str]]:
+    """Return the table of a Parquet file, and the units in the metadata of its fields."""
     import pandas as pd
 
     try:
-        return pd.read_parquet(path)
+        return pd.read_parquet(path), _units(_parquet_file(path).schema_arrow)
     except ImportError:
         raise MissingPackage("Parquet") from None
 
 
-def load_excel(path: str) -> Any:
-    """Return the first sheet of an Excel workbook without columns that have neither header nor cells."""
-    import pandas as pd
+def _units(schema: Any) -> dict[str, str]:
+    """Return the units of fields by name."""
+    units = {}
+    for field in schema:
+        for key in (b"unit", b"units"):
+            if field.metadata and key in field.metadata:
+                units[str(field.name)] = field.metadata[key].decode("utf-8", "replace")
+    return units
 
+
+def load_excel(path: str) -> list[tuple[str, bool, list[tuple[int, list[Any]]]]]:
+    """Return name, visibility and rows of each sheet of an Excel workbook: numbers and cells of rows that are not blank."""
     try:
-        table = pd.read_excel(path, sheet_name=0, engine="openpyxl")
+        from openpyxl import load_workbook
     except ImportError:
         raise MissingPackage("Excel") from None
-    named = [not str(name).startswith("Unnamed: ") or table[name].notna().any() for name in table]
-    return table.loc[:, named]
+    sheets = []
+    for sheet in load_workbook(path, read_only=True, data_only=True).worksheets:
+        rows = []
+        for number, row in enumerate(sheet.iter_rows(values_only=True), start=1):
+            if any(cell is not None and cell != "" for cell in row):
+                rows.append((number, list(row)))
+        width = max((len(cells) for _, cells in rows), default=0)
+        for _, cells in rows:
+            cells.extend([None] * (width - len(cells)))
+        sheets.append((sheet.title, sheet.sheet_state == "visible", rows))
+    return sheets
 
 
-def load_parquet_header(path: str) -> tuple[list[str], int]:
-    """Return the names of the columns and the number of rows of a Parquet file."""
+def load_parquet_header(path: str) -> tuple[tuple[Any, dict[str, str]], int]:
+    """Return a Parquet file without its rows, and their number."""
     file = _parquet_file(path)
-    return [str(name) for name in file.schema_arrow.empty_table().to_pandas().columns], file.metadata.num_rows
+    return (file.schema_arrow.empty_table().to_pandas(), _units(file.schema_arrow)), file.metadata.num_rows
 
 
 class _Parts:
@@ -99,14 +136,15 @@ class _Parts:
 
     def __init__(self, path: str, most: int) -> None:
         self.path, self.next_row = path, 0
-        self._parts: Iterator[Any] = _parquet_file(path).iter_batches(batch_size=most)
+        file = _parquet_file(path)
+        self._units, self._parts = _units(file.schema_arrow), iter(file.iter_batches(batch_size=most))
 
     def following(self) -> Any:
         """Return the next rows as a table; None at the end."""
         for part in self._parts:
             if part.num_rows:
                 self.next_row += part.num_rows
-                return part.to_pandas()
+                return part.to_pandas(), self._units
         return None
 
 
