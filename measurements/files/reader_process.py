@@ -60,7 +60,9 @@ def load_mdf(path: str) -> tuple[list[tuple[Any, ...]], list[str]]:
         raise MissingPackage("MDF") from None
     numbers, others = [], []
     with MDF(path) as file:
+        labels = [_mdf_group(group) for group in file.groups]
         for number, group in enumerate(file.groups):
+            label = labels[number] if labels.count(labels[number]) == 1 else ""
             master = file.masters_db.get(number)
             channel = None if master is None else group.channels[master]
             kind = 1 if channel is None else int(getattr(channel, "sync_type", 1) or 1)
@@ -68,19 +70,19 @@ def load_mdf(path: str) -> tuple[list[tuple[Any, ...]], list[str]]:
             signals = file.select([(None, number, i) for i in range(len(group.channels)) if i != master])
             for signal in signals:
                 if signal.samples.ndim == 1 and signal.samples.dtype.kind in "fiu":
-                    unit, label = str(signal.unit or ""), _mdf_group(group, number)
-                    samples = signal.timestamps, signal.samples, signal.invalidation_bits
-                    numbers.append((str(signal.name), unit, label, *samples, axis))
+                    unit, samples = str(signal.unit or ""), (signal.timestamps, signal.samples)
+                    named = str(signal.name), unit, label or f"group {number + 1}"
+                    numbers.append((*named, *samples, signal.invalidation_bits, axis))
                 else:
                     others.append(str(signal.name))
     return numbers, others
 
 
-def _mdf_group(group: Any, number: int) -> str:
-    """Return the name of a group of channels: of its acquisition or its comment, otherwise its number."""
-    named = getattr(group.channel_group, "acq_name", "") or str(getattr(group.channel_group, "comment", "") or "")
+def _mdf_group(group: Any) -> str:
+    """Return the name of a group of channels, of its acquisition or its comment; empty without one."""
+    named = getattr(group.channel_group, "acq_name", "") or getattr(group.channel_group, "comment", "") or ""
     name = " ".join(str(named).split())
-    return name if 0 < len(name) <= 60 and "<" not in name else f"group {number + 1}"
+    return name if len(name) <= 60 and "<" not in name else ""
 
 
 def load_parquet(path: str) -> tuple[Any, dict[str, str]]:
