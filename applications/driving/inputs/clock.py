@@ -1,4 +1,4 @@
-"""Times that no log of a drive has: another unit, a jump, single precision. They are found before anything is computed."""
+"""Times that no log of a drive has: another unit, a jump, single precision. They are found before any work."""
 
 from __future__ import annotations
 

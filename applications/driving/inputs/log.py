@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -36,11 +36,13 @@ class Log:
     - `source`: name of the file.
     - `channels`: times (rising, from 0) and values of each channel; missing values are left out.
     - `ignored`: what of the file is not read, in one line.
+    - `units`: by channel, the unit of its numbers in the file; empty for SI.
     """
 
     source: str
     channels: Mapping[str, Samples]
     ignored: str = ""
+    units: Mapping[str, str] = field(default_factory=dict)
 
     def values(self, name: str) -> FloatArray:
         """Return the values of a channel."""
@@ -93,7 +95,8 @@ def read_log(log: LogLike, columns: Mapping[str, str] | None = None) -> Log:
     _check(channels, chosen, content, source)
     start = min(t[0] for t, _ in channels.values())
     moved = {name: (t - start, values) for name, (t, values) in channels.items()}
-    return Log(source, moved, ignored_columns(content, chosen))
+    units = {name: choice.unit for name, choice in chosen.items()}
+    return Log(source, moved, ignored_columns(content, chosen), units)
 
 
 def samples_of(content: Content, chosen: Mapping[str, Choice], source: str) -> dict[str, Samples]:
