@@ -26,8 +26,8 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Steps between samples, in median steps, from which they are a gap.
 GAP = 5.0
-#: Share by which a mean may differ from gravity, and the smallest correlation that shows a sign.
-GRAVITY_SHARE, CLEAR = 0.2, 0.3
+#: Share by which a mean may differ from gravity, correlations that show a sign and a cause.
+GRAVITY_SHARE, CLEAR, STRONG = 0.2, 0.3, 0.7
 _WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 
 
@@ -64,12 +64,12 @@ class Survey:
         """The section [columns] of a car file.
 
         >>> print(Survey((), {"yaw_rate": "-gz [deg/s]"}, ("z points down",)).section)
-        [columns]  # z points down
+        [columns]
+        # z points down
         yaw_rate = "-gz [deg/s]"
         """
-        remark = f"  # {'; '.join(self.notes)}" if self.notes else ""
         lines = [f"{name} = {toml_string(text)}" for name, text in self.proposal.items()]
-        return "\n".join([f"[columns]{remark}", *lines])
+        return "\n".join(["[columns]", *(f"# {note}" for note in self.notes), *lines])
 
     def car_text(self) -> str:
         """Return a car file with this section; its numbers are examples and comments."""
@@ -139,7 +139,7 @@ def survey(content: Content, source: str) -> Survey:
             column, found, _ = values[name]
             sign = "-" if down and name in TURNED else ""
             proposal[name] = f"{sign}{_text(column, name, found)}"
-    notes += _agreed_signs(proposal, values)
+    notes += _agreed(proposal, values)
     changed = {name: text for name, text in proposal.items() if text != name}
     return Survey(tuple(rows), changed, tuple(notes))
 
@@ -203,32 +203,42 @@ def _text(column: Column, name: str, values: FloatArray) -> str:
     return f"{header} [{unit}]" if size > most and name != "heading" else header
 
 
-def _agreed_signs(proposal: dict[str, str], values: Mapping[str, tuple[Column, FloatArray, Any]]) -> Sequence[str]:
-    """Turn steering and lateral acceleration so that they agree with the yaw rate of a car that moves forward."""
-    notes = []
+def _agreed(proposal: dict[str, str], values: dict[str, tuple[Column, FloatArray, Any]]) -> Sequence[str]:
+    """Exchange ax and ay, and turn signs, so that steering, yaw rate and lateral acceleration agree.
+
+    In a turn of a car that moves forward all three have one sign: the one that differs from the two others is turned.
+    """
     if "yaw_rate" not in values:
         return ["no yaw rate: signs are not compared"]
-    _, rate, times = values["yaw_rate"]
-    turned = -1.0 if proposal["yaw_rate"].startswith("-") else 1.0
-    for name in ("steer", "ay"):
-        if name not in values:
-            continue
-        _, other, clock = values[name]
-        common = _correlation(rate, times, other, clock)
-        mine = -1.0 if proposal[name].startswith("-") else 1.0
-        if common * turned * mine < -CLEAR:
-            proposal[name] = proposal[name][1:] if mine < 0.0 else f"-{proposal[name]}"
-            notes.append(f"{name} and yaw_rate had opposite signs: {name} is turned")
+    notes = []
+    common = {name: _correlation(values["yaw_rate"], values[name]) for name in ("steer", "ax", "ay") if name in values}
+    if abs(common.get("ax", 0.0)) > STRONG and abs(common.get("ay", 1.0)) < CLEAR:
+        proposal["ax"], proposal["ay"] = proposal["ay"], proposal["ax"]
+        common["ax"], common["ay"] = common["ay"], common["ax"]
+        notes.append("ax follows the yaw rate and ay does not: they are exchanged")
+    signs = {name: -1.0 if proposal[name].startswith("-") else 1.0 for name in ("yaw_rate", *common)}
+    agree = {name: np.sign(common[name] * signs[name] * signs["yaw_rate"]) for name in ("steer", "ay")
+             if abs(common.get(name, 0.0)) > CLEAR}  # fmt: skip
+    wrong = [name for name, sign in agree.items() if sign < 0.0]
+    for name in ["yaw_rate"] if len(wrong) == 2 else wrong:
+        proposal[name] = proposal[name][1:] if signs[name] < 0.0 else f"-{proposal[name]}"
+        notes.append(f"{name} has the other sign than the rest: it is turned")
     return notes
 
 
-def _correlation(x: FloatArray, x_times: FloatArray | None, y: FloatArray, y_times: FloatArray | None) -> float:
-    if x_times is not None and y_times is not None and (len(x) != len(y) or not np.array_equal(x_times, y_times)):
-        usable = np.isfinite(y) & np.isfinite(y_times)
+def _correlation(
+    first: tuple[Column, FloatArray, FloatArray | None], second: tuple[Column, FloatArray, FloatArray | None]
+) -> float:
+    """Return the correlation of two channels about zero; 0 if their samples cannot be compared."""
+    (_, x, x_times), (_, y, y_times) = first, second
+    usable = np.isfinite(y)
+    if x_times is not None and y_times is not None and usable.any():
         y = np.interp(x_times, y_times[usable], y[usable])
-    usable = np.isfinite(x) & np.isfinite(y) if len(x) == len(y) else np.zeros(len(x), dtype=np.bool_)
+    if len(x) != len(y):
+        return 0.0
+    usable = np.isfinite(x) & np.isfinite(y)
     x, y = x[usable], y[usable]
-    size = float(np.sqrt((x @ x) * (y @ y))) if len(x) else 0.0
+    size = float(np.sqrt((x @ x) * (y @ y)))
     return float(x @ y) / size if size else 0.0
 
 
