@@ -96,7 +96,7 @@ def choices(
             unit = unit or written
             if not matches:
                 headers = [column.header for column in content.columns]
-                raise DataError(f"{source}: no column {quoted(wanted)} for {name}{nearest(wanted, headers)}")
+                raise DataError(f"{source}: no column {quoted(wanted)} ({name}){nearest(wanted, headers)}")
         if len(matches) > 1:
             raise DataError(_several(matches, name, source))
         if matches:

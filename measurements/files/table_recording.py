@@ -74,8 +74,8 @@ def channel_table(content: Content, chosen: Mapping[str, Choice], source: str) -
         header = column.header.strip() or f"column {number}"
         if name is not None:
             ordered[name] = values[name]
-        elif len(column.cells) == rows and header not in ordered:
-            ordered[f"{header} (not read)" if header in CHANNELS else header] = pd.Series(column.cells)
+        elif len(column.cells) == rows and header not in ordered and header not in CHANNELS:
+            ordered[header] = pd.Series(column.cells)
     return pd.DataFrame({**ordered, **{name: values[name] for name in values if name not in ordered}})
 
 
