@@ -10,18 +10,14 @@ from typing import NamedTuple
 
 
 class Format(NamedTuple):
-    """A file format.
-
-    `reader`: module and function in this folder. `signs`: default sign convention. `log`: whether it is one of logs of
-    drives only.
-    """
+    """A file format. `reader`: module and function in this folder. `signs`: default sign convention."""
 
     reader: str
     signs: str = "iso"
-    log: bool = False
 
 
 _TYDEX = Format("tydex:read_tydex")
+_ROS = Format("logger:read_rosbag")
 #: By extension.
 FORMATS: dict[str, Format] = {
     ".csv": Format("csv_table:read_csv"),
@@ -33,8 +29,14 @@ FORMATS: dict[str, Format] = {
     ".tda": _TYDEX,
     ".tdb": _TYDEX,
     ".tyd": _TYDEX,
-    ".mf4": Format("mdf:read_mdf"),
-    ".mdf": Format("mdf:read_mdf"),
+    ".mf4": Format("logger:read_mdf"),
+    ".mdf": Format("logger:read_mdf"),
+    ".tdms": Format("logger:read_tdms"),
+    ".ulg": Format("logger:read_ulog"),
+    ".bag": _ROS,
+    ".db3": _ROS,
+    ".mcap": _ROS,
+    ".vbo": Format("vbo:read_vbo"),
 }
 #: Formats that their first bytes show, whatever the extension is.
 MAGIC: dict[bytes, Format] = {b"MDF     ": FORMATS[".mf4"], b"UnFinMF ": FORMATS[".mf4"]}

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import os
 import pickle
+import runpy
 import signal
 import sys
 import warnings
@@ -49,40 +50,13 @@ def _load_newer(path: str, kind: str) -> dict[str, Any]:
     return loaded
 
 
-def load_mdf(path: str) -> tuple[list[tuple[Any, ...]], list[str]]:
-    """Return the channels of numbers of an MDF file, and the names of the others.
-
-    Each is name, unit, group, times, samples, invalid samples or None, and what its master is if it is not time.
-    """
+def load_log(path: str, format_name: str) -> tuple[list[tuple[Any, ...]], list[str]]:
+    """Return the channels of a log by the loader of its format; see `loaders`."""
+    loader = runpy.run_path(os.path.join(os.path.dirname(os.path.abspath(__file__)), "loaders", f"{format_name}.py"))
     try:
-        from asammdf import MDF
+        return loader["load"](path)  # type: ignore[no-any-return]
     except ImportError:
-        raise MissingPackage("MDF") from None
-    numbers, others = [], []
-    with MDF(path) as file:
-        labels = [_mdf_group(group) for group in file.groups]
-        for number, group in enumerate(file.groups):
-            label = labels[number] if labels.count(labels[number]) == 1 else ""
-            master = file.masters_db.get(number)
-            channel = None if master is None else group.channels[master]
-            kind = 1 if channel is None else int(getattr(channel, "sync_type", 1) or 1)
-            axis = "" if kind == 1 or channel is None else f"{channel.name} ({channel.unit or 'no unit'})"
-            signals = file.select([(None, number, i) for i in range(len(group.channels)) if i != master])
-            for signal in signals:
-                if signal.samples.ndim == 1 and signal.samples.dtype.kind in "fiu":
-                    unit, samples = str(signal.unit or ""), (signal.timestamps, signal.samples)
-                    named = str(signal.name), unit, label or f"group {number + 1}"
-                    numbers.append((*named, *samples, signal.invalidation_bits, axis))
-                else:
-                    others.append(str(signal.name))
-    return numbers, others
-
-
-def _mdf_group(group: Any) -> str:
-    """Return the name of a group of channels, of its acquisition or its comment; empty without one."""
-    named = getattr(group.channel_group, "acq_name", "") or getattr(group.channel_group, "comment", "") or ""
-    name = " ".join(str(named).split())
-    return name if len(name) <= 60 and "<" not in name else ""
+        raise MissingPackage(format_name) from None
 
 
 def load_parquet(path: str) -> tuple[Any, dict[str, str]]:
@@ -180,7 +154,7 @@ def _declared_size(path: str) -> int:
 LOADERS: dict[str, Callable[..., Any]] = {
     "excel": load_excel,
     "matlab": load_matlab,
-    "mdf": load_mdf,
+    "log": load_log,
     "parquet": load_parquet,
     "parquet header": load_parquet_header,
     "parquet part": load_parquet_part,

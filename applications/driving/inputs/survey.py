@@ -26,6 +26,8 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Steps between samples, in median steps, from which they are a gap.
 GAP = 5.0
+#: Characters of a name that the name of a column may contain among others.
+SHORTEST_CONTAINED = 8
 #: Share by which a mean may differ from gravity, correlations that show a sign and a cause.
 GRAVITY_SHARE, CLEAR, STRONG = 0.2, 0.3, 0.7
 _WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
@@ -92,22 +94,24 @@ def is_drive_log(content: Content) -> bool:
 def nearest_channel(column: Column) -> str:
     """Return the channel of a drive that the name of a column suggests and its unit allows; empty without one.
 
-    >>> nearest_channel(Column("Yaw", [], "deg/s")), nearest_channel(Column("Yaw", [], "deg")), nearest_channel(Column("rpm", []))
-    ('yaw_rate', 'heading', '')
+    >>> [nearest_channel(Column("Yaw", [], unit)) for unit in ("deg/s", "deg", "bar")]
+    ['yaw_rate', 'heading', '']
     """
+    return _nearest(column)[1]
+
+
+def _nearest(column: Column) -> tuple[int, str]:
+    """Return the nearest channel and 0 if the name is one of its names, 1 if it contains one."""
     written = _words(name_and_unit(column.header)[0])
     unit = column.declared_unit
     quantity = unit_named(unit).quantity if is_unit(unit) else ""
     ranked = []
     for name, declared in LOG_CHANNELS.items():
-        if quantity not in ("", declared.quantity):
-            continue
-        aliases = [_words(alias) for alias in (name, *declared.aliases)]
-        if written in aliases:
-            ranked.append((0, name))
-        elif any(len(alias) > 4 and f"_{alias}_" in f"_{written}_" for alias in aliases):
-            ranked.append((1, name))
-    return min(ranked)[1] if ranked else ""
+        if quantity in ("", declared.quantity):
+            aliases = [_words(alias) for alias in (name, *declared.aliases)]
+            contained = any(len(alias) >= SHORTEST_CONTAINED and f"_{alias}_" in f"_{written}_" for alias in aliases)
+            ranked += [(0 if written in aliases else 1, name)] if written in aliases or contained else []
+    return min(ranked, default=(2, ""))
 
 
 def nearest_column(name: str, content: Content) -> str:
@@ -119,16 +123,20 @@ def survey(content: Content, source: str) -> Survey:
     """Return what a log contains; raises `DataError` if the column of time is not one."""
     notes: list[str] = []
     clock, clock_text = _clock(content, source)
-    rows, values = [], {}
+    rows: list[SurveyedColumn] = []
+    values: dict[str, tuple[Column, FloatArray, FloatArray | None]] = {}
+    best: dict[str, tuple[int, int]] = {}
     for column in content.columns:
         times = column.times if column.times is not None else clock
         found = _numbers(column, content, source)
         if found is None or (times is not None and len(found) != len(times)):
             continue
-        near = nearest_channel(column)
+        rank, near = _nearest(column)
         rows.append(_surveyed(column, found, times, near))
-        if near and near not in values and near != "t" and np.isfinite(found).any():
-            values[near] = column, found, times
+        present = found[np.isfinite(found)]
+        fit = rank + (len(present) == 0 or np.ptp(present) == 0.0), -len(present)
+        if near not in ("", "t") and fit < best.get(near, (2, 0)):
+            best[near], values[near] = fit, (column, found, times)
     down = content.down or _points_down(content, source)
     if down:
         why = "by the definition of the format" if content.down else "the vertical acceleration is -g"
