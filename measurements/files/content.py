@@ -20,6 +20,8 @@ MAX_COLUMNS, LONGEST_HEADER = 5000, 200
 MAX_LISTED = 8
 _HEADER = re.compile(r"(?P<name>.*\S)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\))")
 
+_INDEX = re.compile(r"\S\[\d+\]$")
+
 
 @dataclass(frozen=True, eq=False)
 class Column:
@@ -93,14 +95,14 @@ class Content:
 def name_and_unit(header: str) -> tuple[str, str | None]:
     """Return the name of a header, and the unit in brackets behind it.
 
-    Round brackets declare a unit only if it is a known one.
+    Round brackets declare a unit only if it is a known one; a number without a blank before its bracket is an index.
 
-    >>> name_and_unit("alpha [deg]"), name_and_unit("V (km/h)"), name_and_unit("W (IMU)")
-    (('alpha', 'deg'), ('V', 'km/h'), ('W (IMU)', None))
+    >>> name_and_unit("alpha [deg]"), name_and_unit("V (km/h)"), name_and_unit("W (IMU)"), name_and_unit("gyro[2]")
+    (('alpha', 'deg'), ('V', 'km/h'), ('W (IMU)', None), ('gyro[2]', None))
     """
     header = header.strip()
     match = _HEADER.fullmatch(header) if len(header) <= LONGEST_HEADER else None
-    if match is None or (match["square"] is None and not is_unit(match["round"])):
+    if match is None or (match["square"] is None and not is_unit(match["round"])) or _INDEX.search(header):
         return header, None
     return match["name"], (match["square"] if match["square"] is not None else match["round"]).strip()
 

@@ -22,7 +22,7 @@ def load(path: str) -> tuple[list[tuple[Any, ...]], list[str]]:
                 others.append(str(channel.name))
                 continue
             times = clock if clock is not None and len(clock) == len(values) else None
-            if "wf_increment" in channel.properties:
+            if {"wf_increment", "wf_start_offset"} <= channel.properties.keys():
                 times = channel.time_track()
             elif times is not None and times.dtype.kind == "M":
                 times = (times - times[0]).astype("timedelta64[ns]").astype(float) * 1e-9
