@@ -28,7 +28,7 @@ class Interpretation:
     Parameters
     ----------
     columns : mapping of str to str
-        By channel, the column that has it: a header with or without its unit, or a channel. A leading minus reverses the
+        By channel, the column that has it: a header with or without unit, or a channel. A leading minus reverses the
         sign: ``{"alpha": "-SA"}``. ``none``: the column is not read.
     units : mapping of str to str
         By channel, the unit of its numbers in the file: ``{"Fz": "lbf"}``.

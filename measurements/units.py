@@ -66,7 +66,8 @@ UNITS: dict[str, Unit] = {
     **_spelled("length", {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "km": 1e3, "in inch": FOOT / 12.0, "ft": FOOT}),
     **_spelled("curvature", {"1/m rad/m m1": 1.0, "1/km": 1e-3}),
     **_spelled("rotation", {
-        "rad/s radians/s rads1": 1.0, "deg/s degrees/s degree/s dps degs1": _DEGREE, "mrad/s": 1e-3, "rpm 1/min rev/min r/min min1": np.pi / 30.0,
+        "rad/s radians/s rads1": 1.0,
+        "deg/s degrees/s degree/s dps degs1": _DEGREE, "mrad/s": 1e-3, "rpm 1/min rev/min r/min min1": np.pi / 30.0,
         "rev/s rps": 2.0 * np.pi,
     }),
     **_spelled("acceleration", {"m/s2 ms2 mps2": 1.0, "g": GRAVITY, "mg": 1e-3 * GRAVITY, "ft/s2": FOOT}),
@@ -88,10 +89,13 @@ UNITS_OF_TABLES: dict[str, tuple[str, ...]] = {
 ABSOLUTE, ZERO_CELSIUS = "absolute temperature", 273.15
 _SCALED = re.compile(r"(?P<factor>\d{1,6}(\.\d{1,6})?) ?(?P<unit>[A-Za-z%].*)")
 #: Characters of instruments: degree signs, superscripts, micro signs; those without a meaning are dropped.
-_CHARACTERS = str.maketrans(
-    {**dict.fromkeys(" -.*_^()[]\u00b7\u22c5\u207b\u2212"), **dict.fromkeys("\u00b0\u00ba\u02da", "deg"), **dict.fromkeys("\u00b5\u03bc", "u"),
-     "\u00b9": "1", "\u00b2": "2", "\u00b3": "3", "\u2044": "/", "\u00f7": "/"}
-)  # fmt: skip
+_CHARACTERS = str.maketrans({
+    **dict.fromkeys(" -.*_^()[]\u00b7\u22c5\u207b\u2212"),
+    **dict.fromkeys("\u00b0\u00ba\u02da", "deg"),
+    **dict.fromkeys("\u00b5\u03bc", "u"),
+    **dict.fromkeys("\u2044\u00f7", "/"),
+    "\u00b9": "1", "\u00b2": "2", "\u00b3": "3",
+})  # fmt: skip
 _PER = re.compile(r"per(?=sec|s$|min|h|m)")
 _TIME = re.compile(r"/(?P<unit>s|h|min)(ec|econd|econds|r|our|ours|ute|utes)?(?![a-z])")
 

@@ -22,7 +22,8 @@ MISSING = frozenset(
 )  # fmt: skip
 _COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
 _ELAPSED = re.compile(
-    r"(?P<sign>-)?(?:(?P<days>\d{1,6}) ?(?:days?|d) ?\+?)?(?:(?P<hours>\d{1,6}):)?(?P<minutes>\d{1,6}):(?P<seconds>\d{1,2}(?:[.,]\d{1,12})?)"
+    r"(?P<sign>-)?(?:(?P<days>\d{1,6}) ?(?:days?|d) ?\+?)?(?:(?P<hours>\d{1,6}):)?(?P<minutes>\d{1,6}):"
+    r"(?P<seconds>\d{1,2}(?:[.,]\d{1,12})?)"
 )
 #: Integers beyond this one are not exact as floats.
 _EXACT = 2**53
@@ -33,9 +34,9 @@ def numbers(
 ) -> tuple[FloatArray, bool]:
     """Return the cells as floats, and whether they are seconds by their type: dates, durations, elapsed times.
 
-    `source`, `label`: file and column for messages. `location`: as of `Content`. `clock`: whether the column is a time. Dates
-    count from the first one, and a time of day that passes midnight continues. Raises `DataError` with the first
-    cell that is not a number.
+    `source`, `label`: file and column for messages. `location`: as of `Content`. `clock`: whether the column is a
+    time. Dates count from the first one, and a time of day that passes midnight continues. Raises `DataError` with the
+    first cell that is not a number.
     """
     cells = pd.Series(cells).reset_index(drop=True)
     if cells.dtype.kind in "Mm" and clock:

@@ -1,4 +1,4 @@
-"""What a reader returns: the columns of a file as it stores them, with units and times, before anything is converted."""
+"""What a reader returns: the columns of a file as it stores them, with units and times, before any conversion."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ def is_unit(spelling: str) -> bool:
 
 
 def frame_columns(table: pd.DataFrame, units: Mapping[str, str] | None = None) -> Iterator[Column]:
-    """Yield the columns of a DataFrame, its named index included: Parquet files and MATLAB timetables have their times there.
+    """Yield the columns of a DataFrame and its named index, where Parquet files and MATLAB timetables have their times.
 
     `units`: by name. An index of dates or durations is the time unless a column is named t.
     """

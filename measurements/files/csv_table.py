@@ -12,6 +12,7 @@ from itertools import islice
 from pathlib import Path
 from typing import TextIO
 
+import numpy as np
 import pandas as pd
 
 from ...boundary.errors import DataError
@@ -21,6 +22,7 @@ from .layout import SAMPLED, layout
 _SEPARATORS = ",;\t"
 #: Upper limits: characters of a line up to the header's end; cells that the rows of a table lack.
 LONGEST_LINE, MAX_ABSENT = 1_000_000, 10_000_000
+_DIGITS = re.compile(r" *-?\d*(e-?\d+)? *")
 #: A header of RaceCapture: name, unit, lowest and highest value, and rate.
 _RACECAPTURE = re.compile(r'"?(?P<name>[^"|]+)"?\|"?(?P<unit>[^"|]*)"?\|[^|]*\|[^|]*\|[^|]*')
 
@@ -47,7 +49,7 @@ def read_csv(path: Path) -> Content:
     units = [*(unit.strip(" []()") for unit in units), *[""] * len(names)]
     repeated = {name for name in names if names.count(name) > 1}
     columns = tuple(
-        Column(name.strip(), table.iloc[:, i], units[i], group=f"column {i + 1}" if name in repeated else "")
+        Column(name.strip(), _exact(table.iloc[:, i]), units[i], group=f"column {i + 1}" if name in repeated else "")
         for i, name in enumerate(names)
         # A separator at the end of each line makes a column without name and content.
         if name.strip() or table.iloc[:, i].notna().any()
@@ -55,6 +57,14 @@ def read_csv(path: Path) -> Content:
     titles = [" ".join(" ".join(row).split()) for _, row in rows[: found.names]]
     ignored = (f"{len(titles)} lines above the names",) if titles else ()
     return Content(columns, lambda row: f"line {_line(path, skipped, row)}", ignored=ignored)
+
+
+def _exact(cells: pd.Series) -> pd.Series:
+    """Return the cells as floats, exactly as Python reads them; as texts if one is no number."""
+    try:
+        return pd.Series(cells.to_numpy(dtype=object, na_value=np.nan).astype(np.float64))
+    except ValueError:
+        return cells
 
 
 def _sample(file: TextIO, path: Path) -> list[tuple[int, str]]:

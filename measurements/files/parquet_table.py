@@ -30,7 +30,7 @@ def parquet_header(path: Path) -> tuple[Content, int]:
 
 
 def parquet_parts(path: Path, most: int) -> Iterator[tuple[int, Content]]:
-    """Yield the number of the first row of each part, and the content of at most `most` rows; raises as `read_parquet`."""
+    """Yield the number of the first row of each part, and the content of at most `most` rows."""
     start = 0
     while (part := _loaded("parquet part", path, start, most)) is not None:
         table, units = part

@@ -80,7 +80,7 @@ def _units(schema: Any) -> dict[str, str]:
 
 
 def load_excel(path: str) -> list[tuple[str, bool, list[tuple[int, list[Any]]]]]:
-    """Return name, visibility and rows of each sheet of an Excel workbook: numbers and cells of rows that are not blank."""
+    """Return name, visibility, and numbers and cells of the rows that are not blank, of each sheet of a workbook."""
     try:
         from openpyxl import load_workbook
     except ImportError:

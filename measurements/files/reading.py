@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from importlib import import_module
 from importlib.metadata import EntryPoint
 from os import PathLike
@@ -12,7 +11,6 @@ from pathlib import Path
 from ...boundary.errors import DataError, TirefmuError, nearest, path_from
 from ...boundary.plugins import described, loaded, plugins
 from ...tires.signs import reversed_columns
-from ..channels import CHANNELS
 from ..checks.rows.incomplete_rows import without_incomplete_rows
 from ..interpretation import Interpretation
 from ..recording import Recording

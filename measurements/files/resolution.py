@@ -1,4 +1,4 @@
-"""Which column of a file is which channel, in which unit and with which sign: one function for all files and commands."""
+"""Which column of a file is which channel, in which unit and with which sign, for all files and commands."""
 
 from __future__ import annotations
 
@@ -26,9 +26,12 @@ class Declared(Protocol):
     """The declaration of a channel: of a bench (`Channel`) or of a drive."""
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """The name of the channel."""
+
     @property
-    def quantity(self) -> str: ...
+    def quantity(self) -> str:
+        """Its physical quantity."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +40,7 @@ class Choice:
 
     - `name`, `quantity`: of the channel.
     - `column`, `sign`: the column, and -1 if its numbers have the other sign.
-    - `unit`: of its numbers; empty for SI. `declared`: whether file or user declare it; `stated`: whether the user does.
+    - `unit`: of its numbers; empty for SI. `declared`, `stated`: whether file or user, or the user, declares it.
     """
 
     name: str
@@ -115,7 +118,7 @@ def choices(
 
 
 def _by_default(content: Content, declared: Declared) -> Sequence[Column]:
-    """Return the columns that are a channel by the format, by its name, or by its name at benches if its unit is clear."""
+    """Return the columns that are a channel by the format, its name, or its name at benches if its unit is clear."""
     meant = [column for column in content.columns if column.meant == declared.name]
     if meant or content.format in DEFINED:
         return meant

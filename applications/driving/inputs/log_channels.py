@@ -59,8 +59,16 @@ _CHANNELS = (
                1e4, 1e-4),
 )  # fmt: skip
 #: Names of the vertical acceleration. It shows the axes: at rest it reads +9.81 m/s^2 with z up, -9.81 with z down.
-VERTICAL = ("az", "a_z", "acc_z", "accel_z", "vert_acc", "g_force_vert", "linear_acceleration_z",
-               "accelerometer_m_s2_2")
+VERTICAL = (
+    "az",
+    "a_z",
+    "acc_z",
+    "accel_z",
+    "vert_acc",
+    "g_force_vert",
+    "linear_acceleration_z",
+    "accelerometer_m_s2_2",
+)
 #: Channels that change sign between axes forward, left, up and forward, right, down.
 TURNED = ("steer", "yaw_rate", "ay", "beta", "vy", "y", "heading")
 LOG_CHANNELS: dict[str, LogChannel] = {declared.name: declared for declared in _CHANNELS}

@@ -1,4 +1,4 @@
-"""Checks of a log against a car and its tires before any estimate: signs, units, a bank, tires of another load class."""
+"""Checks of a log against a car and its tires before any estimate: signs, units, a bank, another load class."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def check_load_class(car: Car, tires: Mapping[str, Tire]) -> None:
             option = "--tire" if axle == "front" else "--rear"
             raise TirefmuError(
                 f"{car.source}: a {axle} wheel carries {0.5 * load:.3g} N, {100.0 * share:.2g} % of FNOMIN = "
-                f"{tire.values['FNOMIN']:g} N of its tire: a tire of another load class ({option}), or mass in another unit?"
+                f"{tire.values['FNOMIN']:g} N of its tire: a tire of another load class ({option}), or mass not in kg?"
             )
 
 

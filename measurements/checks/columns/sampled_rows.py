@@ -86,10 +86,10 @@ class SampledRows:
         return np.asarray(np.abs(self[slip]) >= FAR_SLIP * self.largest(slip))
 
     def memory(self, slip: str) -> FloatArray:
-        """Return what a force with memory depends on, shape (n, 2): the direction of the last change of a slip, and the
-        same fading with the distance since the slip turned.
+        """Return what a force with memory depends on, shape (n, 2).
 
-        Noise of a held slip is no change.
+        The direction of the last change of a slip, and the same fading with the distance since the slip turned. Noise
+        of a held slip is no change.
         """
         largest = self.largest(slip) or 1.0
         steps = np.diff(self[slip], prepend=self[slip][:1])

@@ -1,4 +1,4 @@
-"""TDMS files of National Instruments by npTDMS: scaled values; times of the waveform, or a channel of times in the group."""
+"""TDMS files of National Instruments by npTDMS: times of the waveform, or of a channel of times in the group."""
 
 from __future__ import annotations
 
@@ -14,9 +14,7 @@ def load(path: str) -> tuple[list[tuple[Any, ...]], list[str]]:
     channels, others = [], []
     for group in TdmsFile.read(path).groups():
         members = [(channel, channel[:]) for channel in group.channels()]
-        clock = next(
-            (values for channel, values in members if _is_clock(channel.name, values, _unit(channel))), None
-        )
+        clock = next((values for channel, values in members if _is_clock(channel.name, values, _unit(channel))), None)
         for channel, values in members:
             if getattr(values, "dtype", None) is None or values.dtype.kind not in "fiuM" or values.ndim != 1:
                 others.append(str(channel.name))

@@ -97,7 +97,7 @@ def as_parquet(path: Path, table, units, random) -> None:
     named = random.random() < 0.5
     table = table if named else table.rename(columns={name: f"{name} ({units[name]})" for name in table})
     if random.random() < 0.5:
-        table = table.set_index(list(table)[0])
+        table = table.set_index(next(iter(table)))
     arrow = pa.Table.from_pandas(table)
     fields = [field.with_metadata({"unit": units[field.name]}) if named else field for field in arrow.schema]
     pytest.importorskip("pyarrow.parquet").write_table(
