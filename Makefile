@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: install demo test matrix pages studio docs docs-commands release fuzz mutants discovery drives foreign-drive measured-drives missing-effects awkward wrong-tables recovery planning confounded coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench-languages bench-steps performance clean
+.PHONY: install demo test matrix pages studio docs docs-commands release fuzz mutants discovery drives foreign-drive foreign-files measured-drives missing-effects awkward wrong-tables recovery planning confounded coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench-languages bench-steps performance clean
 .NOTPARALLEL:
 
 install: $(VENV)/installed  ## the command tirefmu in .venv/bin
@@ -71,6 +71,10 @@ drives: $(VENV)/installed-dev  ## logs in MDF; made drives with a known truth: e
 foreign-drive: $(VENV)/installed-dev  ## a drive of the multi-body car of another program: errors of the curves of its tires
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[foreign-car]"
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/foreign_drive.py
+
+foreign-files: $(VENV)/installed-dev  ## files of other programs in the folder TIREFMU_FOREIGN: what is read of them
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[excel,matlab,mdf,parquet,px4,ros,tdms]"
+	$(BIN)/python benchmarks/foreign_files.py
 
 measured-drives: $(VENV)/installed-dev  ## drives of a small car in the folder dart of TIREFMU_DATA: its friction on two floors
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/dart.py $(TIREFMU_DATA)/dart

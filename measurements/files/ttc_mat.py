@@ -12,6 +12,7 @@ import pandas as pd
 
 from ...boundary.errors import DataError
 from . import native_reader
+from .cells import numbers
 from .content import Column, Content, frame_columns, listed
 from .ttc_channels import bench_content, has_bench_names
 
@@ -43,6 +44,7 @@ def read_mat(path: Path) -> Content:
             columns.append(Column(name, cells))
     texts = {key: fields.get(key, texts.get(key)) for key in ("tireid", "testid", "source")}
     columns = [replace(column, unit=column.unit or units.get(column.header, "")) for column in columns]
+    columns = _with_own_times(columns)
     used = {"channel", *texts, *(column.header for column in columns), *(column.group for column in columns)}
     others = [name for name in fields if name not in used]
     content = Content(tuple(columns), ignored=(f"variables {listed(others)}",) if others else ())
@@ -50,6 +52,19 @@ def read_mat(path: Path) -> Content:
         return content
     about = {("credit" if key == "source" else key): _text(value) for key, value in texts.items()}
     return bench_content(replace(content, signs="sae", about=about), path.name)
+
+
+def _with_own_times(columns: list[Column]) -> list[Column]:
+    """Return the columns of several timetables with the times of their own table; others unchanged."""
+    clocks = [column for column in columns if column.meant == "t"]
+    if len(clocks) < 2:
+        return columns
+    times = {clock.group: numbers(clock.cells, "", "", str, clock=True)[0] for clock in clocks}
+    return [
+        replace(column, times=times.get(column.group) if column.times is None else column.times)
+        for column in columns
+        if column.meant != "t"
+    ]
 
 
 def _load(path: Path) -> Mapping[str, Any]:
