@@ -95,8 +95,8 @@ def inspect(
         terminal.heading(inspection.recording.source, texts.title(inspection))
         if ignored := inspection.recording.about.get("ignored"):
             terminal.print(f"not read: {ignored}")
-        for name, explanation, content in texts.all_tables(inspection):
-            terminal.table(name, content, most=10_000 if every else MAX_ROWS)
+        for name, explanation, table in texts.all_tables(inspection):
+            terminal.table(name, table, most=10_000 if every else MAX_ROWS)
             if every and explanation:
                 terminal.print(explanation)
         for note in inspection.exclusion.notes if every else ():

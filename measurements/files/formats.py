@@ -44,9 +44,9 @@ MAGIC: dict[bytes, Format] = {b"MDF     ": FORMATS[".mf4"], b"UnFinMF ": FORMATS
 DEFAULT_SIGNS = f"sae for {' and '.join(name for name, kind in FORMATS.items() if kind.signs == 'sae')}, iso for tables"
 
 
-def format_of(path: Path) -> Format | None:
-    """Return the format of a file by its first bytes or its extension; None if it is unknown."""
+def reader_of(path: Path) -> str:
+    """Return the reader of a file by its first bytes, otherwise by its extension, which has to be known."""
     with path.open("rb") as file:
         start = file.read(max(map(len, MAGIC)))
     shown = next((declared for magic, declared in MAGIC.items() if start.startswith(magic)), None)
-    return shown or FORMATS.get(path.suffix.lower())
+    return (shown or FORMATS[path.suffix.lower()]).reader

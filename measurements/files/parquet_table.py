@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 from ...boundary.errors import DataError
 from . import native_reader
-from .content import Content, frame_columns
+from .content import Content, frame_columns, row_number
 
 EXTRA = "Parquet needs pyarrow, which the extra 'parquet' installs: pip install 'tirefmu[parquet]'"
 
@@ -34,8 +34,12 @@ def parquet_parts(path: Path, most: int) -> Iterator[tuple[int, Content]]:
     start = 0
     while (part := _loaded("parquet part", path, start, most)) is not None:
         table, units = part
-        yield start, Content(tuple(frame_columns(table, units)), lambda row, start=start: f"row {start + row + 1}")
+        yield start, Content(tuple(frame_columns(table, units)), _numbered_from(start))
         start += len(table)
+
+
+def _numbered_from(start: int) -> Callable[[int], str]:
+    return lambda row: row_number(start + row)
 
 
 def _loaded(wanted: str, path: Path, *arguments: int) -> Any:

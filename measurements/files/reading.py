@@ -15,7 +15,7 @@ from ..checks.rows.incomplete_rows import without_incomplete_rows
 from ..interpretation import Interpretation
 from ..recording import Recording
 from .content import Content, frame_columns
-from .formats import FORMATS, format_of
+from .formats import FORMATS, reader_of
 from .table_recording import recording_of
 
 _PLUGINS: dict[str, EntryPoint] = {entry.name: entry for entry in plugins("readers") if entry.name not in FORMATS}
@@ -42,7 +42,7 @@ def read_content(path: str | PathLike[str], signs: str | None = None) -> Content
             raise DataError(f"{file}: neither a file nor a folder")
         if file.suffix.lower() in _PLUGINS:
             return _from_plugin(_PLUGINS[file.suffix.lower()], file, signs or "iso")
-        module, _, function = format_of(file).reader.partition(":")
+        module, _, function = reader_of(file).partition(":")
         return getattr(import_module(f".{module}", __package__), function)(file)  # type: ignore[no-any-return]
     except UnicodeDecodeError:
         raise DataError(f"{file}: not a text file (UTF-8)") from None

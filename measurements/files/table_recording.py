@@ -67,7 +67,7 @@ def channel_table(content: Content, chosen: Mapping[str, Choice], source: str) -
     if content.format:
         return pd.DataFrame({name: values[name] for name in CHANNELS if name in values})
     rows = len(next(iter(values.values()), ()))
-    channels = {id(choice.column): name for name, choice in reversed(chosen.items())}
+    channels = {id(choice.column): name for name, choice in reversed(list(chosen.items()))}
     ordered: dict[str, object] = {"t": values["t"]} if "t" in values and "t" not in chosen else {}
     for number, column in enumerate(content.columns, start=1):
         name = channels.get(id(column))

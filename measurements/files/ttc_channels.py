@@ -74,6 +74,7 @@ def bench_content(content: Content, name: str) -> Content:
         replace(column, meant=meant.get(id(column), ""), place=f"channel {name_and_unit(column.header)[0]}")
         for column in content.columns
     )
+    assumed: Mapping[str, str]
     if any(column.declared_unit for column in columns if column.meant):
         assumed, reason = _SI, "declared in the file"
     else:

@@ -95,7 +95,7 @@ def _columns(
     """Yield the measured channels, and the constants that no channel measures."""
     held = {quantity.name: quantity for quantity in constants if quantity.numbers}
     measured = {quantity.name for quantity in channels}
-    meant = {}
+    meant: dict[str, str] = {}
     for name, spelled in NAMES.items():
         for given in (measured, held):
             for spelling in spelled:

@@ -11,8 +11,9 @@ def load(path: str) -> tuple[list[tuple[Any, ...]], list[str]]:
 
     numbers, others = [], []
     with MDF(path) as file:
-        labels = [_mdf_group(group) for group in file.groups]
-        for number, group in enumerate(file.groups):
+        groups: list[Any] = list(file.groups)
+        labels = [_mdf_group(group) for group in groups]
+        for number, group in enumerate(groups):
             label = labels[number] if labels.count(labels[number]) == 1 else ""
             master = file.masters_db.get(number)
             channel = None if master is None else group.channels[master]
