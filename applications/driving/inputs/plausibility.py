@@ -12,7 +12,7 @@ from ....boundary.errors import DataError, TirefmuError
 from ....measurements.units import GRAVITY, to_si
 from ....tires import Tire
 from .car import Car
-from .grid import MEASURED, Grid
+from .grid import MEASURED, Grid, spinning
 from .log import Log
 
 FloatArray = npt.NDArray[np.float64]
@@ -27,6 +27,8 @@ MIN_CORRELATION, MIN_STEER = 0.5, 0.002
 UNITS = {
     "steer": ("rad", "deg"), "speed": ("m/s", "km/h", "mph"), "yaw_rate": ("rad/s", "deg/s"), "ay": ("m/s^2", "g"),
 }  # fmt: skip
+#: Limits of the logged speed over that of the wheels.
+RIM_RATIO = (0.75, 1.35)
 #: Limits of the static load of a wheel over the nominal load of its tire. A model is used between 0.2 and 2.
 LOAD_CLASS = (0.05, 10.0)
 #: Standard deviations of the offset of ay from which its mean is that of a bank or of a tilted sensor.
@@ -46,6 +48,26 @@ def check_load_class(car: Car, tires: Mapping[str, Tire]) -> None:
                 f"{car.source}: a {axle} wheel carries {0.5 * load:.3g} N, {100.0 * share:.2g} % of FNOMIN = "
                 f"{tire.values['FNOMIN']:g} N of its tire: a tire of another load class ({option}), or mass not in kg?"
             )
+
+
+def check_wheel_speeds(log: Log, car: Car) -> None:
+    """Raise `DataError` if the logged speed is far from that of the wheels: another unit of one, or other radii."""
+    wheels = spinning(log, car)
+    t, speed = log.channels.get("speed", (np.empty(0), np.empty(0)))
+    if not wheels or not speed.any():
+        return
+    radii = [car.values["radius_front" if corner[0] == "f" else "radius_rear"] for corner in wheels]
+    spins = [np.interp(t, *log.channels[f"omega_{corner}"]) for corner in wheels]
+    rims = np.mean([radius * spin for radius, spin in zip(radii, spins, strict=True)], axis=0)
+    moving = rims > 0.5 * np.quantile(rims, 0.95)
+    ratio = float(np.median(speed[moving] / rims[moving])) if moving.any() else 1.0
+    if _within(ratio, RIM_RATIO):
+        return
+    factor = float(to_si(1.0, log.units.get("speed") or "m/s"))
+    units = [unit for unit in UNITS["speed"] if _within(ratio * float(to_si(1.0, unit)) / factor, RIM_RATIO)]
+    means = [f"speed in {unit} (--columns 'speed=HEADER [{unit}]')" for unit in units]
+    remedy = " or ".join([*means, "wheel speeds in another unit, or other radii"])
+    raise DataError(f"{log.source}: the speed is {ratio:.3g} times that of the wheels of {car.source}: {remedy}?")
 
 
 def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
