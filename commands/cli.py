@@ -255,7 +255,7 @@ def draw(
     from ..tires import tire_from
     from ..tires.drawing.files import draw as run
     from ..tires.drawing.tire_figures import default_loads
-    from ..tires.limits import limits_of
+    from ..tires.summary import limits_of
     from .terminal import Terminal
 
     terminal = Terminal(quiet)

@@ -134,7 +134,7 @@ def export(
     from ..fmu import export_parameters, export_sti, export_system
     from ..fmu.description.standstill import with_lengths
     from ..tires import tire_from
-    from ..tires.limits import limits_of
+    from ..tires.summary import limits_of
     from .terminal import Terminal
 
     terminal = Terminal(quiet)

@@ -10,9 +10,9 @@ from ..symbolic.declarations import Coefficient
 from ..symbolic.models import MODELS
 from . import Tire
 from .implausible import implausible
-from .limits import idle_effects
 from .property_file.names import MAX_SEARCHED, OWN_SECTIONS, near_miss, not_given, not_measured, unit_of
 from .property_file.text import number_and_rest
+from .summary import idle_effects
 
 #: Sections without information about the tire, or with information reported elsewhere.
 _OURS = ("MDI_HEADER", *OWN_SECTIONS)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...numerics.coverage import Coverage
+from ...measurements.checks.recordings.coverage import Coverage
 from .characteristics import Characteristic, characteristics
 from .clipping import Clipped, clipped_channels
 from .consistency import Disagreement, disagreeing_files, disagreeing_segments, sweep_differences

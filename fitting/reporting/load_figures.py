@@ -158,7 +158,7 @@ def friction_over_load(comparison: MeasuredCurves, fitted: FitResult | None) -> 
         return None
     text = (
         "points: largest median of |force| / load of the data over parts of the slip range; line: the tire over the "
-        "slip range of all loads; points are below it where the data do not reach the peak, "
+        "slip range of all loads, no peak where the data do not reach it; points are below it there, "
         "and slightly above under noise, as the largest of several medians"
     )
     rows = pd.concat([group.rows for family in families for group in family.groups])

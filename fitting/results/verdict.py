@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...numerics.coverage import coverage_texts
+from ...measurements.checks.recordings.coverage import coverage_texts
+from ...tires.property_file.names import not_given
 from ..constraints.physical import chosen_constraints
 from ..data.fit_data import EXCITED_BY
 from ..evidence.characteristics import Characteristic
@@ -91,6 +92,7 @@ def verdict_of(result: FitResult) -> Verdict:
     wrong += _few_rows(result, 1)
     limits = [
         *_missing_forces(result),
+        *_unknown_radius(result),
         *coverage_texts(c for c in result.findings.coverage if c.characteristic or c.channel == "Mz"),
         *(_quality_reason(c) for c in poor),
         *(floor_reason(c) for c in result.channels if lacks_something(c)),
@@ -265,6 +267,18 @@ def _missing_forces(result: FitResult) -> Iterator[str]:
     fitted = {c.channel for c in result.channels}
     for force in (name for name in FORCES if name in result.tire.outputs and name not in fitted):
         yield f"{force} is not fitted: no measured values vary with {EXCITED_BY[force][0]}"
+
+
+def _unknown_radius(result: FitResult) -> Iterator[str]:
+    """Yield that moments were fitted with an assumed radius, by which their coefficients are divided."""
+    moments = [c.channel for c in result.channels if c.channel not in FORCES]
+    if moments and "UNLOADED_RADIUS" in not_given(result.tire):
+        names = ", ".join(dict.fromkeys(moments))
+        radius = result.tire.values["UNLOADED_RADIUS"]
+        yield (
+            f"the radius of the tire is not known, {radius:g} m is assumed: the coefficients of {names} are per radius "
+            "(--size or --nominal R0=...)"
+        )
 
 
 def _not_imposed(result: FitResult) -> Iterator[str]:

@@ -12,7 +12,7 @@ import pandas as pd
 from ...boundary.errors import DataError, TirefmuError, nearest
 from ...numerics.arrays import FloatArray
 from ..channels import CHANNELS, OUTPUTS, Channel
-from ..checks.columns.radii import median_radius
+from ..checks.columns.radii import deflection, median_radius
 from ..column_names import intended_channel
 from ..interpretation import Interpretation
 from ..recording import Recording
@@ -80,13 +80,18 @@ def bench_recording(
     if "kappa" not in columns:
         columns["kappa"] = _free_rolling(columns, vectors, source)
         metadata["kappa"] = "no channel SL: FX stays near 0, the wheel rolls freely, kappa is 0"
-    metadata |= _radii(folded, by_name, columns.get("V"))
+    metadata |= _radii(folded, by_name, columns.get("V"), columns.get("Fz"))
     ordered = {name: columns[name] for name in CHANNELS if name in columns}
     return Recording(pd.DataFrame(ordered), signs, path.name, metadata)
 
 
-def _radii(folded: Mapping[str, FloatArray], units: Mapping[str, str], speed: FloatArray | None) -> dict[str, str]:
-    """Return the medians of the loaded radius and of speed over wheel speed, m; what is unusable is missing."""
+def _radii(
+    folded: Mapping[str, FloatArray], units: Mapping[str, str], speed: FloatArray | None, load: FloatArray | None
+) -> dict[str, str]:
+    """Return the medians of the loaded radius and of speed over wheel speed, m; what is unusable is missing.
+
+    With the radius at zero load and the vertical stiffness, where the loaded radius falls over a varying load.
+    """
     radii: dict[str, FloatArray] = {}
     try:
         if "rl" in folded:
@@ -98,7 +103,10 @@ def _radii(folded: Mapping[str, FloatArray], units: Mapping[str, str], speed: Fl
                 radii["wheel speed"] = np.abs(speed / rotation)
     except TirefmuError:  # in a unit that is not known: no channel of the contract depends on it
         return {}
-    return {name: text for name, values in radii.items() if (text := median_radius(values)) is not None}
+    shown = {name: text for name, values in radii.items() if (text := median_radius(values)) is not None}
+    if load is not None and len(radii.get("loaded radius", ())) == len(load):
+        shown |= deflection(load, radii["loaded radius"])
+    return shown
 
 
 def assumed_units(path: Path, vectors: Mapping[str, FloatArray]) -> tuple[dict[str, str], str]:

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from math import radians
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from tirefmu.applications.comparison.comparison import compare
+from tirefmu.drawing.style import DOTTED
 from tirefmu.fitting import fit
+from tirefmu.fitting.reporting.figures import figures_of
 from tirefmu.fmu.packaging.export import contents
+from tirefmu.measurements import Recording
 from tirefmu.tires import Tire, read_tir
-from tirefmu.tires.limits import limits_of
 from tirefmu.tires.property_file.names import not_measured, unmeasured_coefficients
+from tirefmu.tires.summary import limits_of
 
 LOADS, CAMBERS, PRESSURES, ANGLES = (1500.0, 3000.0, 4500.0), (0.0, 0.05), (180e3, 220e3), (-12.0, 12.0)
 TRUTH = Tire("mf61", {
@@ -70,6 +75,22 @@ def test_what_the_data_never_show_is_stated(missing, characteristic, reason):
             assert not c.shown
     else:
         assert all(c.shown for c in frictions)
+
+
+def test_a_peak_that_was_not_measured_is_drawn_as_extrapolation_with_an_interval_that_contains_it():
+    table = measured(angles=(-2.0, 2.0), pressures=(200e3,), cambers=(0.0,))
+    result = fitted(table)
+    (figure,) = (f for f in figures_of(result, Recording(table, "adapted-sae", "a.csv")) if f.name == "pure_Fy")
+    panel = figure.panels[0]
+    dotted = [series for series in panel.series if series.dashes == DOTTED]
+    assert len(dotted) == len(LOADS)
+    assert all(np.nanmax(np.abs(series.x)) > 4.0 for series in dotted)
+    assert "extrapolation" in figure.note
+    at = pd.DataFrame({"alpha": [radians(8.0)], "Fz": [3000.0], "p": [200e3]})
+    interval = result.interval("Fy", at, signs="adapted-sae").iloc[0]
+    true = TRUTH.forces(alpha=radians(8.0), Fz=3000.0, p=200e3)["Fy"]
+    assert interval["lower"] < true < interval["upper"]
+    assert interval["error"] > 0.05 * true
 
 
 @pytest.fixture(scope="module")
