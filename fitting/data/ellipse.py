@@ -84,7 +84,8 @@ class _Forces:
 
     def at(self, values: dict[str, float]) -> FloatArray:
         """Return both forces relative to their peaks with values of some coefficients, shape (2, n)."""
-        return np.asarray(self._forces(*self._slips, values) / self.peaks[:, None])
+        kappa, alpha = self._slips
+        return np.asarray(self._forces(kappa, alpha, values) / self.peaks[:, None])
 
     def acts_only_combined(self, name: str) -> bool:
         """Return whether a coefficient that grows by a tenth changes forces at combined slip, but none at pure slip."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import degrees
 
@@ -30,6 +30,9 @@ POINTS = 41
 PARTS = 3
 #: Slip, rad or 1, and inclination, rad, that count as zero.
 NO_SLIP, NO_INCLINATION = 0.02, 0.01
+#: Share of the largest slip of a force that its rows at a load have to reach to be a sweep; ratio of the slip angles of
+#: pure and combined slip from which the former is beyond the latter.
+SWEPT, LARGER = 0.25, 1.2
 #: What is not measured of an absent output.
 ABSENT = {"Mz": "neither moment nor pneumatic trail are measured"}
 #: Range of load and of pressure, as a share of the largest value, that counts as none.
@@ -61,6 +64,8 @@ def reaches(residuals: Residuals, slip: str, channel: str) -> list[Reach]:
     if not levels.size:
         levels = np.unique(np.quantile(load[rows], (np.arange(PARTS) + 0.5) / PARTS))
     nearest = np.abs(load[:, None] - levels).argmin(axis=1)
+    size = np.abs(table[slip].to_numpy(dtype=float))
+    rows &= np.isin(nearest, np.unique(nearest[rows & (size >= SWEPT * size[rows].max(initial=0.0))]))
     parts = [_reach(residuals, np.asarray(rows & (nearest == k)), slip, channel) for k in range(len(levels))]
     return [reach for reach in parts if reach]
 
@@ -96,7 +101,23 @@ def _of_force(residuals: Residuals, slip: str, channel: str) -> Iterator[Coverag
         sizes = [np.abs(residuals.table[name].to_numpy(dtype=float)) for name in ("kappa", "alpha")]
         both = (sizes[0] > NO_SLIP) & (sizes[1] > NO_SLIP) & residuals.table[channel].notna().to_numpy()
         combined = int(both.sum()) >= REACHED_BY
-        yield Coverage("combined slip", channel, combined, "" if combined else "no rows have kappa and alpha")
+        reason = _beyond_combined(residuals, both) if combined else "no rows have kappa and alpha"
+        yield Coverage("combined slip", channel, combined, reason)
+
+
+def _beyond_combined(residuals: Residuals, rows: BoolArray) -> str:
+    """Return up to which slip angle combined slip was measured, if Fy is far from its peak there; otherwise empty."""
+    angles = np.sort(np.abs(residuals.table["alpha"].to_numpy(dtype=float)[rows]))
+    end = float(angles[-REACHED_BY])
+    pure = np.abs(residuals.table["alpha"].to_numpy(dtype=float)).max()
+    if "Fy" not in residuals.channels or pure < LARGER * end:
+        return ""
+    slips = np.linspace(0.0, end, POINTS)
+    force = _curve(residuals, rows, "alpha", "Fy", slips, {"kappa": 0.0})
+    flat = flatness(slips, np.sign(force[-1] - force[0]) * (force - force[0]))
+    if share_of_peak(flat) >= PEAK_SHARE:
+        return ""
+    return f"measured up to {degrees(end):.1f} deg of slip angle, where Fy has {share_of_peak(flat):.0%} of its peak"
 
 
 def _influences(residuals: Residuals, channel: str) -> Iterator[Coverage]:
@@ -150,10 +171,14 @@ def _reach(residuals: Residuals, rows: BoolArray, slip: str, channel: str) -> Re
     return Reach(load, flat, share, max(min(least for *_, least in sides), 0.0))
 
 
-def _curve(residuals: Residuals, rows: BoolArray, slip: str, channel: str, slips: FloatArray) -> FloatArray:
-    """Return the force of the tire over a slip, the other inputs at their medians in some rows."""
+def _curve(
+    residuals: Residuals, rows: BoolArray, slip: str, channel: str, slips: FloatArray,
+    given: Mapping[str, float] | None = None,
+) -> FloatArray:  # fmt: skip
+    """Return the force of the tire over a slip, the other inputs as given or at their medians in some rows."""
     tire, table = residuals.tire, residuals.table
     held = {name: float(np.median(table[name].to_numpy(dtype=float)[rows])) for name in tire.inputs}
+    held |= given or {}
     points = np.array([slips if name == slip else np.full(len(slips), held[name]) for name in tire.inputs])
     forces = fastest_code(tire.symbolic_model, len(slips)).forces(tire.effective_inputs(points), tire.parameters())
     return np.asarray(forces[tire.outputs.index(channel)])

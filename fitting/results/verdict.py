@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import degrees
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,18 +43,15 @@ ABOVE_FLOOR, NEGLIGIBLE, WRONG_DATA = 2.0, 0.01, 0.1
 #: Change of the forces over time above which a recording is not of one tire, as that of the stiffness; and the range of
 #: a steady change in its standard deviations.
 UNSTEADY, RANGE = 0.1, 12.0**0.5
-#: Chance under noise alone below which an error of the form is reported, over all channels, and its least size, as a
-#: share of the channel.
-CHANCE, NEGLIGIBLE_FORM = 0.02, 0.002
+#: Chance under noise alone below which an error of the form is reported, over all channels; its least size, as a share
+#: of a force (repeated measurements differ by 1 to 2 %) and of a moment, and relative to the noise floor. Judgement.
+CHANCE, FORM_OF_FORCE, FORM_OF_MOMENT, ABOVE_NOISE = 0.02, 0.02, 0.1, 0.5
 #: Relative errors beyond two standard errors of the data that are reported, by quantity. Judgement.
 CHARACTERISTIC_LIMITS = {"peak friction": 0.05, "peak slip": 0.25, "trail": 0.2}
 #: Fitted rows for each coefficient below which a fit is limited; below one it is not usable.
 ROWS_PER_COEFFICIENT = 3
 #: Share of the rows of a recording whose exclusion is reported. Judgement.
 MANY_EXCLUDED = 0.1
-#: Share of the largest kappa from which a row has combined slip, and share of the largest slip angle that combined slip
-#: has to reach. Judgement.
-COMBINED_KAPPA, COMBINED_ALPHA = 0.25, 0.8
 #: Share of the range of an input beyond that of a channel from which the channel is extrapolated. Judgement.
 MISSING_RANGE = 0.1
 #: Largest number of names that a reason lists.
@@ -107,7 +103,7 @@ def verdict_of(result: FitResult) -> Verdict:
         *_second_solution(result),
         *_at_bounds(result),
         *_excluded(result),
-        *([] if result.solution.residuals is None else _extrapolated(result.solution.residuals)),
+        *([] if result.solution.residuals is None else _ranges(result.solution.residuals)),
     ]
     reasons = tuple(dict.fromkeys((*wrong, *limits)))
     return Verdict(UNUSABLE if wrong else LIMITED if limits else GOOD, reasons)
@@ -192,6 +188,9 @@ def _structure(result: FitResult) -> Iterator[str]:
     """Yield the errors of the form that are significant in channels whose error is near the noise floor."""
     discrepancies = result.solution.discrepancies
     far = {c.channel for c in result.channels if lacks_something(c)}
+    least = {c.channel: FORM_OF_FORCE if c.channel in FORCES else FORM_OF_MOMENT for c in result.channels}
+    for c in (c for c in result.channels if c.spread > 0.0 and c.noise_floor >= 0.0):
+        least[c.channel] = max(least[c.channel], ABOVE_NOISE * c.noise_floor / c.spread)
     texts = [
         f"{d.channel} {size:.1%} over {cause}"
         for d in discrepancies
@@ -199,10 +198,10 @@ def _structure(result: FitResult) -> Iterator[str]:
         for size, chance, cause in (
             (d.form, d.form_chance, "the inputs"), (d.state, d.state_chance, "time")
         )
-        if _chance(chance, discrepancies) and size > NEGLIGIBLE_FORM
+        if _chance(chance, discrepancies) and size > least.get(d.channel, FORM_OF_FORCE)
     ]  # fmt: skip
     if texts:
-        yield f"errors that are not noise, in the intervals: {', '.join(texts)}: diagnose"
+        yield f"the form of the model is wrong beyond the noise, by about {', '.join(texts)}: diagnose"
 
 
 def _clipped_reason(c: Clipped) -> str:
@@ -317,22 +316,6 @@ def _excluded(result: FitResult) -> Iterator[str]:
         share = sum(rows.rows for rows in excluded) / excluded[0].of
         if share > MANY_EXCLUDED:
             yield f"{recording}: {share:.0%} of the rows excluded ({', '.join(rows.reason for rows in excluded)})"
-
-
-def _extrapolated(evidence: Residuals) -> Iterator[str]:
-    """Yield the operating conditions for which the tire is extrapolated: combined slip, ranges of held inputs."""
-    table = evidence.table
-    slips = {name: np.abs(table[name].to_numpy(dtype=float)) for name in ("kappa", "alpha") if name in table}
-    if set(FORCES) <= set(evidence.channels):
-        largest = float(slips["alpha"].max())
-        driven = slips["kappa"] > COMBINED_KAPPA * slips["kappa"].max()
-        combined = float(slips["alpha"][driven].max())
-        if 0.0 < combined < COMBINED_ALPHA * largest:
-            yield (
-                f"combined slip is extrapolated beyond {degrees(combined):.1f} deg of slip angle "
-                f"(pure slip was measured up to {degrees(largest):.1f} deg)"
-            )
-    yield from _ranges(evidence)
 
 
 def _ranges(evidence: Residuals) -> Iterator[str]:

@@ -107,6 +107,19 @@ def test_what_was_measured_is_not_marked(cornering):
     assert not {"PDY1", "PKY1"} & unmeasured_coefficients(whole.tire)
 
 
+@pytest.mark.parametrize(("angles", "stated"), [((-2.0, 2.0), True), ((-10.0, 10.0), False)])
+def test_combined_slip_far_below_the_peak_of_the_side_force_is_extrapolated(angles, stated):
+    outputs, upright = ("Fx", "Fy"), {"cambers": (0.0,), "pressures": (200e3,)}
+    combined = measured(angles=angles, slips=(-0.1, -0.05, 0.05, 0.1), outputs=outputs, **upright)
+    table = pd.concat([measured(outputs=outputs, **upright), combined], ignore_index=True)
+    result = fitted(table.assign(t=0.02 * np.arange(len(table))))
+    entries = [c for c in result.findings.coverage if c.characteristic == "combined slip"]
+    assert all(c.determined for c in entries)
+    assert entries
+    assert all(bool(c.reason) == stated for c in entries)
+    assert any("is extrapolated: measured up to 2.0 deg" in text for text in result.verdict.reasons) == stated
+
+
 def test_a_cornering_test_says_nothing_of_fx_in_any_file(cornering, tmp_path):
     tire = cornering[0].tire
     tire.save(tmp_path / "a.tir")

@@ -131,15 +131,6 @@ def test_side_force_alone_is_a_limit(side_fit):
     assert (plain["verdict"], plain["reasons"]) == ("usable with limits", list(result.verdict.reasons))
 
 
-def test_combined_slip_beyond_the_measured_slip_angle_is_extrapolated(known, make):
-    """The bench drives and brakes at up to 6 deg of slip angle, and sweeps to 12 deg."""
-    result = make.fit(make.bench(known), recipe="joint")
-    (reason,) = [each for each in result.verdict.reasons if "combined slip" in each]
-    assert reason.startswith(
-        "combined slip is extrapolated beyond 6.0 deg of slip angle (pure slip was measured up to "
-    )
-
-
 def test_spikes_do_not_affect_the_quality_of_the_fitted_rows(known):
     """One row in a hundred is wrong and excluded: over all rows the error is that of the spikes."""
     program = alpha_sweeps((500.0, 1000.0), (0.0,), sample_rate=20.0)
