@@ -51,9 +51,9 @@ class Findings:
     conditions : tuple of ConditionFit
         Goodness of fit at each operating condition.
     stiffnesses : tuple of SlipStiffness
-        Slip stiffness, measured and computed, at each load.
+        Slip stiffness, measured and computed, in each operating condition.
     characteristics : tuple of Characteristic
-        Peak friction, its slip, and trail, measured and computed, at each load.
+        Peak friction, its slip, and trail, measured and computed, in each operating condition.
     discontinuities : tuple of Discontinuity
         Jumps and kinks of the tire over the tested slips.
     clipped : tuple of Clipped

@@ -33,8 +33,9 @@ FORCES = ("Fx", "Fy")
 #: R2 below which a channel is described poorly: 70 % of its variation remain, which may be noise; below 0 its mean is a
 #: better description.
 POOR_R2 = 0.5
-#: Relative errors of the slip stiffness: above the first, at one load and beyond two standard errors of the data, the
-#: handling of a vehicle changes noticeably; above the second, over all loads, it is that of another tire. Judgement.
+#: Relative errors of the slip stiffness: above the first, in one condition and beyond two standard errors of the data,
+#: the handling of a vehicle changes noticeably; above the second, over all conditions, it is that of another tire.
+#: Judgement.
 STIFFNESS_LIMIT, WRONG_STIFFNESS = 0.1, 0.5
 #: RMSE over noise floor above which a channel lacks something, if the error beyond the floor is not negligible: above
 #: this share of the standard deviation of the channel. Above the last share, what depends on time or differs between
@@ -217,8 +218,7 @@ def _characteristic_reasons(findings: Findings) -> Iterator[str]:
     for c in sorted(wrong, key=lambda c: -abs(c.reliable_error)):
         worst.setdefault((c.recording, c.channel, c.quantity), c)
     for (recording, channel, quantity), c in worst.items():
-        at = condition_text(c.at) if c.at else f"{c.load:.0f} N"
-        yield f"{recording}: the {quantity} of {channel} differs by {c.off:+.0%} at {at}"
+        yield f"{recording}: the {quantity} of {channel} differs by {c.off:+.0%} at {_place(c)}"
 
 
 def _discontinuity_reason(d: Discontinuity) -> str:
@@ -248,18 +248,23 @@ def _stiffnesses(findings: Findings) -> Iterator[tuple[str, list[SlipStiffness]]
 
 def _wrong_stiffness(findings: Findings) -> Iterator[str]:
     for text, stiffnesses in _stiffnesses(findings):
-        error = sum(s.fitted for s in stiffnesses) / sum(s.read for s in stiffnesses) - 1.0
+        off = [s.fitted - s.read for s in stiffnesses]
+        error = float(np.sign(sum(off)) * np.abs(off).sum() / sum(s.read for s in stiffnesses))
         if abs(error) > WRONG_STIFFNESS:
-            yield f"{text} {error:+.0%} over all loads"
+            yield f"{text} {error:+.0%} over all conditions"
 
 
 def _stiffness_reasons(findings: Findings) -> list[str]:
-    """Return the largest error at one load for each force of a recording, the largest first."""
+    """Return the largest error in one condition for each force of a recording, the largest first."""
     worst = [
         (text, max(stiffnesses, key=lambda s: abs(s.reliable_error))) for text, stiffnesses in _stiffnesses(findings)
     ]
     worst = sorted(worst, key=lambda pair: -abs(pair[1].reliable_error))
-    return [f"{text} {s.off:+.0%} at {s.load:.0f} N" for text, s in worst if abs(s.reliable_error) > STIFFNESS_LIMIT]
+    return [f"{text} {s.off:+.0%} at {_place(s)}" for text, s in worst if abs(s.reliable_error) > STIFFNESS_LIMIT]
+
+
+def _place(read: Characteristic | SlipStiffness) -> str:
+    return condition_text(read.at) if read.at else f"{read.load:.0f} N"
 
 
 def _missing_forces(result: FitResult) -> Iterator[str]:

@@ -23,7 +23,7 @@ from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps
 
 
 def stiffness(error, load=500.0):
-    return SlipStiffness("a.csv", "Fy", "alpha", "N/rad", load, 1e4, 1e4 * (1.0 + error), 3)
+    return SlipStiffness("a.csv", "Fy", "alpha", "N/rad", load, 1e4, 1e4 * (1.0 + error))
 
 
 def lacking(share):
@@ -68,7 +68,11 @@ def test_each_reason_has_its_consequence(judged, side_fit):
     cases = [
         ({"ok": False, "status": "not converged"}, "not usable", "not converged"),
         ({"channels": (force, replace(force, channel="Fx", fitted_r2=-0.63))}, "not usable", "Fx is not described"),
-        ({"findings": Findings(stiffnesses=(stiffness(-0.999),))}, "not usable", "Fy differs by -100% over all loads"),
+        (
+            {"findings": Findings(stiffnesses=(stiffness(-0.999),))},
+            "not usable",
+            "differs by -100% over all conditions",
+        ),
         ({"findings": Findings(stiffnesses=(stiffness(-0.16),))}, "usable with limits", "differs by -16% at 500 N"),
         ({"channels": (force,)}, "usable with limits", "Fx is not fitted"),
         ({"channels": (force, replace(force, channel="Fx", fitted_r2=0.3))}, "usable with limits", "described poorly"),
