@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .fit_result import FitResult
 
 
-#: Roles of the quantities over load, and the forces over their own slip.
+#: Roles of the quantities over load, and the forces over their readings slip.
 OVER_LOAD = ("stiffness_x", "stiffness_y", "friction_x", "friction_y")
 OVER_SLIP = {"Fx": "kappa", "Fy": "alpha"}
 #: Number of loads, if they have no levels, and of slips of the listed intervals.
@@ -97,7 +97,7 @@ def _form_variance(
     data, these readings say what the error is, in place of the residual of all rows.
     """
     added = np.zeros(len(value))
-    read = _read_errors(result, quantity)
+    read = _read_errors(result, quantity) if result.solution.discrepancies else None
     for discrepancy, informed in zip(result.solution.discrepancies, result.discrepancies, strict=True):
         by_name = slopes[list(discrepancy.names)].to_numpy()
         at = _place(tire, quantity, discrepancy.channel, inputs) if discrepancy.final else None
@@ -118,10 +118,10 @@ def _read_errors(result: FitResult, quantity: str) -> ReadErrors | None:
     if quantity not in roles:
         return None
     kind, channel = roles[quantity].split("_")[0], f"F{roles[quantity][-1]}"
-    own = _readings(result, kind, channel)
-    conditions = pd.DataFrame([{**reading.at, "Fz": reading.load} for reading in own])
-    deviations = [reading.error / reading.read for reading in own]
-    return ReadErrors.of(conditions, [reading.off for reading in own], deviations)
+    readings = _readings(result, kind, channel)
+    conditions = pd.DataFrame([{**reading.at, "Fz": reading.load} for reading in readings])
+    deviations = [reading.error / reading.read for reading in readings]
+    return ReadErrors.of(conditions, [reading.off for reading in readings], deviations)
 
 
 def _readings(result: FitResult, kind: str, channel: str) -> list[Characteristic] | list[SlipStiffness]:
@@ -148,20 +148,24 @@ def _informed(result: FitResult, discrepancy: Discrepancy) -> Discrepancy:
     tire = result.tire.in_signs("adapted-sae")
     for kind in ("stiffness", "friction"):
         quantity = tire.symbolic_model.quantity(f"{kind}_{channel[-1]}")
-        own = _readings(result, kind, channel)
-        if not own or not quantity:
+        readings = _readings(result, kind, channel)
+        if not readings or not quantity:
             continue
-        table = pd.DataFrame([{**_medians(evidence.table, tire), **reading.at, "Fz": reading.load} for reading in own])
+        table = pd.DataFrame(
+            [{**_medians(evidence.table, tire), **reading.at, "Fz": reading.load} for reading in readings]
+        )
         inputs = inputs_of(table, tire)
         value, slopes, names = sensitivities(tire, quantity, inputs)
         at = _place(tire, quantity, channel, inputs)
         if at is None:
             continue
         by_name = pd.DataFrame(slopes.T, columns=names).reindex(columns=list(discrepancy.names), fill_value=0.0)
-        off = np.array([reading.off for reading in own])
-        deviation = np.hypot([reading.error / reading.read for reading in own], READING_ERROR)
+        off = np.array([reading.off for reading in readings])
+        deviation = np.hypot([reading.error / reading.read for reading in readings], READING_ERROR)
         rows = [tire.inputs.index(name) for name in discrepancy.features.names]
-        discrepancy = discrepancy.informed(by_name.to_numpy().T / value, np.ones(len(own)), at[rows], off, deviation)
+        discrepancy = discrepancy.informed(
+            by_name.to_numpy().T / value, np.ones(len(readings)), at[rows], off, deviation
+        )
     return discrepancy
 
 

@@ -58,8 +58,8 @@ class ReadErrors:
     def squares(self, conditions: pd.DataFrame) -> FloatArray:
         """Return the expected square of the relative error in conditions, shape (n,)."""
         prior = max(float(np.mean(self.error**2) - np.mean(self.deviation**2)), MODEL_ERROR**2)
-        own, between = self._kernel(self.conditions), self._kernel(conditions)
-        gain = np.linalg.solve(prior * own + np.diag(self.deviation**2), prior * between.T)
+        among, between = self._kernel(self.conditions), self._kernel(conditions)
+        gain = np.linalg.solve(prior * among + np.diag(self.deviation**2), prior * between.T)
         mean = self.error @ gain
         return np.asarray(mean**2 + np.maximum(prior - prior * np.sum(between.T * gain, axis=0), 0.0))
 
