@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .fit_result import FitResult
 
 
-#: Roles of the quantities over load, and the forces over their readings slip.
+#: Roles of the quantities over load, and the forces over their own slip.
 OVER_LOAD = ("stiffness_x", "stiffness_y", "friction_x", "friction_y")
 OVER_SLIP = {"Fx": "kappa", "Fy": "alpha"}
 #: Number of loads, if they have no levels, and of slips of the listed intervals.
