@@ -17,7 +17,7 @@ from .resumable import Job, recordings_in
 #: Options of a job: the arguments of `tirefmu.fit` with their types.
 OPTIONS: Mapping[str, Any] = {
     "model": str, "start": str, "effects": list[str], "without": list[str], "recipe": str, "loss": str, "method": str,
-    "iterations": int, "seed": int, "nominal": dict[str, float], "size": str, "screening": bool, "rows": str,
+    "iterations": int, "seed": int, "nominal": dict[str, float], "screening": bool, "rows": str,
     "constraints": list[str], "without_constraints": list[str],
 }  # fmt: skip
 #: Options that determine how the tables are read.
@@ -76,7 +76,7 @@ def jobs_schema() -> dict[str, Any]:
     job = object_schema({"name": str, "tables": tables, **OPTIONS, **READING}, ["name", "tables"])
     jobs = {"type": "array", "minItems": 1, "items": job, "description": "[[jobs]], one table for each fit"}
     content = {"defaults": object_schema({**OPTIONS, **READING}), "jobs": jobs}
-    return document("jobs", "1.1", "Jobs of many fits", object_schema(content, ["jobs"]))
+    return document("jobs", "1.0", "Jobs of many fits", object_schema(content, ["jobs"]))
 
 
 def _jobs_of_folder(folder: Path, options: Mapping[str, Any]) -> list[FitJob]:
