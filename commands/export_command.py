@@ -138,7 +138,7 @@ def export(
     from ..fmu.description.standstill import with_lengths
     from ..fmu.packaging.system import side_notes
     from ..tires import tire_from
-    from ..tires.limits import limits_of
+    from ..tires.description import limits_of
     from ..tires.property_file.use import use_notes
     from .terminal import Terminal
 

@@ -14,6 +14,7 @@ from ...symbolic.quantities import ACTED_ON, KAPPA_LAGGED, TAN_ALPHA_LAGGED
 from ...symbolic.wheel.quantities import SPIN
 from ...tires import Tire
 from ...tires.evaluation import quantities as quantities_of
+from ...tires.property_file.names import not_given
 from ...tires.roads.road import Road
 from .hub_variables import BRAKE_EVENT, hub_inputs, hub_motion, hub_outputs, hub_parameters, with_damping
 from .standstill import standstill_parameters, with_lengths
@@ -158,6 +159,11 @@ def interface(
     for needed in (*(("UNLOADED_RADIUS",) if wheel else ()), *(("FNOMIN",) if hub else ())):
         if not tire.values[needed] > 0.0:
             raise FmuError(f"{inputs} inputs need {needed} > 0, not {tire.values[needed]:g}")
+    if wheel and "UNLOADED_RADIUS" in not_given(tire):
+        raise FmuError(
+            f"{inputs} inputs need the radius of the wheel, which the fit of this tire did not know "
+            f"({tire.values['UNLOADED_RADIUS']:g} m is assumed): fit it with --size 205/55R16 or --nominal R0=0.31"
+        )
     tire, note = with_lengths(tire) if wheel else (tire, "")
     tire = with_damping(tire) if hub else tire
     read = read_inputs(tire)
