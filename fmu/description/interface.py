@@ -14,7 +14,6 @@ from ...symbolic.quantities import ACTED_ON, KAPPA_LAGGED, TAN_ALPHA_LAGGED
 from ...symbolic.wheel.quantities import SPIN
 from ...tires import Tire
 from ...tires.evaluation import quantities as quantities_of
-from ...tires.roads.road import Road
 from .hub_variables import BRAKE_EVENT, hub_inputs, hub_motion, hub_outputs, hub_parameters, with_damping
 from .standstill import standstill_parameters, with_lengths
 from .variables import (
@@ -64,7 +63,6 @@ class Interface:
     - `variables`: in the order of their value references: ``time``, inputs, the motion of the wheel that hub inputs
       determine, forces, parameters, states, their derivatives, extra outputs.
     - `relaxation_note`: the relaxation lengths assumed for a tire that has none; empty if none are assumed.
-    - `road`: the road inside the FMU.
     """
 
     tire: Tire
@@ -72,7 +70,6 @@ class Interface:
     axes: str
     variables: tuple[Variable, ...]
     relaxation_note: str = ""
-    road: Road | None = None
 
     def group(self, name: str) -> list[Variable]:
         """Return the variables of a group: input, motion, force, parameter, state, derivative or extra."""
@@ -124,9 +121,7 @@ class Interface:
         return any(variable.name == DISTANCE.name for variable in self.group("state"))
 
 
-def interface(
-    tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities: bool = False, road: Road | None = None
-) -> Interface:
+def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities: bool = False) -> Interface:
     """Return the interface of a native FMU of a tire.
 
     - `tire`: in any signs.
@@ -134,12 +129,11 @@ def interface(
       the motion of the wheel carrier and the road, with the spin of the wheel or with the torques that it follows from.
     - `axes`, one of "iso", "sae": TYDEX W (z up), or SAE (z down, y to the right).
     - `quantities`: whether every named quantity of the model is an output.
-    - `road`: a road inside the FMU, with hub inputs: its height and normal at the wheel are outputs.
 
     Returns: the input of an on-demand or added effect is present if the tire has an effect that reads it. With wheel
     inputs a tire without relaxation has the lengths of `with_lengths`: at standstill slip is 0/0, and a lagged slip is
     a deflection. Raises `UnknownName` if inputs or axes do not exist. Raises `FmuError` if hub inputs have other axes
-    than ISO, a road is given for other inputs, or the radius of a wheel or the nominal load at a hub is not positive.
+    than ISO, or the radius of a wheel or the nominal load at a hub is not positive.
 
     >>> from tirefmu.tires import published
     >>> [variable.name for variable in interface(published("trento_hoosier"), inputs="wheel").group("input")]
@@ -151,8 +145,6 @@ def interface(
     hub, spins = inputs in HUB, inputs == "hub-torque"
     if hub and axes != "iso":
         raise FmuError("hub inputs have ISO axes only")
-    if road is not None and not hub:
-        raise FmuError(f"a road inside the FMU needs hub inputs, not {inputs} inputs")
     tire = tire.in_signs(FORMULA[axes])
     model, wheel = tire.symbolic_model, inputs != "slip"
     for needed in (*(("UNLOADED_RADIUS",) if wheel else ()), *(("FNOMIN",) if hub else ())):
@@ -169,7 +161,7 @@ def interface(
         *((_state(DISTANCE),) if "distance" in read else ()),
     ]
     if hub:
-        hosts = [*hub_inputs(tire, read, *free_rolling(tire), spins=spins, road=road), *hub_motion()]
+        hosts = [*hub_inputs(tire, read, *free_rolling(tire), spins=spins), *hub_motion()]
     else:
         hosts = _wheel_inputs(tire, read, twists) if wheel else _slip_inputs(tire, read, bool(states))
     values = dict(zip(model.parameters, tire.parameters().tolist(), strict=True))
@@ -195,7 +187,7 @@ def interface(
         replace(v, reversed=True, start=None if v.start is None else -v.start) if _stem(v.name) in reverse else v
         for v in plain
     )
-    return Interface(tire, inputs, axes, _with_structure(turned, model, inputs), note, road)
+    return Interface(tire, inputs, axes, _with_structure(turned, model, inputs), note)
 
 
 def _memory_state(tire: Tire, name: str) -> Variable:
@@ -309,8 +301,8 @@ def _with_structure(variables: tuple[Variable, ...], model: Model, kind: str) ->
     def causes(variable: Variable) -> set[str]:
         if variable.group == "state":
             return {variable.name}
-        if variable.group == "input":  # the plane of a road inside the FMU, or the spin
-            return spin if variable.name in spin else inputs
+        if variable.name in spin:
+            return spin
         if kind in HUB or is_indicator(variable):  # at a hub the load depends on the slips, and all else on the load
             return inputs | states
         if variable.group == "derivative":

@@ -142,7 +142,6 @@ def _sizes(shown: Interface) -> Iterable[str]:
     yield f"#define WHEEL {int(shown.wheel)}"
     yield f"#define HUB {int(shown.hub)}"
     yield f"#define SPIN {int(shown.spins)}"
-    yield f"#define ROAD {int(shown.road is not None)}"
     yield f"#define REVERSES {int(shown.tire.symbolic_model.motion.reverses)}"
     names = [v.name for v in shown.contact_inputs]
     yield f"#define SPIN_PLACE {names.index(SPIN.name) if shown.spins else 0}"

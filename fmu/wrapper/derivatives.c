@@ -1,11 +1,12 @@
 /* Directional and adjoint derivatives.  See instance.h.
  *
  * A column has the derivatives of all unknowns by one value: exact ones (changes.h), or central differences near
- * standstill of a wheel, where limits and dampers act, and with a road inside the FMU.
+ * standstill of a wheel, where limits and dampers act.
  */
 #include "instance.h"
 
 #include "changes.h"
+#include "contact.h"
 #include "outputs.h"
 
 /* Step of a difference, relative to the size of the value: it balances truncation and rounding errors. */
@@ -23,8 +24,6 @@ static int is_state(unsigned reference)
             return 1;
     return 0;
 }
-
-static int is_smooth(const State *state) { return !ROAD && contact_is_smooth(state); }
 
 static Status expect_differentiable(const Instance *self, const unsigned unknowns[], size_t n_unknowns,
                                     const unsigned knowns[], size_t n_knowns)
@@ -85,7 +84,7 @@ static void find_column(State *state, unsigned known, const unsigned unknowns[],
     Changes changes;
     size_t i;
 
-    if (!is_smooth(state)) {
+    if (!contact_is_smooth(state)) {
         find_differences(state, known, unknowns, n, column);
         return;
     }

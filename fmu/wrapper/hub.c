@@ -108,10 +108,6 @@ void hub_find(State *state)
     Hub *hub = &state->hub;
     size_t i;
 
-#if ROAD
-    road_plane(state->road, state->values[FIRST_INPUT + WHEEL_MOTION_r_x], state->values[FIRST_INPUT + WHEEL_MOTION_r_y],
-               state->values + FIRST_INPUT + WHEEL_MOTION_road_z);
-#endif
     wheel_motion(state->values + FIRST_INPUT, hub->results);
     memcpy(state->values + FIRST_COMPUTED, hub->results, N_MOTION_RESULTS * sizeof *hub->results);
     memcpy(hub->parameters, state->values + FIRST_PARAMETER, sizeof hub->parameters);

@@ -23,7 +23,6 @@ typedef void LogCallback(const Instance *self, Status status, const char *catego
 struct Instance {
     State state;
     Tire tire;
-    RoadGrid *road; /* or NULL */
     LogCallback *log_message;
     void (*logger)(void); /* the host's function; `log_message` converts its type */
     void *environment;

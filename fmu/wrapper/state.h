@@ -28,7 +28,6 @@ enum {
     SPIN_RATE = FIRST_DERIVATIVE + N_STATES
 };
 
-#include "road.h"
 #include "tire.h"
 
 /* The kind of a value: a stored one can be set until initialization ends; a hidden one is not visible to the host and
@@ -118,17 +117,13 @@ typedef struct {
 /* How far values are computed for the present inputs, parameters, states and mode; each needs the ones before it. */
 typedef enum { NOTHING, LOAD_KNOWN, CONTACT_KNOWN, OUTPUTS_KNOWN, RATES_KNOWN, EXTRAS_KNOWN } Known;
 
-/* Everything that changes in an instance: a copy is a saved state, the bytes a serialized one.  The road is that of the
-   instance, also after a state has been restored. */
+/* Everything that changes in an instance: a copy is a saved state, the bytes a serialized one. */
 typedef struct {
     char token[TOKEN_SIZE]; /* identifies the FMU of a serialized state */
     int kind, mode;
     int known; /* see outputs.h */
 #if HUB
     Hub hub;
-#endif
-#if ROAD
-    const RoadGrid *road;
 #endif
 #if SPIN
     int brake_sense; /* see spin.h */
