@@ -187,7 +187,7 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
         replace(v, reversed=True, start=None if v.start is None else -v.start) if _stem(v.name) in reverse else v
         for v in plain
     )
-    return Interface(tire, inputs, axes, _with_structure(turned, model, inputs), note)
+    return Interface(tire, inputs, axes, _with_structure(turned, tire, inputs), note)
 
 
 def _memory_state(tire: Tire, name: str) -> Variable:
@@ -288,11 +288,12 @@ def _extras(tire: Tire, inputs: str, quantities: bool) -> list[Variable]:
     ]
 
 
-def _with_structure(variables: tuple[Variable, ...], model: Model, kind: str) -> tuple[Variable, ...]:
+def _with_structure(variables: tuple[Variable, ...], tire: Tire, kind: str) -> tuple[Variable, ...]:
     """Return the variables with the dependencies of computed ones, and the state of each derivative.
 
     `kind`: of the inputs, one of `INPUTS`.
     """
+    model = tire.symbolic_model
     references = {variable.name: reference for reference, variable in enumerate(variables)}
     inputs = {variable.name for variable in variables if variable.causality == "input"}
     spin = {SPIN.name} if kind == "hub-torque" else set()
@@ -311,16 +312,28 @@ def _with_structure(variables: tuple[Variable, ...], model: Model, kind: str) ->
         acting = {state for state in states if _acts(state, variable.name, read, model)}
         return acting | (inputs if kind == "wheel" else inputs & read)
 
+    def initial_causes(variable: Variable) -> tuple[int, ...] | None:
+        if kind != "slip" or tire.states:
+            return None
+        if variable.group == "state":
+            return (references["kappa" if variable.name == KAPPA_LAGGED.name else "alpha"],)
+        if variable.group == "derivative":  # slips start in steady state
+            return (references["V"],) if _stem(variable.name) == DISTANCE.name else ()
+        reached = model.reached(_quantities_behind(variable.name, model), tire.has)
+        return tuple(r for name, r in references.items() if name in reached and variables[r].causality != "hidden")
+
     computed = [
         variable
         for variable in variables
         if variable.group in ("motion", "force", "extra", "derivative")
-        or (variable.group in ("input", "state") and variable.causality == "output")
+        or (variable.group == "input" and variable.causality == "output")
+        or variable.group == "state"
     ]
     with_causes = {
         variable.name: replace(
             variable,
             depends=tuple(sorted(references[name] for name in causes(variable))),
+            initially=initial_causes(variable),
             derivative_of=references[_stem(variable.name)] if variable.group == "derivative" else None,
         )
         for variable in computed
@@ -340,12 +353,16 @@ def _causes_of_rate(state: str, model: Model, inputs: set[str], states: set[str]
 
 def _model_inputs_of(name: str, model: Model) -> set[str]:
     """Return the inputs of the model that an output depends on; the slips if the model does not compute it."""
-    names = [name]
-    if name == "friction_use":
-        names = ["Fx", "Fy", model.quantity("friction_x"), model.quantity("friction_y")]
-    elif name not in model.structure.quantities and name not in {quantity.name for quantity in model.outputs}:
+    if name not in model.structure.quantities and name not in {q.name for q in model.outputs} | {"friction_use"}:
         return {"kappa", "alpha"}
-    return set().union(*feedthrough(model, names).values())
+    return set().union(*feedthrough(model, _quantities_behind(name, model)).values())
+
+
+def _quantities_behind(name: str, model: Model) -> list[str]:
+    """Return the outputs and quantities of the model from which an output follows."""
+    if name == "friction_use":
+        return ["Fx", "Fy", model.quantity("friction_x"), model.quantity("friction_y")]
+    return [name]
 
 
 def _acts(state: str, output: str, read: set[str], model: Model) -> bool:

@@ -28,6 +28,8 @@ class Variable:
     - `nominal`: typical magnitude; 0 if unknown.
     - `depends`: of an output or a derivative: the value references of the inputs and states that it depends on
       directly.
+    - `initially`: of a computed variable: the value references of what it depends on during initialization: inputs,
+      parameters, and states with a start value; None for all of them.
     - `group`: of a native FMU: its group in the C code; see `tirefmu.fmu.description.interface`.
     - `reversed`: of a native FMU: host and formula use opposite signs.
     - `derivative_of`: value reference of the state whose derivative it is.
@@ -43,6 +45,7 @@ class Variable:
     upper: float = inf
     nominal: float = 0.0
     depends: tuple[int, ...] = ()
+    initially: tuple[int, ...] | None = None
     group: str = ""
     reversed: bool = False
     derivative_of: int | None = None

@@ -27,6 +27,7 @@ LAGGING = "lagging_slips.c"
 HEADERS = (
     "state.h", "outputs.h", "instance.h", "arrays.h", "tire.h", "resource_file.h", "contact.h", "slips.h",
     "memory.h", "standstill.h", "hub.h", "spin.h", "root.h", "changes.h", "tangents.h", "chain_rule.h", "same_calls.h",
+    "steps.h",
 )  # fmt: skip
 CONFIG, VALUES, RADIUS = "model_config.h", "tire_values.h", "rolling_radius.h"
 STI_HEADER, STI_TIRE = "sti.h", "sti_tire.h"

@@ -65,14 +65,15 @@ Status instance_get(Instance *self, const unsigned references[], size_t n, doubl
     return STATUS_OK;
 }
 
-/* Whether the host may set this value in the present mode. */
-static Status expect_settable(const Instance *self, unsigned reference)
+/* Whether the host may set this value in the present mode.  In continuous-time mode hosts also set states as other
+   values, and parameters that have not changed. */
+static Status expect_settable(const Instance *self, unsigned reference, double value)
 {
     const int kind = value_kind(reference), mode = self->state.mode;
 
-    if (kind == INPUT || (kind == STORED && mode <= INITIALIZATION))
+    if (kind == INPUT || (kind == STORED && mode <= INITIALIZATION) || (mode == CONTINUOUS && value_is_state(reference)))
         return STATUS_OK;
-    if (kind == PARAMETER && mode != CONTINUOUS)
+    if (kind == PARAMETER && (mode != CONTINUOUS || value == self->state.values[reference]))
         return STATUS_OK;
     if (kind == PARAMETER)
         return instance_refuse(self, STATUS_ERROR, "%s can be set in event mode, not in continuous-time mode",
@@ -92,7 +93,7 @@ Status instance_set(Instance *self, const unsigned references[], size_t n, const
     for (i = 0; i < n; i++) {
         const unsigned r = references[i];
 
-        if (expect_settable(self, r) != STATUS_OK)
+        if (expect_settable(self, r, values[i]) != STATUS_OK)
             return STATUS_ERROR;
         if (!isfinite(values[i]))
             return instance_refuse(self, STATUS_DISCARD, "%s must be finite, not %g", value_name(r), values[i]);
@@ -102,7 +103,7 @@ Status instance_set(Instance *self, const unsigned references[], size_t n, const
     }
     for (i = 0; i < n; i++) {
         self->state.values[references[i]] = values[i];
-        if (value_kind(references[i]) == STORED)
+        if (value_is_state(references[i]))
             state_set(&self->state, references[i], values[i]);
     }
     state_changed(&self->state);

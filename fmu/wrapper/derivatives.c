@@ -12,19 +12,6 @@
 /* Step of a difference, relative to the size of the value: it balances truncation and rounding errors. */
 #define STEP 1e-6
 
-/* False for every reference if there are no states. */
-static int is_state(unsigned reference)
-{
-    unsigned state;
-
-    if (SPIN && reference == SPIN_VALUE)
-        return 1;
-    for (state = FIRST_STATE; state < FIRST_DERIVATIVE; state++)
-        if (reference == state)
-            return 1;
-    return 0;
-}
-
 static Status expect_differentiable(const Instance *self, const unsigned unknowns[], size_t n_unknowns,
                                     const unsigned knowns[], size_t n_knowns)
 {
@@ -43,7 +30,7 @@ static Status expect_differentiable(const Instance *self, const unsigned unknown
     for (i = 0; i < n_knowns; i++) {
         const unsigned r = knowns[i];
 
-        if (value_kind(r) != INPUT && value_kind(r) != PARAMETER && !is_state(r))
+        if (value_kind(r) != INPUT && value_kind(r) != PARAMETER && !value_is_state(r))
             return instance_refuse(self, STATUS_ERROR, "%s is not an input, a parameter or a state", value_name(r));
     }
     if (n_unknowns > N_VALUES)
@@ -53,7 +40,7 @@ static Status expect_differentiable(const Instance *self, const unsigned unknown
 
 static void move(State *state, unsigned known, double value)
 {
-    if (is_state(known))
+    if (value_is_state(known))
         state_set(state, known, value);
     else
         state->values[known] = value;

@@ -151,6 +151,8 @@ void state_set(State *state, unsigned reference, double value);
 
 const char *value_name(unsigned reference);
 int value_kind(unsigned reference);
+/* Whether it is a continuous state. */
+int value_is_state(unsigned reference);
 /* The source of an extra output. */
 int value_shows(unsigned reference);
 /* The size of a value or its nominal value, whichever is larger; 1 if both are unknown. */

@@ -24,6 +24,19 @@ const char *value_name(unsigned reference) { return NAMES[reference]; }
 
 int value_kind(unsigned reference) { return KINDS[reference]; }
 
+/* Not by two comparisons: without states one of them is always true or false. */
+int value_is_state(unsigned reference)
+{
+    unsigned state;
+
+    if (SPIN && reference == SPIN_VALUE)
+        return 1;
+    for (state = FIRST_STATE; state < FIRST_DERIVATIVE; state++)
+        if (reference == state)
+            return 1;
+    return 0;
+}
+
 double value_scale(const State *state, unsigned reference)
 {
     const double size = fabs(state->values[reference]);

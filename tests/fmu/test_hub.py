@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from fmpy.validation import validate_fmu
 from scipy.spatial.transform import Rotation
 
 from tirefmu.boundary.errors import FmuError
