@@ -200,13 +200,16 @@ def option_variable(option: Option, value: float) -> Variable:
     return Variable(option.parameter, causality, "1", f"{option.description} (0 {first}, 1 {second})", value, 0.0, 1.0)
 
 
+def declared_limits(declaration: Coefficient, written: str) -> tuple[float, float]:
+    """Return the limits of a coefficient in the signs of a tire; declarations have them in adapted SAE."""
+    if declaration.flips and written == "iso":
+        return -declaration.upper, -declaration.lower
+    return declaration.lower, declaration.upper
+
+
 def parameter_variable(declaration: Coefficient, value: float, written: str) -> Variable:
     """Return a tunable coefficient; its limits, in the tire's signs, apply only if its own value satisfies them."""
-    # Declarations have bounds in adapted SAE.
-    mirrored = declaration.flips and written == "iso"
-    lower, upper = declaration.lower, declaration.upper
-    if mirrored:
-        lower, upper = -upper, -lower
+    lower, upper = declared_limits(declaration, written)
     if not lower <= value <= upper:
         lower, upper = -inf, inf
     # + 0.0: no negative zero.

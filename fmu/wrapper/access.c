@@ -95,11 +95,8 @@ Status instance_set(Instance *self, const unsigned references[], size_t n, const
 
         if (expect_settable(self, r, values[i]) != STATUS_OK)
             return STATUS_ERROR;
-        if (!isfinite(values[i]))
-            return instance_refuse(self, STATUS_DISCARD, "%s must be finite, not %g", value_name(r), values[i]);
-        if (values[i] < self->tire.lower[r] || values[i] > self->tire.upper[r])
-            return instance_refuse(self, STATUS_DISCARD, "%s = %g is outside %g ... %g", value_name(r), values[i],
-                                   self->tire.lower[r], self->tire.upper[r]);
+        if (instance_expect_allowed(self, r, values[i]) != STATUS_OK)
+            return STATUS_DISCARD;
     }
     for (i = 0; i < n; i++) {
         self->state.values[references[i]] = values[i];

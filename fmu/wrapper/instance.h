@@ -46,6 +46,10 @@ Status instance_choose_log(Instance *self, int on, size_t n, const char *const c
 
 /* Reject a NULL pointer to n > 0 values; `what` names the values. */
 Status instance_expect_pointer(const Instance *self, const void *pointer, size_t n, const char *what);
+/* Reject a value that is not finite or outside the limits of its variable.  Limits that the tire's own value violates do
+   not apply. */
+Status instance_expect_allowed(const Instance *self, unsigned reference, double value);
+int instance_allows(const Instance *self, unsigned reference, double value);
 /* Reject results that are not finite. */
 Status instance_expect_finite(const Instance *self, const double values[], size_t n, const char *what);
 /* Reject the call unless the instance is in one of two modes. */

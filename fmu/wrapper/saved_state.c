@@ -70,7 +70,7 @@ static int is_state(const Instance *self, const State *state)
         return 0;
     for (i = 0; i < FIRST_STATE; i++)
         if ((i < FIRST_COMPUTED || i >= FIRST_PARAMETER) &&
-            !(state->values[i] >= self->tire.lower[i] && state->values[i] <= self->tire.upper[i])) /* NaN too */
+            !instance_allows(self, (unsigned) i, state->values[i]))
             return 0;
 #if SPIN
     if (state->brake_sense < -1 || state->brake_sense > 1)

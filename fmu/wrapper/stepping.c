@@ -66,10 +66,8 @@ static Status move_inputs(Instance *self, const double start[], double time)
         if (state->slopes[i] == 0.0)
             continue;
         x = start[reference] + state->slopes[i] * time;
-        if (!(x >= self->tire.lower[reference] && x <= self->tire.upper[reference]))
-            return instance_refuse(self, STATUS_DISCARD, "%s = %g is outside %g ... %g",
-                                   value_name((unsigned) reference), x, self->tire.lower[reference],
-                                   self->tire.upper[reference]);
+        if (instance_expect_allowed(self, (unsigned) reference, x) != STATUS_OK)
+            return STATUS_DISCARD;
         state->values[reference] = x;
     }
     state_changed(state);

@@ -22,6 +22,7 @@ from ..models import MODELS, WITH_EFFECTS, whole_library
 from .batch import KERNELS, batch_sources
 from .c import c_header, c_sources
 from .line_functions import line_function_files
+from .loaded_radius import c_loaded_radius
 from .operations import c_operations
 from .python import origin, python_modules
 from .rolling_radius import c_rolling_radius
@@ -80,6 +81,7 @@ def render_model(model: Model) -> dict[str, str]:
         f"c/{model.name}.h": c_header(model, parts),
         f"c/{model.name}_operations.h": c_operations(model),
         f"c/{model.name}_rolling_radius.h": c_rolling_radius(model),
+        f"c/{model.name}_loaded_radius.h": c_loaded_radius(model),
         f"structure/{model.name}.json": model.structure.to_text(origin(model)),
     }
 

@@ -24,10 +24,16 @@ from .names import (
     silent_coefficients,
     written_sections,
 )
+from .text import without_comment
 from .units import WRITTEN
 
+#: Comments behind the values of a section that have none of their own.
+REMARKS = {
+    "MDI_HEADER": "this file", "UNITS": "of every value", "MODEL": "of the model", "": "entry without description",
+} | {title: "valid range" for title, _ in RANGE_SECTIONS.values()}  # fmt: skip
 
-def write_tir(tire: TireDefinition, path: str | Path) -> None:
+
+def write_tir(tire: TireDefinition, path: str | Path, *, line_end: str = "\n") -> None:
     """Write a tire as a .tir file, completely or not at all.
 
     Parameters
@@ -36,6 +42,8 @@ def write_tir(tire: TireDefinition, path: str | Path) -> None:
         In any signs; it is written in ISO-W.
     path : str or Path
         The file to write; an existing one is replaced.
+    line_end : str
+        CRLF for readers that expect it.
 
     Raises
     ------
@@ -43,7 +51,7 @@ def write_tir(tire: TireDefinition, path: str | Path) -> None:
         If the file cannot be written.
     """
     path = path_from(path)
-    text = tir_text(tire)
+    text = tir_text(tire).replace("\n", line_end)
     with writing(path, TirError):
         write_whole(path, text.encode())
 
@@ -69,9 +77,15 @@ def tir_text(tire: TireDefinition) -> str:
         sections.setdefault(section, []).append(f"{key} = {value}" if key else value)
     lines = sections.pop("")
     for title, content in sections.items():
-        lines += ["", f"[{title}]", *content] if content else []
+        remarked = [_with_comment(line, REMARKS.get(title, REMARKS[""])) for line in content]
+        lines += ["", f"[{title}]", *remarked] if content else []
     lines += ["", "$ What follows is tirefmu's own; other readers skip it.", *_only_here(tire)]
     return "\n".join(lines[not lines[0] :]) + "\n"
+
+
+def _with_comment(line: str, remark: str) -> str:
+    """Return an entry with a comment behind its value: readers that expect CRLF cut off the end of other lines."""
+    return f"{line}  $ {remark}" if "=" in line and without_comment(line) == line else line
 
 
 def _own_lines(tire: TireDefinition) -> Iterable[tuple[str, str, str]]:
