@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: install demo test matrix pages studio docs docs-commands release fuzz mutants discovery drives foreign-drive measured-drives missing-effects awkward wrong-tables recovery planning confounded coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench-languages bench-steps performance clean
+.PHONY: install demo test matrix pages studio docs docs-commands release fuzz mutants discovery drives foreign-drive measured-drives missing-effects awkward wrong-tables recovery planning confounded coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench-languages bench-steps many-tires performance clean
 .NOTPARALLEL:
 
 install: $(VENV)/installed  ## the command tirefmu in .venv/bin
@@ -130,9 +130,10 @@ sanitize: $(VENV)/installed-dev  ## the FMU's C code under AddressSanitizer and 
 warnings: $(VENV)/installed-dev  ## gcc, clang and cppcheck have no warning in the C sources of FMUs: every model, kind of inputs and version
 	TIREFMU_WARNINGS=1 $(BIN)/pytest tests/fmu/test_warnings.py $(PYTEST_ARGS) --dist load
 
-examples: $(VENV)/installed-dev  ## FMUs in fmpy, libcosim, ecos and fmutool, and a vehicle on four tire FMUs
+examples: $(VENV)/installed-dev  ## FMUs in other programs, the table of docs/simulation_programs.md, and a vehicle on four tire FMUs
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cosimulation]"
 	$(BIN)/pytest tests/examples $(PYTEST_ARGS)
+	$(BIN)/python examples/host_table.py --write
 
 hosts: $(VENV)/installed-dev  ## code for other programs, also with Ceres, CasADi symbols, JAX, PyTorch and rumoca where they are installed
 	TIREFMU_HOSTS=1 $(BIN)/pytest tests/hosts $(PYTEST_ARGS)
@@ -155,6 +156,9 @@ bench-languages: $(VENV)/installed  ## every model in every installed language c
 
 bench-steps: $(VENV)/installed  ## time of single steps of FMUs with hub inputs: median, 99.99 %, longest of a million
 	$(BIN)/python benchmarks/step_times.py $(BENCH_ARGS)
+
+many-tires: $(VENV)/installed  ## FMUs: many instances and long runs; memory, time of steps, states restored at random
+	$(BIN)/python benchmarks/many_tires.py $(BENCH_ARGS)
 
 performance: $(VENV)/installed-dev  ## docs/performance.md: start-up, fits, evaluation, memory in one run, on an idle machine
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/performance.py --write $(BENCH_ARGS)

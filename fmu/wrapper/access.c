@@ -19,24 +19,36 @@ Status instance_expect_known(const Instance *self, const unsigned references[], 
     return STATUS_OK;
 }
 
-/* Log once that an input is outside the valid range of the tire. */
-static void watch_range(Instance *self)
+typedef char inputs_have_bits[N_INPUTS < 8 * sizeof(unsigned) ? 1 : -1];
+
+/* Whether the log has no warning of this bit yet; it then gets one. */
+static int warns_first(Instance *self, unsigned i)
+{
+    const int first = !(self->warned >> i & 1u);
+
+    self->warned |= 1u << i;
+    return first;
+}
+
+/* Log once of each input that it is outside the valid range of the tire, and once that the wheel stands: hosts pass 0 for
+   inputs that nobody sets. */
+static void watch_inputs(Instance *self)
 {
     double (*ranges)[2] = self->tire.ranges;
-    size_t i;
+    unsigned i;
 
-    if (self->warned)
-        return;
     for (i = 0; i < N_INPUTS; i++) {
         const double x = self->state.contact.inputs[i];
 
-        if (x < ranges[i][0] || x > ranges[i][1]) {
-            self->warned = 1;
+        if ((x < ranges[i][0] || x > ranges[i][1]) && warns_first(self, i))
             instance_refuse(self, STATUS_WARNING, "%s = %g is outside %g ... %g, the valid range of the tire",
                             MODEL_INPUTS[i], x, ranges[i][0], ranges[i][1]);
-            return;
-        }
     }
+#ifdef HOST_SPEED
+    if (self->state.values[FIRST_INPUT + HOST_SPEED] == 0.0 && warns_first(self, N_INPUTS))
+        instance_refuse(self, STATUS_WARNING, "%s = 0: the wheel stands, or the host does not set its speed",
+                        value_name(FIRST_INPUT + HOST_SPEED));
+#endif
 }
 
 Status instance_get(Instance *self, const unsigned references[], size_t n, double values[])
@@ -50,7 +62,7 @@ Status instance_get(Instance *self, const unsigned references[], size_t n, doubl
         if (value_kind(references[i]) == OUTPUT || value_kind(references[i]) == LOCAL || value_kind(references[i]) == STORED) {
             if (self->state.known < OUTPUTS_KNOWN) {
                 state_compute_outputs(&self->state);
-                watch_range(self);
+                watch_inputs(self);
             }
             if (references[i] >= FIRST_EXTRA)
                 state_compute_extras(&self->state);

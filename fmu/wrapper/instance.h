@@ -28,7 +28,7 @@ struct Instance {
     void *environment;
     char *name;
     int logs_events, logs_warnings, logs_discards, logs_errors;
-    int warned;
+    unsigned warned; /* bits: inputs of the model of whose ranges the log has a warning; the last one: of standing */
     int has_event_mode, returns_early; /* what the host uses in Co-Simulation */
 };
 

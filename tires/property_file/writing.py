@@ -72,20 +72,20 @@ def tir_text(tire: TireDefinition) -> str:
     sections: dict[str, list[str]] = {title: [] for title in ("", *written_sections(tire.symbolic_model))}
     for section, key, line in _own_lines(tire):
         if (section, key) not in replaced:
-            sections[section].append(line)
+            sections[section].append(_with_comment(section, line))
     for section, key, value in entries:
-        sections.setdefault(section, []).append(f"{key} = {value}" if key else value)
+        line = _with_comment(section, f"{key} = {value}") if key else value
+        sections.setdefault(section, []).append(line)
     lines = sections.pop("")
     for title, content in sections.items():
-        remarked = [_with_comment(line, REMARKS.get(title, REMARKS[""])) for line in content]
-        lines += ["", f"[{title}]", *remarked] if content else []
+        lines += ["", f"[{title}]", *content] if content else []
     lines += ["", "$ What follows is tirefmu's own; other readers skip it.", *_only_here(tire)]
     return "\n".join(lines[not lines[0] :]) + "\n"
 
 
-def _with_comment(line: str, remark: str) -> str:
+def _with_comment(section: str, line: str) -> str:
     """Return an entry with a comment behind its value: readers that expect CRLF cut off the end of other lines."""
-    return f"{line}  $ {remark}" if "=" in line and without_comment(line) == line else line
+    return f"{line}  $ {REMARKS.get(section, REMARKS[''])}" if without_comment(line) == line else line
 
 
 def _own_lines(tire: TireDefinition) -> Iterable[tuple[str, str, str]]:
