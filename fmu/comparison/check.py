@@ -30,6 +30,8 @@ FloatArray = npt.NDArray[np.float64]
 STEP = 0.01
 #: Largest number of characters of a unit.
 LONGEST_UNIT = 20
+#: Variables of an FMU that a message names, and the characters of each.
+NAMED, LONGEST_NAME = 8, 40
 
 
 def check(
@@ -134,6 +136,13 @@ def compared_columns(variables: Mapping[str, Any], recording: Recording) -> tupl
     present = [name for name in inputs if name in recording.table]
     measured = [name for name in recording.measured() if name in outputs]
     for kind, needed, present_names in (("input", inputs, present), ("measured output", outputs, measured)):
+        if not needed:
+            own = [excerpt(name, LONGEST_NAME) for name in variables if variables[name].causality in kind.split()]
+            named = ", ".join(own[:NAMED]) + (", ..." if len(own) > NAMED else "")
+            proof = (
+                ": an FMU with such inputs is checked by a proof inside it (export --proof)" if kind == "input" else ""
+            )
+            raise DataError(f"{recording.source}: a table has no {kind} of this FMU ({named or 'it has none'}){proof}")
         if not present_names:
             raise DataError(f"{recording.source}: no {kind} of the FMU ({', '.join(needed)})")
     return present, measured, outputs

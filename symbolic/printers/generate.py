@@ -22,10 +22,9 @@ from ..models import MODELS, WITH_EFFECTS, whole_library
 from .batch import KERNELS, batch_sources
 from .c import c_header, c_sources
 from .line_functions import line_function_files
-from .loaded_radius import c_loaded_radius
 from .operations import c_operations
 from .python import origin, python_modules
-from .rolling_radius import c_rolling_radius
+from .rolling_radius import c_loaded_radius, c_rolling_radius
 from .routines import routines
 
 

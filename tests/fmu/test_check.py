@@ -182,6 +182,12 @@ def test_a_table_of_other_things(fmu, table):
         check(fmu, table[["t", "Fy"]])
 
 
+@pytest.mark.parametrize("inputs", ["hub", "hub-torque"])
+def test_inputs_that_no_table_has_are_named(fmus, table, inputs):
+    with pytest.raises(DataError, match=r"a table has no input of this FMU \(r_x, .*, \.\.\.\).* a proof inside it"):
+        check(fmus["first", 3, inputs], table)
+
+
 def test_an_fmu_without_a_binary_for_this_machine(fmu, table, tmp_path):
     zipped(tmp_path / "bare.fmu", {DESCRIPTION: unzipped(fmu)[DESCRIPTION]})
     with pytest.raises(FmuError, match=r"bare\.fmu: cannot be loaded: Cannot find shared library binaries"):
