@@ -137,8 +137,8 @@ def compared_columns(variables: Mapping[str, Any], recording: Recording) -> tupl
     measured = [name for name in recording.measured() if name in outputs]
     for kind, needed, present_names in (("input", inputs, present), ("measured output", outputs, measured)):
         if not needed:
-            own = [excerpt(name, LONGEST_NAME) for name in variables if variables[name].causality in kind.split()]
-            named = ", ".join(own[:NAMED]) + (", ..." if len(own) > NAMED else "")
+            listed = [excerpt(name, LONGEST_NAME) for name in variables if variables[name].causality in kind.split()]
+            named = ", ".join(listed[:NAMED]) + (", ..." if len(listed) > NAMED else "")
             proof = (
                 ": an FMU with such inputs is checked by a proof inside it (export --proof)" if kind == "input" else ""
             )
