@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -138,7 +139,7 @@ def test_tolerance_decides(fmu, table):
 
 def test_an_invalid_fmu_is_not_ok(fmus, table, tmp_path):
     files = unzipped(fmus["first", 3])
-    files[DESCRIPTION] = files[DESCRIPTION].replace(b'<InitialUnknown valueReference="7" />', b"")
+    files[DESCRIPTION] = re.sub(rb'<InitialUnknown valueReference="7"[^>]*/>', b"", files[DESCRIPTION])
     result = check(zipped(tmp_path / "odd.fmu", files), table)
     assert not result.ok
     assert "InitialUnknown" in result.problems[0]
