@@ -59,6 +59,7 @@ def compared(
     Comparison
     """
     few = problem.subsampled(some_rows(problem.simulator))
+    few = few.over(few.simulator.driven_at(baseline.parameters))
     at_few = few.at(baseline.parameters, baseline.free)
     linear = Linearization(Explanation(), few, at_few, dict(sorted(candidates.items())))
     seen, explained = set[tuple[str, ...]](), 0.0
@@ -89,8 +90,12 @@ def _table(linear: Linearization, baseline: Solution, explained: float, progress
 
 
 def _with_own_noise(leader: Refitted, problem: LeastSquares) -> Linearization:
-    """Return the linearization of a refit with rows of independent noise and without a discrepancy."""
-    bare = with_terms(problem, leader.explanation).over(leader.linear.simulator)
+    """Return the linearization of a refit with rows of independent noise and without a discrepancy.
+
+    Its forces drive the states from then on.
+    """
+    simulator = leader.linear.simulator.driven_at(leader.linear.solution.parameters)
+    bare = with_terms(problem, leader.explanation).over(simulator)
     at = bare.at(leader.linear.solution.parameters, leader.linear.solution.free)
     return replace(leader.linear, problem=bare, solution=at)
 

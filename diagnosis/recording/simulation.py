@@ -1,10 +1,15 @@
-"""Forces of a tire over signals and their derivatives by its coefficients, with transient slip."""
+"""Forces of a tire over signals and their derivatives by its coefficients, with transient slip.
+
+In a comparison of explanations a state follows from the recording: from its inputs and the forces at parameters that fit
+it (`Simulator.driven_at`). Its course then depends on the coefficients in its own equation only, and is stored by them. A
+simulator without such parameters solves states and forces together.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -12,7 +17,9 @@ import numpy.typing as npt
 
 from ...measurements.state_starts import estimated_starts
 from ...symbolic.added.effect import owners_of
+from ...symbolic.added.state import State
 from ...tires.code import Code, chosen_derivatives, fastest_code
+from ...tires.code.state_lines import state_lines
 from ...tires.states.simulation import StateSimulation, equilibrium
 from ...tires.states.transient import Course, lagged_course, segment_starts
 from ...tires.tire import Tire
@@ -25,6 +32,8 @@ IntArray = npt.NDArray[np.intp]
 REMEMBERED = 4
 #: Share by which the iterations of a state change its largest value last.
 STATE_TOLERANCE = 1e-5
+#: Courses that are stored of each group of states: those of a refit with their differences.
+STORED = 32
 
 
 @dataclass
@@ -45,6 +54,12 @@ class Simulator:
     _acting: Callable[[bytes, tuple[int, ...]], FloatArray] = field(init=False)
     _slips: Callable[[bytes, tuple[int, ...]], dict[str, Course]] = field(init=False)
     _stateful: Callable[[bytes, tuple[int, ...], tuple[str, ...]], FloatArray] = field(init=False)
+    #: The courses of states for the coefficients of their equations, and what drives them.
+    _stored: Callable[[bytes, tuple[int, ...], tuple[str, ...]], FloatArray] = field(init=False)
+    _driving: Callable[[tuple[int, ...]], dict[str, FloatArray]] = field(init=False)
+    #: Parameters at which forces drive the states, and the states at them, shape (n_states, n).
+    _driven_at: FloatArray | None = field(init=False, default=None)
+    _held: FloatArray | None = field(init=False, default=None)
 
     #: The latest courses of states, from which the next iteration starts, and their times.
     _courses: dict[str, FloatArray] = field(init=False, default_factory=dict)
@@ -73,7 +88,16 @@ class Simulator:
         self._sizes_of_states = dict(self._amplitudes())
         shapes = {name for effect in self.symbolic_model.added for state in effect.states for name in state.reads}
         self._by_difference |= {name: self._step(name) for name in self.symbolic_model.coefficients.keys() & shapes}
+        states = self.symbolic_model.states
+        reads = {group: {name for state in group for name in states[state].reads} for group in _groups_of(states)}
+        #: The groups of states with the indices of the coefficients in their equations.
+        self._groups = {
+            group: [self.index[name] for name in sorted(read & self.index.keys())] for group, read in reads.items()
+        }
+        self._state_rows = [list(self.tire.inputs).index(name) for name in self.symbolic_model.states]
+        self._lags = np.isin(np.arange(len(self._off)), [self.index[name] for name in self._by_difference])
         self._remember()
+        self._store()
 
     def _amplitudes(self) -> Iterator[tuple[str, IntArray]]:
         """Yield each state of an effect that the tire lacks, with the coefficients without which it does not act."""
@@ -100,11 +124,34 @@ class Simulator:
         self._stateful = lru_cache(REMEMBERED)(self._with_states)
         self._slips = lru_cache(REMEMBERED)(self._lagged)
 
+    def _store(self) -> None:
+        """Keep courses of states at all rows: they serve for any of these."""
+        self._stored = lru_cache(STORED)(self._followed)
+        self._driving = lru_cache(1)(self._driving_values)
+
     def with_signals(self, signals: Signals) -> Simulator:
         """Return a simulator of the same tire over other signals."""
         other = copy(self)
         other.signals = signals
         other._remember()
+        if signals.inputs is not self.signals.inputs or signals.t is not self.signals.t:
+            other._store()
+        return other
+
+    def driven_at(self, parameters: FloatArray | None) -> Simulator:
+        """Return a simulator whose states are driven by the forces at given parameters; by those of the trial for None.
+
+        So are relaxation lengths: what else than their own coefficients they depend on has these values.
+        """
+        other = copy(self)
+        other._driven_at = other._held = None
+        other._remember()
+        if parameters is not None:
+            every = other.with_signals(replace(self.signals, rows=np.arange(len(self.signals.t))))
+            other._held = every.effective_inputs(parameters)[self._state_rows]
+            other._driven_at = parameters.copy()
+            other._remember()
+        other._store()
         return other
 
     def _inactive_inputs(self) -> list[tuple[int, IntArray, FloatArray]]:
@@ -128,9 +175,14 @@ class Simulator:
         if acting := self._acting_states(parameters):
             return self._stateful(parameters.tobytes(), unused, acting)
         if self.signals.timed and self._sigma and parameters[self._relaxation].any():
-            relevant = np.where(self._determines_lag, parameters, self._off)
-            return self._acting(relevant.tobytes(), unused)
+            return self._acting(self._determining_lag(parameters), unused)
         return self._active(unused)[:, self.signals.rows]
+
+    def _determining_lag(self, parameters: FloatArray) -> bytes:
+        """Return parameters without differences that do not change the relaxation lengths."""
+        if self._driven_at is None:
+            return np.where(self._determines_lag, parameters, self._off).tobytes()
+        return np.where(self._determines_lag & self._lags, parameters, self._driven_at).tobytes()
 
     def _active(self, unused: tuple[int, ...]) -> FloatArray:
         """Return the inputs of all rows, with 0 in unused ones."""
@@ -166,8 +218,10 @@ class Simulator:
         )
         if not signals.timed:
             return equilibrium(model, self._code, inputs[:, signals.rows], values, states)
-        relevant = np.where(self._determines_lag, values, self._off)
-        slips = self._slips(relevant.tobytes(), unused)
+        fitted = [name for name in states if model.states[name].start_is_fitted]
+        if self._driven_at is not None and not fitted:
+            return self._with_stored_states(values, unused, states)
+        slips = self._slips(self._determining_lag(values), unused)
 
         def simulated(starts: Mapping[str, FloatArray]) -> FloatArray:
             simulation = StateSimulation(model, self._code, signals.t, inputs, values, False, slips, states, starts)
@@ -177,8 +231,46 @@ class Simulator:
             return rows
 
         rows = simulated({})
-        fitted = [name for name in states if model.states[name].start_is_fitted]
         return (self._with_fitted_starts(fitted, rows, values, simulated) if fitted else rows)[:, signals.rows]
+
+    def _with_stored_states(self, values: FloatArray, unused: tuple[int, ...], states: tuple[str, ...]) -> FloatArray:
+        """Return the inputs at the compared rows with lagged slips and states that given forces drive."""
+        rows = self._acting(self._determining_lag(values), unused).copy()
+        for group, indices in self._groups.items():
+            if names := tuple(name for name in group if name in states):
+                own = self._driven_at.copy()
+                own[indices] = values[indices]
+                courses = self._stored(own.tobytes(), unused, names)
+                rows[[self.signals.names.index(name) for name in names]] = courses[:, self.signals.rows]
+        return rows
+
+    def _followed(self, parameters: bytes, unused: tuple[int, ...], names: tuple[str, ...]) -> FloatArray:
+        """Return the courses of states at all rows, shape (n_states, n)."""
+        model, signals, values = self.symbolic_model, self.signals, np.frombuffer(parameters)
+        lines, inputs = state_lines(model, names), self._active(unused)
+        known = {name: self._driving(unused)[name] for name in lines.reads if name not in self.index}
+        known |= {name: values[self.index[name]] for name in lines.reads & self.index.keys()}
+
+        def driving(states: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+            return lines({**known, **states}, len(signals.t))
+
+        simulation = StateSimulation(model, self._code, signals.t, inputs, values, False, {}, names, driving=driving)
+        return simulation.histories_by_given_forces(STATE_TOLERANCE)
+
+    def _driving_values(self, unused: tuple[int, ...]) -> dict[str, FloatArray]:
+        """Return what lines of states may read at the parameters that drive them: inputs, quantities and forces.
+
+        The acting inputs have the lagged slips, and the states at these parameters.
+        """
+        rows, at, code = self._active(unused).copy(), self._driven_at, self._code
+        for name, course in self._slips(self._determining_lag(at), unused).items():
+            rows[self.signals.names.index(name)] = np.arctan(course.value) if name == "alpha" else course.value
+        rows[self._state_rows] = self._held
+        read = frozenset[str]().union(*(state_lines(self.symbolic_model, group).reads for group in self._groups))
+        named = [(self.signals.names, rows), (code.quantities_names, code.quantities(rows, at))]
+        if read & set(self.tire.outputs):
+            named.append((self.tire.outputs, code.forces(rows, at)))
+        return {name: row.copy() for names, table in named for name, row in zip(names, table) if name in read}
 
     def _with_fitted_starts(
         self,
@@ -280,3 +372,15 @@ class Simulator:
         ]
         entries, channels, columns = np.array(chosen, dtype=np.intp).reshape(-1, 3).T
         return entries, channels, columns
+
+
+def _groups_of(states: Mapping[str, State]) -> tuple[tuple[str, ...], ...]:
+    """Return the names of states in groups: a state that reads another one, or is its speed, is in its group."""
+    groups = list[tuple[str, ...]]()
+    for name, state in states.items():
+        read = state.reads | {
+            other for other in states if states[other].oscillates and states[other].speed_name == name
+        }
+        joined = tuple(other for group in groups if not read.isdisjoint(group) for other in group)
+        groups = [group for group in groups if set(joined).isdisjoint(group)] + [(*joined, name)]
+    return tuple(groups)
