@@ -1,8 +1,8 @@
 """Forces of a tire over signals and their derivatives by its coefficients, with transient slip.
 
-In a comparison of explanations a state follows from the recording: from its inputs and the forces at parameters that fit
-it (`Simulator.driven_at`). Its course then depends on the coefficients in its own equation only, and is stored by them. A
-simulator without such parameters solves states and forces together.
+In a comparison of explanations a state follows from the recording: from its inputs and the forces at parameters that
+fit it (`Simulator.driven_at`). Its course then depends on the coefficients in its own equation only, by which it is
+stored. A simulator without such parameters solves states and forces together.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +20,7 @@ from ...measurements.state_starts import estimated_starts
 from ...symbolic.added.effect import owners_of
 from ...symbolic.added.state import State
 from ...tires.code import Code, chosen_derivatives, fastest_code
-from ...tires.code.state_lines import state_lines
+from ...tires.code.given_lines import GivenLines, given_lines
 from ...tires.states.simulation import StateSimulation, equilibrium
 from ...tires.states.transient import Course, lagged_course, segment_starts
 from ...tires.tire import Tire
@@ -33,7 +34,7 @@ REMEMBERED = 4
 #: Share by which the iterations of a state change its largest value last.
 STATE_TOLERANCE = 1e-5
 #: Courses that are stored of each group of states: those of a refit with their differences.
-STORED = 32
+STORED = 16
 
 
 @dataclass
@@ -85,6 +86,9 @@ class Simulator:
         #: Coefficients that act through time, and the steps of their differences.
         relaxing = (declaration.name for declaration in declarations)
         self._by_difference = {name: self._step(name) for name in (*lengths, *relaxing)}
+        #: Coefficients of relaxation alone.
+        self._relaxing = frozenset(self._by_difference)
+        self._lags = np.isin(np.arange(len(self._off)), [self.index[name] for name in self._relaxing])
         self._sizes_of_states = dict(self._amplitudes())
         shapes = {name for effect in self.symbolic_model.added for state in effect.states for name in state.reads}
         self._by_difference |= {name: self._step(name) for name in self.symbolic_model.coefficients.keys() & shapes}
@@ -95,7 +99,6 @@ class Simulator:
             group: [self.index[name] for name in sorted(read & self.index.keys())] for group, read in reads.items()
         }
         self._state_rows = [list(self.tire.inputs).index(name) for name in self.symbolic_model.states]
-        self._lags = np.isin(np.arange(len(self._off)), [self.index[name] for name in self._by_difference])
         self._remember()
         self._store()
 
@@ -174,9 +177,12 @@ class Simulator:
         unused = tuple(row for row, indices, values in self._inactive if np.array_equal(parameters[indices], values))
         if acting := self._acting_states(parameters):
             return self._stateful(parameters.tobytes(), unused, acting)
-        if self.signals.timed and self._sigma and parameters[self._relaxation].any():
-            return self._acting(self._determining_lag(parameters), unused)
-        return self._active(unused)[:, self.signals.rows]
+        return self._with_lagged_slips(parameters, unused)
+
+    def _with_lagged_slips(self, parameters: FloatArray, unused: tuple[int, ...]) -> FloatArray:
+        """Return the inputs at the compared rows with lagged slips, shared by all callers."""
+        lags = self.signals.timed and self._sigma and parameters[self._relaxation].any()
+        return self._acting(self._determining_lag(parameters) if lags else b"", unused)
 
     def _determining_lag(self, parameters: FloatArray) -> bytes:
         """Return parameters without differences that do not change the relaxation lengths."""
@@ -194,10 +200,12 @@ class Simulator:
 
     def _computed_acting(self, relevant: bytes, unused: tuple[int, ...]) -> FloatArray:
         """Return the inputs at the compared rows with lagged slips, for the parameters that determine them."""
-        acts = self._active(unused).copy()
-        for name, course in self._slips(relevant, unused).items():
-            acts[self.signals.names.index(name)] = np.arctan(course.value) if name == "alpha" else course.value
-        return acts[:, self.signals.rows]
+        acts = np.ascontiguousarray(self._active(unused)[:, self.signals.rows])
+        for name, course in self._slips(relevant, unused).items() if relevant else ():
+            value = course.value[self.signals.rows]
+            acts[self.signals.names.index(name)] = np.arctan(value) if name == "alpha" else value
+        acts.flags.writeable = False
+        return acts
 
     def _acting_states(self, parameters: FloatArray) -> tuple[str, ...]:
         """Return the names of the states whose effects are not switched off."""
@@ -235,7 +243,7 @@ class Simulator:
 
     def _with_stored_states(self, values: FloatArray, unused: tuple[int, ...], states: tuple[str, ...]) -> FloatArray:
         """Return the inputs at the compared rows with lagged slips and states that given forces drive."""
-        rows = self._acting(self._determining_lag(values), unused).copy()
+        rows = self._with_lagged_slips(values, unused).copy()
         for group, indices in self._groups.items():
             if names := tuple(name for name in group if name in states):
                 own = self._driven_at.copy()
@@ -247,9 +255,8 @@ class Simulator:
     def _followed(self, parameters: bytes, unused: tuple[int, ...], names: tuple[str, ...]) -> FloatArray:
         """Return the courses of states at all rows, shape (n_states, n)."""
         model, signals, values = self.symbolic_model, self.signals, np.frombuffer(parameters)
-        lines, inputs = state_lines(model, names), self._active(unused)
-        known = {name: self._driving(unused)[name] for name in lines.reads if name not in self.index}
-        known |= {name: values[self.index[name]] for name in lines.reads & self.index.keys()}
+        lines, inputs = self._lines_of(names), self._active(unused)
+        known = self._known(lines, values, unused)
 
         def driving(states: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
             return lines({**known, **states}, len(signals.t))
@@ -257,20 +264,38 @@ class Simulator:
         simulation = StateSimulation(model, self._code, signals.t, inputs, values, False, {}, names, driving=driving)
         return simulation.histories_by_given_forces(STATE_TOLERANCE)
 
+    def _lines_of(self, states: tuple[str, ...]) -> GivenLines:
+        lines = tuple(line for name in states for line in self.symbolic_model.states[name].line_names[:3])
+        return given_lines(self.symbolic_model, "drives", lines)
+
+    @property
+    def _lag_lines(self) -> GivenLines:
+        lines = tuple(self._code.quantities_names[i] for i in self._sigma)
+        return given_lines(self.symbolic_model, "relaxation", lines, self._relaxing)
+
+    def _known(self, lines: GivenLines, parameters: FloatArray, unused: tuple[int, ...]) -> dict[str, Any]:
+        """Return what lines read: coefficients by name, and what drives states."""
+        driving = self._driving(unused)
+        return {name: parameters[self.index[name]] if name in self.index else driving[name] for name in lines.reads}
+
     def _driving_values(self, unused: tuple[int, ...]) -> dict[str, FloatArray]:
         """Return what lines of states may read at the parameters that drive them: inputs, quantities and forces.
 
         The acting inputs have the lagged slips, and the states at these parameters.
         """
         rows, at, code = self._active(unused).copy(), self._driven_at, self._code
-        for name, course in self._slips(self._determining_lag(at), unused).items():
+        lags = at[self._relaxation].any() if self._sigma else False
+        for name, course in self._courses_of_slips(rows, self._sigma_at(rows, at)).items() if lags else ():
             rows[self.signals.names.index(name)] = np.arctan(course.value) if name == "alpha" else course.value
         rows[self._state_rows] = self._held
-        read = frozenset[str]().union(*(state_lines(self.symbolic_model, group).reads for group in self._groups))
+        lines = [self._lines_of(group) for group in self._groups] + ([self._lag_lines] if self._sigma else [])
+        read = frozenset[str]().union(*(each.reads for each in lines))
         named = [(self.signals.names, rows), (code.quantities_names, code.quantities(rows, at))]
         if read & set(self.tire.outputs):
             named.append((self.tire.outputs, code.forces(rows, at)))
-        return {name: row.copy() for names, table in named for name, row in zip(names, table) if name in read}
+        return {
+            name: row.copy() for names, table in named for name, row in zip(names, table, strict=True) if name in read
+        }
 
     def _with_fitted_starts(
         self,
@@ -309,8 +334,19 @@ class Simulator:
         inputs, parameters = self._active(unused), np.frombuffer(relevant)
         if not self._sigma or not parameters[self._relaxation].any():
             return {}
+        if self._driven_at is None:
+            return self._courses_of_slips(inputs, self._sigma_at(inputs, parameters))
+        lines = self._lag_lines
+        sigma = lines(self._known(lines, parameters, unused), inputs.shape[1])
+        return self._courses_of_slips(inputs, np.maximum(np.stack(list(sigma.values())), 0.0))
+
+    def _sigma_at(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        """Return the relaxation lengths at inputs, m, shape (2, n)."""
+        return np.maximum(self._code.quantities(inputs, parameters)[self._sigma], 0.0)
+
+    def _courses_of_slips(self, inputs: FloatArray, sigma: FloatArray) -> dict[str, Course]:
+        """Return the courses of the lagged slips behind relaxation lengths, shape (2, n)."""
         named = dict(zip(self.signals.names, inputs, strict=True))
-        sigma = np.maximum(self._code.quantities(inputs, parameters)[self._sigma], 0.0)
         targets = {"kappa": named["kappa"], "alpha": np.tan(named["alpha"])}
         return {
             name: lagged_course(self.signals.t, target, named["V"], length, hold=False)

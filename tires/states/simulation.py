@@ -162,7 +162,7 @@ class StateSimulation:
 
     @staticmethod
     def _settled(values: FloatArray, before: FloatArray, tolerance: float) -> bool:
-        """Return whether iterated states, shape (n_states, n), changed by no more than a share of their largest value."""
+        """Return whether states, shape (n_states, n), changed by no more than a share of their largest value."""
         largest = np.abs(values).max(axis=1, keepdims=True, initial=0.0)
         return bool((np.abs(values - before) <= tolerance * largest).all())
 
