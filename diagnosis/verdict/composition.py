@@ -56,12 +56,15 @@ class Outcome:
         The final fits.
     answer : Answer
         The probabilities.
+    stopped : str
+        Why the comparison ended although explanations remained, or ''.
     """
 
     recording: Recording
     candidates: Mapping[str, Candidate]
     final: Final
     answer: Answer
+    stopped: str = ""
 
     @property
     def signals(self) -> Signals:
@@ -109,8 +112,11 @@ def composed(outcome: Outcome, began: float) -> Diagnosis:
     refined = tuple(f"{name}: {', '.join(form.free)}" for name, form in fits.refinements)
     detectable, not_identifiable = detectable_sizes(fits.after, lacking, tested, fits.start)
     of_recording = _recording_errors(outcome, delivery)
+    verdict = verdict_text(findings, unknown, confounded, refined, adequacy, detectable, against, of_recording)
+    marked = f"Best explanation so far, {outcome.stopped}: {verdict}" if outcome.stopped else verdict
     return Diagnosis(
-        verdict=verdict_text(findings, unknown, confounded, refined, adequacy, detectable, against, of_recording),
+        verdict=marked,
+        stopped=outcome.stopped,
         found=findings,
         answer=outcome.answer,
         confounded_with=confounded,

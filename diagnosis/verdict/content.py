@@ -10,7 +10,7 @@ from ..explanations.answer import RankedExplanation
 from .findings import Interval
 
 #: Version of diagnosis.json. New keys increment the second number, changed meanings the first.
-VERSION = "4.0"
+VERSION = "4.1"
 
 
 class Size(TypedDict):
@@ -110,6 +110,7 @@ class DiagnosisContent(TypedDict):
     base_tire: str
     base_fmu: str
     seconds: float
+    stopped: Annotated[str, "why explanations that remained were not compared, or empty"]
     ok: NotRequired[Annotated[bool, "of the command's --json only: whether each FMU agrees with direct evaluation"]]
     simulated: NotRequired[Annotated[dict[str, Any], "errors of both FMUs over the recordings"]]
 

@@ -91,6 +91,8 @@ class Diagnosis:
     recording_signs : str
         Sign convention of the recording and of ``rows``.
     seconds : float
+    stopped : str
+        Why explanations that remained were not compared, or ''.
     """
 
     verdict: str
@@ -119,6 +121,7 @@ class Diagnosis:
     recording_signs: str
     seconds: float
     rows: pd.DataFrame
+    stopped: str = ""
 
     def in_signs(self, signs: str) -> Diagnosis:
         """Return the same diagnosis in another sign convention.
