@@ -42,6 +42,8 @@ TIME_LIMIT = 300.0
 @click.option("--effect", "user_files", type=FILE, multiple=True, help="Effect file to test too; may be repeated.")
 @click.option("--time-limit", type=click.FloatRange(min=0.0, min_open=True), default=TIME_LIMIT, show_default=True,
               help="Seconds after which the best explanation so far is the answer, as after Ctrl-C.")  # fmt: skip
+@click.option("--without-form", "form", flag_value=False, default=True,
+              help="The improved tire has no correction of the formula's own form.")  # fmt: skip
 @click.option("--holdout", "others", type=FILE, multiple=True,
               help="Hold-out recording for the simulation of both tires; may be repeated.")  # fmt: skip
 @click.option("--fmu/--no-fmu", "fmus", default=True, show_default=True, help="Export and simulate both tires.")

@@ -59,6 +59,7 @@ def diagnose(
     candidates: Collection[AddedEffect | str] | None = None,
     progress: Callable[[str], None] | None = None,
     time_limit: float | None = None,
+    form: bool = True,
 ) -> Diagnosis:
     """Identify the effects that a baseline model lacks to explain a recording.
 
@@ -83,6 +84,8 @@ def diagnose(
         are compared, or Ctrl-C is pressed then, the result is the best explanation so far (`Diagnosis.stopped`).
     time_limit : float, optional
         Seconds. Explanations that are not compared within 70 % of it are not; the result is marked in the same way.
+    form : bool
+        Whether the improved tire may have a correction of the formula's own form, effect "form".
 
     Returns
     -------
@@ -133,12 +136,16 @@ def diagnose(
         derived_table = complete.table[[name for name in complete.table if name in recording.table or name in read]]
         recorded_or_read = replace(complete, table=derived_table)
 
-        def with_final_fits(*, no_formula: str = "") -> Diagnosis:
-            fits = final_fits(comparison, problem, solution, start, report, no_formula=no_formula)
+        def with_final_fits(*, no_formula: str = "", correct_form: bool = form) -> Diagnosis:
+            fits = final_fits(
+                comparison, problem, solution, start, report, no_formula=no_formula, correct_form=correct_form
+            )
             outcome = Outcome(recorded_or_read, candidates_tried, fits, comparison.answer, comparison.stopped)
             return composed(outcome, began)
 
         result = with_final_fits()
+        if not result.delivered and result.form.channels:
+            result = with_final_fits(correct_form=False)
         if not result.delivered and any(part.effect for part in result.unknown):
             result = with_final_fits(no_formula=f"with it, {'; '.join(result.not_delivered_because)}")
         return _with_source_of_temperature(result, recording, start, candidates_tried).in_signs("iso")

@@ -25,6 +25,8 @@ from ..unexplained.structure import Structure
 from .compare import Comparison
 from .effect_evidence import Evidence, effect_evidence
 from .explanation import Explanation
+from .form import Form as FormCorrection
+from .form import form_of
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -54,6 +56,8 @@ class Final:
         The unknown component; at most one.
     unknown_evidence : Evidence or None
         For its formula, if this was added.
+    form : FormCorrection or None
+        The correction of the formula's own form in the model with the effects, if it predicts the hold-out set better.
     """
 
     before: Screen
@@ -65,11 +69,12 @@ class Final:
     refinements: tuple[tuple[str, Form], ...]
     unknown: tuple[Unknown, ...]
     unknown_evidence: Evidence | None
+    form: FormCorrection | None = None
 
 
 def final_fits(
     comparison: Comparison, problem: LeastSquares, baseline: Solution, start: Tire, report: Callable[[str], None],
-    *, no_formula: str = "",
+    *, no_formula: str = "", correct_form: bool = True,
 ) -> Final:  # fmt: skip
     """Return the final fits.
 
@@ -85,6 +90,8 @@ def final_fits(
         Called with a sentence.
     no_formula : str
         The reason why the formula of an unknown component may not be added to the model, if any.
+    correct_form : bool
+        Whether the model may have a correction of the formula's own form.
     """
     linear = comparison.leader.linear
     disturbances = problem.disturbances.without(linear.unneeded_cross_talk())
@@ -101,6 +108,9 @@ def final_fits(
     unknown, added = _unknown(comparison, start, extended, solution, report, no_formula)
     if added is not None:
         extended, solution, start = added.problem, added.solution, added.tire
+    form = form_of(extended, solution, start) if correct_form else None
+    if form is not None:
+        extended, solution, start = form.problem, form.solution, form.start
     for _ in range(BALANCING):
         extended, solution = _fitted(balanced(extended, solution), solution.parameters, solution.free)
     before = Screen(extended, solution)
@@ -113,7 +123,7 @@ def final_fits(
     evidence = {name: effect_evidence(after, coefficients) for name, coefficients in effects.items()}
     formula = [declaration.name for declaration in added.effect.declarations] if added else []
     of_formula = effect_evidence(after, formula) if added else None
-    return Final(before, after, whitened, start, effects, evidence, refinements, unknown, of_formula)
+    return Final(before, after, whitened, start, effects, evidence, refinements, unknown, of_formula, form)
 
 
 def driven(problem: LeastSquares, solution: Solution) -> LeastSquares:

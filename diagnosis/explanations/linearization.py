@@ -113,22 +113,29 @@ class Linearization:
             np.append(base.gradient, np.zeros(added.shape[1])),
         )  # fmt: skip
 
-    @cached_property
+    @property
     def _own_equations(self) -> NormalEquations:
-        _, deviation, distance = self._contained
+        return self._own[1]
+
+    @property
+    def _rows(self) -> FloatArray:
+        """The weighted columns beside the disturbances, and the misfit, shape (n_channels * n, k + 1)."""
+        return self._own[0]
+
+    @cached_property
+    def _own(self) -> tuple[FloatArray, NormalEquations]:
+        """Rows and equations; the columns themselves are not stored, as there are many linearizations."""
+        columns, deviation, distance = self._contained()
+        misfit = self.problem.misfit(self.solution.parameters)[:, :, None]
+        rows = self._weighted(np.concatenate([columns, misfit], axis=-1))
         first, products = self.problem.disturbance_products
-        cross = first.T @ self._rows
-        matrix = np.block([[products, cross], [cross.T, self._rows.T @ self._rows]])
+        cross = first.T @ rows
+        matrix = np.block([[products, cross], [cross.T, rows.T @ rows]])
         deviations = np.concatenate([self.problem.disturbances.deviation, deviation])
         distances = np.concatenate([np.zeros(len(deviations) - len(distance)), distance])
         power = float(matrix[-1, -1]) + float(np.sum(distances**2))
-        return NormalEquations(matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations)
-
-    @cached_property
-    def _rows(self) -> FloatArray:
-        """The weighted columns beside the disturbances, and the misfit, shape (n_channels * n, k + 1)."""
-        misfit = self.problem.misfit(self.solution.parameters)[:, :, None]
-        return self._weighted(np.concatenate([self._contained[0], misfit], axis=-1))
+        equations = NormalEquations(matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations)
+        return rows, equations
 
     def _weighted(self, columns: FloatArray) -> FloatArray:
         return self.problem.weighted(columns).reshape(-1, columns.shape[-1])
@@ -136,9 +143,8 @@ class Linearization:
     @property
     def contained(self) -> FloatArray:
         """What the explanation contains beside the disturbances, N and N m, shape (n_channels, n, k)."""
-        return self._contained[0]
+        return self._contained()[0]
 
-    @cached_property
     def _contained(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Columns beside the disturbances, their prior deviations, and distances from the means in deviations.
 

@@ -32,8 +32,11 @@ from .content import (
     UnknownContent,
 )
 from .extrapolation import Extrapolation
-from .findings import Finding, turned_sign
+from .findings import Finding, FormCorrection, turned_sign
 from .summary import diagnosis_html, diagnosis_text
+
+#: Of a diagnosis whose tires have no correction of the form.
+NO_FORM = FormCorrection({}, False)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -93,6 +96,8 @@ class Diagnosis:
     seconds : float
     stopped : str
         Why explanations that remained were not compared, or ''.
+    form : FormCorrection
+        The correction of the formula's own form in the delivered tire.
     """
 
     verdict: str
@@ -122,6 +127,7 @@ class Diagnosis:
     seconds: float
     rows: pd.DataFrame
     stopped: str = ""
+    form: FormCorrection = NO_FORM
 
     def in_signs(self, signs: str) -> Diagnosis:
         """Return the same diagnosis in another sign convention.
@@ -251,6 +257,10 @@ class Diagnosis:
             base_tire=base_tire,
             base_fmu=base_fmu,
             seconds=round(self.seconds, 2),
+            form={
+                "channels": {name: {"rms": rms, "largest": most} for name, (rms, most) in self.form.channels.items()},
+                "delivered": self.form.delivered,
+            },
         )
         return dict(json_value(content))
 
