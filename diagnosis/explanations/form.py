@@ -132,6 +132,11 @@ def _names(role: str, load: int) -> tuple[str, ...]:
     return tuple(f"{PREFIX}{short}{load + 1}{k + 1}" for k in range(slips))
 
 
+def without_form(tire: Tire) -> Tire:
+    """Return a tire whose correction is zero; its other coefficients were fitted together with it."""
+    return tire.with_values(**{name: 0.0 for name in tire.symbolic_model.coefficients if name.startswith(PREFIX)})
+
+
 def _roles(model: Model, channels: Collection[str]) -> tuple[str, ...]:
     """Return the roles whose quantities are corrected: those of measured channels."""
     return tuple(role for role, (channel, *_) in CORRECTED.items() if channel in channels and model.leading(role))
