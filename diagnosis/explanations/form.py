@@ -23,15 +23,13 @@ from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 from ..recording.signals import Signals
 from ..recording.simulation import Simulator
-from ..thresholds import DISCREPANCIES, FINAL_ITERATIONS
+from ..thresholds import DISCREPANCIES, FINAL_ITERATIONS, INADEQUATE
 from .evidence import likelihood_power
 
 FloatArray = npt.NDArray[np.float64]
 
 #: The name of the effect, and how the names of its shares of bumps begin.
 FORM, PREFIX = "form", "FORM_"
-#: Root mean square residual over short-range noise from which a form is corrected: a third of its power. Convention.
-MIN_MISFIT = 1.25
 #: Numbers of bumps over load and slip, and the half width of a bump in distances of two. Conventions.
 LOADS, SLIPS, HALF_WIDTH = 4, 3, 1.25
 #: Smallest ranges of Fz/FNOMIN and slip that have a form. Convention.
@@ -64,14 +62,14 @@ class Form:
 def form_of(problem: LeastSquares, solution: Solution, start: Tire) -> Form | None:
     """Return a correction of the form; None if nothing is to be corrected, or the hold-out set not predicted better.
 
-    `problem`: weighted by the short-range noise: where the residual is not above it, nothing is to be corrected.
+    `problem`: weighted by the short-range noise: where the residual is not far above it, nothing is corrected.
     `start`: the model with all effects. For the fit, the noise of a channel is its residual, and the likelihood is
     raised to the power of the comparison.
     """
     used, signals = problem.inverse_noise > 0.0, problem.simulator.signals
     size = np.sqrt(np.sum((problem.inverse_noise * solution.residual) ** 2, axis=1) / np.maximum(used.sum(axis=1), 1))
     geometry = _geometry(signals, start)
-    if geometry is None or FORM in start.has or size.max() < MIN_MISFIT:
+    if geometry is None or FORM in start.has or size.max() < INADEQUATE:
         return None
     roles = _roles(start.symbolic_model, signals.channels)
     try:
@@ -99,7 +97,7 @@ def form_of(problem: LeastSquares, solution: Solution, start: Tire) -> Form | No
 
 def _predicts_better(problem: LeastSquares, before: Solution, after: Solution) -> bool:
     """Return whether the density of the hold-out set is larger, by more than twice its standard error over blocks."""
-    signals, gains = problem.simulator.signals, 0.0
+    signals, gains = problem.simulator.signals, np.zeros(len(problem.simulator.signals.rows))
     used, held = problem.inverse_noise > 0.0, signals.present & signals.holdout
     for i in range(len(signals.channels)):
         if used[i].any() and held[i].any():
@@ -108,7 +106,7 @@ def _predicts_better(problem: LeastSquares, before: Solution, after: Solution) -
                 for solution in (before, after)
                 for variance in [float(np.mean(solution.residual[i][used[i]] ** 2))]
             ]
-            gains = gains + np.where(held[i], densities[1] - densities[0], 0.0)
+            gains += np.where(held[i], densities[1] - densities[0], 0.0)
     blocks = signals.block[signals.holdout]
     by_block = np.array([np.sum(gains, where=signals.block == block) for block in np.unique(blocks)])
     return len(by_block) > 1 and bool(by_block.sum() > 2.0 * error_of_sum(by_block))

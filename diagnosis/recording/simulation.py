@@ -58,9 +58,9 @@ class Simulator:
     #: The courses of states for the coefficients of their equations, and what drives them.
     _stored: Callable[[bytes, tuple[int, ...], tuple[str, ...]], FloatArray] = field(init=False)
     _driving: Callable[[tuple[int, ...]], dict[str, FloatArray]] = field(init=False)
-    #: Parameters at which forces drive the states, and the states at them, shape (n_states, n).
-    _driven_at: FloatArray | None = field(init=False, default=None)
-    _held: FloatArray | None = field(init=False, default=None)
+    #: Parameters at which forces drive the states, empty for those of the trial; the states at them, (n_states, n).
+    _driven_at: FloatArray = field(init=False, default_factory=lambda: np.empty(0))
+    _held: FloatArray = field(init=False, default_factory=lambda: np.empty((0, 0)))
 
     #: The latest courses of states, from which the next iteration starts, and their times.
     _courses: dict[str, FloatArray] = field(init=False, default_factory=dict)
@@ -141,19 +141,18 @@ class Simulator:
             other._store()
         return other
 
-    def driven_at(self, parameters: FloatArray | None) -> Simulator:
-        """Return a simulator whose states are driven by the forces at given parameters; by those of the trial for None.
+    def driven_at(self, parameters: FloatArray) -> Simulator:
+        """Return a simulator whose states are driven by the forces at given parameters.
 
         So are relaxation lengths: what else than their own coefficients they depend on has these values.
         """
         other = copy(self)
-        other._driven_at = other._held = None
+        other._driven_at = np.empty(0)
         other._remember()
-        if parameters is not None:
-            every = other.with_signals(replace(self.signals, rows=np.arange(len(self.signals.t))))
-            other._held = every.effective_inputs(parameters)[self._state_rows]
-            other._driven_at = parameters.copy()
-            other._remember()
+        every = other.with_signals(replace(self.signals, rows=np.arange(len(self.signals.t))))
+        other._held = every.effective_inputs(parameters)[self._state_rows]
+        other._driven_at = parameters.copy()
+        other._remember()
         other._store()
         return other
 
@@ -186,7 +185,7 @@ class Simulator:
 
     def _determining_lag(self, parameters: FloatArray) -> bytes:
         """Return parameters without differences that do not change the relaxation lengths."""
-        if self._driven_at is None:
+        if not len(self._driven_at):
             return np.where(self._determines_lag, parameters, self._off).tobytes()
         return np.where(self._determines_lag & self._lags, parameters, self._driven_at).tobytes()
 
@@ -227,7 +226,7 @@ class Simulator:
         if not signals.timed:
             return equilibrium(model, self._code, inputs[:, signals.rows], values, states)
         fitted = [name for name in states if model.states[name].start_is_fitted]
-        if self._driven_at is not None and not fitted:
+        if len(self._driven_at) and not fitted:
             return self._with_stored_states(values, unused, states)
         slips = self._slips(self._determining_lag(values), unused)
 
@@ -246,9 +245,9 @@ class Simulator:
         rows = self._with_lagged_slips(values, unused).copy()
         for group, indices in self._groups.items():
             if names := tuple(name for name in group if name in states):
-                own = self._driven_at.copy()
-                own[indices] = values[indices]
-                courses = self._stored(own.tobytes(), unused, names)
+                trial = self._driven_at.copy()
+                trial[indices] = values[indices]
+                courses = self._stored(trial.tobytes(), unused, names)
                 rows[[self.signals.names.index(name) for name in names]] = courses[:, self.signals.rows]
         return rows
 
@@ -256,10 +255,10 @@ class Simulator:
         """Return the courses of states at all rows, shape (n_states, n)."""
         model, signals, values = self.symbolic_model, self.signals, np.frombuffer(parameters)
         lines, inputs = self._lines_of(names), self._active(unused)
-        known = self._known(lines, values, unused)
+        given = self._given(lines, values, unused)
 
         def driving(states: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-            return lines({**known, **states}, len(signals.t))
+            return lines({**given, **states}, len(signals.t))
 
         simulation = StateSimulation(model, self._code, signals.t, inputs, values, False, {}, names, driving=driving)
         return simulation.histories_by_given_forces(STATE_TOLERANCE)
@@ -273,7 +272,7 @@ class Simulator:
         lines = tuple(self._code.quantities_names[i] for i in self._sigma)
         return given_lines(self.symbolic_model, "relaxation", lines, self._relaxing)
 
-    def _known(self, lines: GivenLines, parameters: FloatArray, unused: tuple[int, ...]) -> dict[str, Any]:
+    def _given(self, lines: GivenLines, parameters: FloatArray, unused: tuple[int, ...]) -> dict[str, Any]:
         """Return what lines read: coefficients by name, and what drives states."""
         driving = self._driving(unused)
         return {name: parameters[self.index[name]] if name in self.index else driving[name] for name in lines.reads}
@@ -289,7 +288,7 @@ class Simulator:
             rows[self.signals.names.index(name)] = np.arctan(course.value) if name == "alpha" else course.value
         rows[self._state_rows] = self._held
         lines = [self._lines_of(group) for group in self._groups] + ([self._lag_lines] if self._sigma else [])
-        read = frozenset[str]().union(*(each.reads for each in lines))
+        read = frozenset[str]().union(*(part.reads for part in lines))
         named = [(self.signals.names, rows), (code.quantities_names, code.quantities(rows, at))]
         if read & set(self.tire.outputs):
             named.append((self.tire.outputs, code.forces(rows, at)))
@@ -334,10 +333,10 @@ class Simulator:
         inputs, parameters = self._active(unused), np.frombuffer(relevant)
         if not self._sigma or not parameters[self._relaxation].any():
             return {}
-        if self._driven_at is None:
+        if not len(self._driven_at):
             return self._courses_of_slips(inputs, self._sigma_at(inputs, parameters))
         lines = self._lag_lines
-        sigma = lines(self._known(lines, parameters, unused), inputs.shape[1])
+        sigma = lines(self._given(lines, parameters, unused), inputs.shape[1])
         return self._courses_of_slips(inputs, np.maximum(np.stack(list(sigma.values())), 0.0))
 
     def _sigma_at(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:

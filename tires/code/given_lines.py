@@ -47,11 +47,11 @@ class GivenLines:
         exec(compile("\n".join(text), f"<{', '.join(results)}>", "exec"), namespace)  # of the printed code
         self._function: Callable[..., tuple[Any, ...]] = namespace["lines"]
 
-    def __call__(self, known: Mapping[str, Any], n: int) -> dict[str, FloatArray]:
+    def __call__(self, values: Mapping[str, Any], n: int) -> dict[str, FloatArray]:
         """Return the lines by name, shape (n,), for the values of the names that they read."""
         with np.errstate(all="ignore"):  # far outside a tire's range a line may divide by zero
-            values = self._function(**{name: known[name] for name in self.reads}, xp=np)
-        return {name: np.broadcast_to(value, n) for name, value in zip(self._results, values, strict=True)}
+            results = self._function(**{name: values[name] for name in self.reads}, xp=np)
+        return {name: np.broadcast_to(value, n) for name, value in zip(self._results, results, strict=True)}
 
 
 @lru_cache(maxsize=64)
