@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -115,27 +115,12 @@ class Linearization:
 
     @property
     def _own_equations(self) -> NormalEquations:
-        return self._own[1]
+        return _rows_and_equations(self)[1]
 
     @property
     def _rows(self) -> FloatArray:
         """The weighted columns beside the disturbances, and the misfit, shape (n_channels * n, k + 1)."""
-        return self._own[0]
-
-    @cached_property
-    def _own(self) -> tuple[FloatArray, NormalEquations]:
-        """Rows and equations; the columns themselves are not stored, as there are many linearizations."""
-        columns, deviation, distance = self._contained()
-        misfit = self.problem.misfit(self.solution.parameters)[:, :, None]
-        rows = self._weighted(np.concatenate([columns, misfit], axis=-1))
-        first, products = self.problem.disturbance_products
-        cross = first.T @ rows
-        matrix = np.block([[products, cross], [cross.T, rows.T @ rows]])
-        deviations = np.concatenate([self.problem.disturbances.deviation, deviation])
-        distances = np.concatenate([np.zeros(len(deviations) - len(distance)), distance])
-        power = float(matrix[-1, -1]) + float(np.sum(distances**2))
-        equations = NormalEquations(matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations)
-        return rows, equations
+        return _rows_and_equations(self)[0]
 
     def _weighted(self, columns: FloatArray) -> FloatArray:
         return self.problem.weighted(columns).reshape(-1, columns.shape[-1])
@@ -339,3 +324,21 @@ class Linearization:
             prior = float(np.log(EFFECT_ODDS / (len(points) * len(alone))))
             added += [Addition(name, columns[:, :, probes], deviation[probes], form, prior) for probes in alone]
         return added
+
+
+@lru_cache(maxsize=4)
+def _rows_and_equations(linear: Linearization) -> tuple[FloatArray, NormalEquations]:
+    """Return the weighted columns with the misfit, and the normal equations, of what an explanation contains.
+
+    They are stored for the latest linearizations only: with three channels they take 60 MB.
+    """
+    problem, (columns, deviation, distance) = linear.problem, linear._contained()
+    misfit = problem.misfit(linear.solution.parameters)[:, :, None]
+    rows = linear._weighted(np.concatenate([columns, misfit], axis=-1))
+    first, products = problem.disturbance_products
+    cross = first.T @ rows
+    matrix = np.block([[products, cross], [cross.T, rows.T @ rows]])
+    deviations = np.concatenate([problem.disturbances.deviation, deviation])
+    distances = np.concatenate([np.zeros(len(deviations) - len(distance)), distance])
+    power = float(matrix[-1, -1]) + float(np.sum(distances**2))
+    return rows, NormalEquations(matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations)
