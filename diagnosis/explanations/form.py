@@ -23,13 +23,16 @@ from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 from ..recording.signals import Signals
 from ..recording.simulation import Simulator
-from ..thresholds import DISCREPANCIES, FINAL_ITERATIONS, INADEQUATE
+from ..thresholds import DISCREPANCIES, FINAL_ITERATIONS
+from .discrepancy import model_discrepancy
 from .evidence import likelihood_power
 
 FloatArray = npt.NDArray[np.float64]
 
 #: The name of the effect, and how the names of its shares of bumps begin.
 FORM, PREFIX = "form", "FORM_"
+#: Root mean square residual over short-range noise from which a form is corrected: a third of its power. Convention.
+MIN_MISFIT = 1.25
 #: Numbers of bumps over load and slip, and the half width of a bump in distances of two. Conventions.
 LOADS, SLIPS, HALF_WIDTH = 4, 3, 1.25
 #: Smallest ranges of Fz/FNOMIN and slip that have a form. Convention.
@@ -69,7 +72,11 @@ def form_of(problem: LeastSquares, solution: Solution, start: Tire) -> Form | No
     used, signals = problem.inverse_noise > 0.0, problem.simulator.signals
     size = np.sqrt(np.sum((problem.inverse_noise * solution.residual) ** 2, axis=1) / np.maximum(used.sum(axis=1), 1))
     geometry = _geometry(signals, start)
-    if geometry is None or FORM in start.has or size.max() < INADEQUATE:
+    if geometry is None or FORM in start.has or size.max() < MIN_MISFIT:
+        return None
+    power = likelihood_power(int(used.any(axis=0).sum()))
+    weights = problem.inverse_noise * (np.sqrt(power) / np.where(size > 0.0, size, 1.0))[:, None]
+    if not _predicts_better(problem, solution.residual, _smoothed(problem, solution, weights)):
         return None
     roles = _roles(start.symbolic_model, signals.channels)
     try:
@@ -82,29 +89,40 @@ def form_of(problem: LeastSquares, solution: Solution, start: Tire) -> Form | No
         parameters[simulator.index[name]] = solution.parameters[problem.simulator.index[name]]
     for name, value in geometry.items():
         parameters[simulator.index[name]] = value
-    power = likelihood_power(int(used.any(axis=0).sum()))
-    weights = problem.inverse_noise * (np.sqrt(power) / np.where(size > 0.0, size, 1.0))[:, None]
     wider = replace(problem, inverse_noise=weights, simulator=simulator.driven_at(parameters))
     free = tuple(sorted((*solution.free, *_coefficients(roles)), key=simulator.names.index))
     best = wider.solve(parameters, free, iterations=FINAL_ITERATIONS)
     wider = wider.over(wider.simulator.driven_at(best.parameters))
     best = wider.at(best.parameters, free)
-    if not _predicts_better(problem, solution, best):
+    if not _predicts_better(problem, solution.residual, best.residual):
         return None
     change = np.where(signals.present, solution.residual - best.residual, 0.0)
     return Form(tire, replace(wider, inverse_noise=problem.inverse_noise), best, change)
 
 
-def _predicts_better(problem: LeastSquares, before: Solution, after: Solution) -> bool:
-    """Return whether the density of the hold-out set is larger, by more than twice its standard error over blocks."""
+def _smoothed(problem: LeastSquares, solution: Solution, weights: FloatArray) -> FloatArray:
+    """Return the residual without the posterior mean of the discrepancy of the model: a form without its equations."""
+    columns = model_discrepancy(problem.simulator.signals, problem.simulator.forces(solution.parameters))
+    flat = (weights[:, :, None] * columns).reshape(-1, columns.shape[-1])
+    matrix = flat.T @ flat + np.eye(flat.shape[1]) / max(DISCREPANCIES) ** 2
+    return np.asarray(
+        solution.residual - columns @ np.linalg.solve(matrix, flat.T @ (weights * solution.residual).ravel())
+    )
+
+
+def _predicts_better(problem: LeastSquares, before: FloatArray, after: FloatArray) -> bool:
+    """Return whether the density of the hold-out set is larger, by more than twice its standard error over blocks.
+
+    `before`, `after`: residuals, shape (n_channels, n).
+    """
     signals, gains = problem.simulator.signals, np.zeros(len(problem.simulator.signals.rows))
     used, held = problem.inverse_noise > 0.0, signals.present & signals.holdout
     for i in range(len(signals.channels)):
         if used[i].any() and held[i].any():
             densities = [
-                -0.5 * (np.log(variance) + solution.residual[i] ** 2 / variance)
-                for solution in (before, after)
-                for variance in [float(np.mean(solution.residual[i][used[i]] ** 2))]
+                -0.5 * (np.log(variance) + residual[i] ** 2 / variance)
+                for residual in (before, after)
+                for variance in [float(np.mean(residual[i][used[i]] ** 2))]
             ]
             gains += np.where(held[i], densities[1] - densities[0], 0.0)
     blocks = signals.block[signals.holdout]
