@@ -54,10 +54,10 @@ def drive(
     rms = answer.before.rms, answer.after.rms
     changes = ", ".join(f"{name} {rms[0][name]:.3g} -> {rms[1][name]:.3g}" for name in rms[0])
     terminal.print(f"rms error of the simulated vehicle: {changes}")
-    if not answer.ok:
-        terminal.print("no tire is written: these numbers cannot be used")
+    if not answer.written:
+        terminal.print("no tire is written")
     terminal.print(*(f"{path}" for path in [*written, output / "drive.json", output / "report.html"]))
-    return 0 if answer.ok else 1
+    return 0 if answer.written else 1
 
 
 def _template(example: Path, quiet: bool) -> int:

@@ -10,11 +10,13 @@ import numpy.typing as npt
 
 from ...tires import Tire
 from .estimate import Estimate
-from .inputs.unknowns import AXLES, CHANGED, FACTORS, LATERAL, Unknowns
+from .inputs.unknowns import AXLES, CHANGED, FACTORS, Unknowns
 from .interval import OUTPUTS
 
 FloatArray = npt.NDArray[np.float64]
 
+#: Posterior probability at which a change of a tire, a wrong entry of the car or an effect is a finding.
+CERTAIN = 0.95
 #: Normal deviate of 95 %.
 WIDTH = 1.96
 #: A factor is determined if the standard deviation of its logarithm is at most this, and a friction factor only if the
@@ -40,6 +42,11 @@ class Factor:
     changed: float
 
     @property
+    def differs(self) -> bool:
+        """Whether the drive says that it differs from 1."""
+        return self.determined and self.changed > CERTAIN and not self.low <= 1.0 <= self.high
+
+    @property
     def informed(self) -> bool:
         """Whether the drive has information on it: it gives the forces over the slip that was reached."""
         return bool(np.log(self.high / self.low) <= 2.0 * WIDTH * MAX_SPREAD)
@@ -61,8 +68,6 @@ def factors_of(
             center, spread = unknowns.spread[i] * estimate.z[i], unknowns.spread[i] * deviation[i]
             low, value, high = (float(np.exp(center + k * WIDTH * spread)) for k in (-1, 0, 1))
             reason = "" if spread <= MAX_SPREAD else "the drive has too little information on it"
-            if name not in LATERAL:
-                reason = "the log has no longitudinal force of a wheel"
             if not reason and name == "LMUY":
                 time = step * np.sum(used_share(estimate, axle, tires[axle], high) > PEAK_SHARE)
                 reason = "" if time >= PEAK_TIME else "the side force never comes near its peak"
@@ -86,7 +91,7 @@ def scaled_tires(tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, F
     """
     return {
         axle: tire.with_values(
-            **{name: tire.values[name] * factors[axle][name].value for name in LATERAL if factors[axle][name].informed}
+            **{name: tire.values[name] * factors[axle][name].value for name in FACTORS if factors[axle][name].informed}
         )
         for axle, tire in tires.items()
     }

@@ -9,7 +9,7 @@ from scipy.interpolate import PchipInterpolator
 
 from tirefmu.diagnosis import Diagnosis
 from tirefmu.numerics.smoothing import smoothed
-from tirefmu.tires.states.simulation.transient import rolled_distance
+from tirefmu.tires.states.transient import rolled_distance
 from tirefmu.tires.tire import Tire
 
 FloatArray = npt.NDArray[np.float64]

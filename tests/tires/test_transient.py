@@ -13,7 +13,7 @@ from tirefmu.boundary.errors import DataError
 from tirefmu.symbolic.models import model_named
 from tirefmu.symbolic.quantities import AT_ONCE
 from tirefmu.tires import Tire
-from tirefmu.tires.states.simulation.transient import followed, lagged_course, segment_starts
+from tirefmu.tires.states.transient import followed, lagged_course, segment_starts
 
 SIX = ["mf52", "mf61", "mf62"]
 #: A small car's tire, with the relaxation lengths of MF5.2 in addition to SIGX and SIGY.
