@@ -12,8 +12,9 @@ from .inputs.unknowns import Unknowns
 
 #: Share of the variance of the file that a drive takes away from a combination of entries that it can contradict.
 SEEN = 0.1
-#: Probability below which the deviation is a contradiction. Convention.
-IMPROBABLE = 1e-3
+#: Probability below which the deviation is a contradiction. Judgement: uncertainties of a file are rough, and a
+#: sensor at three of them is no other car.
+IMPROBABLE = 1e-5
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """What no entry of a car explains: side forces of its axles that grow with the motion, of a size that is estimated.
 
 A car has more than its model, and a tire more than its formula. The difference is a side force of each axle in
-proportion to the one that the motion requires, changed smoothly by size, rate, longitudinal acceleration, speed and time.
+proportion to that of its tires, changed smoothly by size, rate, longitudinal acceleration, speed and time.
 Its coefficients are unknowns like those of the car, with one standard deviation that maximizes the evidence. What data
 contradict shows the size of what they cannot see: an error in proportion to the force looks like a factor of the tire
 (Kennedy and O'Hagan, Bayesian calibration of computer models, JRSS B 63, 2001; Brynjarsdottir and O'Hagan, Inverse
@@ -48,7 +48,9 @@ def discrepancy_columns(grid: Grid, states: FloatArray, entries: Mapping[str, fl
         size = np.abs(force) / max(np.abs(force).max(), 1e-9)
         rate = np.where(inner, np.gradient(force, grid.step), 0.0)
         along = ax / (ACCELERATION * GRAVITY)
-        shapes = [force, force * size, force * size**2, TIME * rate, force * along, force * speed, force * time]
+        driving, braking = np.maximum(along, 0.0), np.minimum(along, 0.0)
+        changes = (1.0, size, size**2, driving, braking, driving * size, braking * size, speed, time)
+        shapes = [*(force * change for change in changes), TIME * rate]
         columns += [np.where(np.arange(2) == axle, shape[:, None], 0.0) for shape in shapes]
     return np.stack(columns, axis=2)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,14 +16,14 @@ from .contradiction import Contradiction, contradiction_of
 from .disagreement import disagreement
 from .effects import Missing, factor_values, motion_of, scaled
 from .estimate import Estimate, estimated
-from .factors import CERTAIN, Factor, factors_of, scaled_tires
+from .factors import CERTAIN, Factor, believed, factors_of, scaled_tires
 from .inputs.car import Car, read_car
 from .inputs.grid import Grid, forward_speed, gridded, spinning, unwrapped
 from .inputs.log import Log, LogLike, read_log
 from .inputs.plausibility import check_log
 from .inputs.unknowns import Unknowns, check_factors, unknowns_of
 from .interval import BALANCE, POSE, interval_of
-from .left_out import Parts, is_better, left_out, parts_of
+from .left_out import Parts, is_better, left_out, parts_of, widened
 from .result import Drive, wheel_table
 from .rivals import Explanation, forces_of, lacking, probabilities_of, rivals_of
 from .simulation import simulated
@@ -111,9 +112,8 @@ def _answer(
 
     base = Explanation(None, grid, estimate)
     ranked = rivals_of(base, unknowns, car, tires)
-    contradiction = contradiction_of(estimate, unknowns)
     best = base
-    if lacking(ranked) > CERTAIN and not contradiction.certain and ranked[0].missing:
+    if lacking(ranked) > CERTAIN and ranked[0].missing:
         forces = forces_of(ranked[0], unknowns, car, base)
         best = (
             _refitted(ranked[0].missing, lambda: estimated(grid, interval, unknowns, start, log, car, forces, estimate))
@@ -121,13 +121,17 @@ def _answer(
         )
     answer = _with_effect(best, base, unknowns, car, tires)
     delivered = answer.missing.delivered(answer.estimate.z[len(unknowns) :]) if answer.missing else tires
-    probable = probabilities_of(answer.grid, answer.estimate, unknowns)
-    factors = factors_of(answer.estimate, unknowns, delivered, answer.grid.step, probable.factors)
+    parts = parts_of(answer.grid, answer.estimate, unknowns, car)
+    of_base = parts if answer is base else parts_of(base.grid, base.estimate, unknowns, car)
+    wide = widened(answer.estimate, parts)
+    answer = replace(answer, estimate=wide)
+    contradiction = contradiction_of(wide, unknowns)
+    probable = probabilities_of(answer.grid, wide, unknowns)
+    factors = factors_of(wide, unknowns, delivered, answer.grid.step, probable.factors)
     new = scaled_tires(delivered, factors)
     common = answer.grid, answer.estimate, unknowns, car
-    parts = parts_of(*common)
-    of_base = parts if answer is base else parts_of(base.grid, base.estimate, unknowns, car)
     found = _found(parts, delivered, factors, contradiction) if answer.estimate.converged else frozenset()
+    factors = believed(factors, found)
     predicted = left_out(parts, of_base, tires, delivered) if parts and of_base else None
     before = simulated(*common, tires, z=0.0 * answer.estimate.z, fmus=fmus)
     after = simulated(*common, new, z=answer.estimate.z, fmus=fmus)
@@ -153,10 +157,10 @@ def _with_effect(
     best: Explanation, base: Explanation, unknowns: Unknowns, car: Car, tires: dict[str, Tire]
 ) -> Explanation:
     """Return the explanation with an effect if the car simulated with it is better on the parts that were left out."""
-    if not best.missing or contradiction_of(best.estimate, unknowns).certain:
+    if not best.missing:
         return base
     parts, without = (parts_of(at.grid, at.estimate, unknowns, car) for at in (best, base))
-    if not parts or not without:
+    if not parts or not without or contradiction_of(widened(best.estimate, parts), unknowns).certain:
         return base
     with_it = best.missing.delivered(best.estimate.z[len(unknowns) :])
     return best if is_better(without.errors(tires, ())[0], parts.errors(with_it, ())[0]) else base

@@ -32,7 +32,7 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 
 #: Deviations of the balance, per load: at the start, and the smallest one (the error of the integration).
-START_DEVIATION, MIN_DEVIATION = 0.02, 1e-3
+START_DEVIATION, MIN_DEVIATION = 0.02, 5e-4
 #: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
 LONGEST_STEP = 1.0
 #: Largest deviation of an unknown: one that reaches it contradicts the car file.
@@ -41,7 +41,7 @@ LARGEST = 10.0
 OUTLYING = 3.0
 #: Most steps of the unknowns, and from an estimate that is near; most steps of the states for given unknowns, predicted
 #: relative decrease that ends the latter, smallest part of a step that is tried.
-ROUNDS, NEAR_ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 60, 20, 50, 1e-7, 1e-2
+ROUNDS, NEAR_ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 60, 20, 12, 1e-6, 1e-2
 #: Rounds for which the slope of the volume is kept, but for steps shorter than this.
 SLOPE_ROUNDS, NEAR = 3, 1.0
 #: The estimate ends at a step of an unknown in its standard deviations and of the logarithm of a deviation below the
@@ -222,7 +222,7 @@ def estimated(
 
 
 def _sample(grid: Grid) -> IntArray | None:
-    """Return the intervals of some parts of a drive, from which an estimate of the whole one begins; None for a short one."""
+    """Return the intervals of some parts of a drive, from which an estimate of the whole begins, or None."""
     n = len(grid.t)
     if n < 2 * SAMPLE:
         return None

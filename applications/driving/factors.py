@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Set
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -73,6 +73,22 @@ def factors_of(
                 reason = "" if time >= PEAK_TIME else "the side force never comes near its peak"
             result[axle][name] = Factor(value, low, high, not reason, reason, changed.get((axle, name), CHANGED))
     return result
+
+
+def believed(factors: Mapping[str, Mapping[str, Factor]], found: Set[tuple[str, str]]) -> dict[str, dict[str, Factor]]:
+    """Return the factors with the probabilities that prediction leaves.
+
+    The evidence has one vote and prediction the other: what the evidence calls changed, but what does not predict, is
+    at most as likely as not.
+    """
+    return {
+        axle: {
+            name: replace(factor, changed=factor.changed / 2) if factor.changed > CHANGED and (axle, name) not in found
+            else factor
+            for name, factor in row.items()
+        }
+        for axle, row in factors.items()
+    }  # fmt: skip
 
 
 def used_share(estimate: Estimate, axle: str, tire: Tire, friction: float) -> FloatArray:

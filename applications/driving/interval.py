@@ -160,7 +160,7 @@ def _wheels(
     motion: tuple[Any, ...], lag: list[Any], turned: list[Any], turning: Any, p: Mapping[str, Any],
     tires: Mapping[str, Tire],
 ) -> dict[str, Any]:  # fmt: skip
-    """Return slip angle, speed, its rate, and load of each wheel; slip angles lag to the first order in their length."""
+    """Return slip angle, speed, its rate, and load of each wheel; slip angles lag, to the first order."""
     symbols = [ca.SX.sym(f"s{i}") for i in range(4)]
     body = [p[entry] for entry in BODY.values()]
     names = [f"{name}_{corner}" for name in ("alpha", "V", "Fz") for corner in CORNERS]

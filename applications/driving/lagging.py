@@ -66,14 +66,14 @@ def with_lags(grid: Grid, interval: Interval, states: FloatArray, car: Car, entr
     behind, slopes = (np.empty_like(inputs) for _ in "12")
     for number in np.unique(grid.segment):
         rows = grid.segment == number
-        behind[:, rows], slopes[:, rows] = _behind(inputs[:, rows], constants[:, rows], grid.step)
+        behind[:, rows], slopes[:, rows] = behind_lags(inputs[:, rows], constants[:, rows], grid.step)
     by_time = (behind[2:4] - behind[:2]) / np.maximum(CHANGE * times, 1e-9)
     beyond = behind[4:] + entries["relaxation"] * nominal / V * slopes[4:]
     used = (*grid.used[:2], entries["pitch_lag"], entries["roll_lag"])
     return replace(grid, behind=np.concatenate([behind[:2], by_time, beyond]), used=used)
 
 
-def _behind(inputs: FloatArray, constants: FloatArray, step: float) -> tuple[FloatArray, FloatArray]:
+def behind_lags(inputs: FloatArray, constants: FloatArray, step: float) -> tuple[FloatArray, FloatArray]:
     """Return what first-order lags add to inputs at even times, and the slopes of the inputs, shape (n_inputs, n) each.
 
     `constants`: time constants, s. The inputs are splines; they begin as if their first slope had lasted.

@@ -7,8 +7,9 @@ Only what the simulated car does better in the parts that were left out, beyond 
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -24,8 +25,8 @@ from .simulation import HORIZON, estimated_motion, pieces_of, simulated
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 
-#: Parts of a drive, and the shortest one in pieces of the simulation. Convention.
-PARTS, SHORTEST = 10, 2
+#: Most parts of a drive, and fewest; a part has at least a piece of the simulation. Convention.
+PARTS, FEWEST = 10, 3
 #: One-sided probability of a gain by chance at which it is none. Convention.
 CHANCE = 0.025
 
@@ -47,8 +48,10 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class Parts:
-    """A drive in parts: `number`, shape (n_pieces,), of the part of each piece; `z`, shape (n_parts, n_z), and
-    `covariance`, shape (n_parts, n_z, n_z): what all parts but one say of the unknowns.
+    """A drive in parts.
+
+    `number`, shape (n_pieces,): of the part of each piece. `z`, shape (n_parts, n_z), and `covariance`, shape (n_parts,
+    n_z, n_z): what all parts but one say of the unknowns.
     """
 
     grid: Grid
@@ -90,15 +93,15 @@ class Parts:
 
 
 def parts_of(grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> Parts | None:
-    """Return a drive in parts, or None if it is too short for three."""
+    """Return a drive in parts, or None if it is too short for that."""
     starts = pieces_of(grid)
-    n = min(PARTS, len(starts) // SHORTEST)
-    if n < 3:
+    n = min(PARTS, len(starts))
+    if n < FEWEST:
         return None
     number = np.arange(len(starts)) * n // len(starts)
     edges = np.concatenate([starts[np.flatnonzero(np.diff(number, prepend=-1))], [len(grid.t)]])
     edges[0] = 0
-    rows = [np.arange(first, last) for first, last in zip(edges[:-1], edges[1:], strict=True)]
+    rows = [np.arange(first, last) for first, last in itertools.pairwise(edges)]
     informations, slopes = zip(*(estimate.of_part(grid, some) for some in rows), strict=True)
     # At the optimum the slopes of all parts and of the prior add to 0.
     shared = (np.sum(slopes, axis=0) + estimate.z) / n
@@ -106,6 +109,21 @@ def parts_of(grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> Pa
     covariance = np.linalg.inv(precision - np.array(informations))
     z = estimate.z + np.einsum("kij,kj->ki", covariance, np.array(slopes) - shared)
     return Parts(grid, estimate, unknowns, car, number, z, covariance)
+
+
+def widened(estimate: Estimate, parts: Parts | None) -> Estimate:
+    """Return an estimate whose deviations are at least those of the scatter over its parts (jackknife).
+
+    A model that is wrong says something else in each manoeuvre, with a precision that only noise deserves (Huggins and
+    Miller, Bayesian Analysis 18, 2023, average over resamples for the same reason).
+    """
+    if not parts:
+        return estimate
+    n = len(parts.z)
+    scatter = np.sqrt((n - 1) / n * np.sum((parts.z - parts.z.mean(axis=0)) ** 2, axis=0))
+    deviation = np.sqrt(np.diag(estimate.covariance))
+    scale = np.clip(scatter, deviation, np.maximum(deviation, 1.0)) / deviation
+    return replace(estimate, covariance=estimate.covariance * np.outer(scale, scale))
 
 
 def is_better(before: FloatArray, after: FloatArray) -> bool:

@@ -3,8 +3,9 @@
 All are compared by the Gaussian of the estimate of the whole drive, in which the discrepancy of the car has its part:
 the coefficients of an effect join the unknowns, and its forces are linearized about them in some rounds. The evidence
 integrates over the motion, the car, its discrepancy, the factors and these coefficients. Residuals that are correlated
-over time count as fewer. For which factors changed, and at most one wrong entry of the car, a prior gives a changed factor the spread of factors, a wrong entry a multiple of its uncertainty (MacKay,
-Information Theory, Inference, and Learning Algorithms, 2003, chapter 28).
+over time count as fewer. For which factors changed, and at most one wrong entry of the car, a prior gives a changed
+factor the spread of factors, a wrong entry a multiple of its uncertainty (MacKay, Information Theory, Inference, and
+Learning Algorithms, 2003, chapter 28).
 """
 
 from __future__ import annotations

@@ -120,8 +120,10 @@ def verdict_on(
         for name, z in zip(unknowns.car, estimate.z, strict=False)
         if wrong[name] > CERTAIN and abs(z) > DEVIATING
     )
+    # Prediction has one vote of two, as for the factors.
+    vote = 1.0 if best.missing or lacking(ranked) < 0.5 else 0.5
     likely = tuple(
-        EffectFinding(rival.missing.name, rival.missing.values(rival.u), rival.probability)
+        EffectFinding(rival.missing.name, rival.missing.values(rival.u), vote * rival.probability)
         for rival in ranked
         if rival.missing and rival.probability > LIKELY
     )
@@ -134,7 +136,7 @@ def verdict_on(
     lines.append(_prediction_line(predicted, bool(findings or best.missing)))
     effect = best.missing.name if best.missing else None
     return DriveVerdict(
-        findings, of_car, contradiction, predicted, effect, likely, lacking(ranked), unknown, tuple(lines)
+        findings, of_car, contradiction, predicted, effect, likely, vote * lacking(ranked), unknown, tuple(lines)
     )
 
 

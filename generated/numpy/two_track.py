@@ -25,7 +25,8 @@ def wheels(v_x, v_y, yaw_rate, v_x_dot, v_y_dot, yaw_rate_dot, a_x_lag, a_y_lag,
     a_x = v_x_dot - v_y*yaw_rate
     a_y = v_y_dot + v_x*yaw_rate
     a_y_rolled = a_y + a_y_lag
-    pitch_transfer = 0.5*h*m*(a_x + a_x_lag)/(l_f + l_r)
+    a_x_pitched = a_x + a_x_lag
+    pitch_transfer = 0.5*a_x_pitched*h*m/(l_f + l_r)
     roll_transfer_front = a_y_rolled*h*m*roll_front/w_f
     roll_transfer_rear = a_y_rolled*h*m*(1 - roll_front)/w_r
     u_fl = v_x - 0.5*w_f*yaw_rate

@@ -2,8 +2,9 @@
 
 The body moves in the plane. Loads follow from the accelerations, behind which roll and pitch lag: the longitudinal
 transfer from the height of the center of gravity, the lateral one divided between the axles by their roll stiffness.
-Both wheels of an axle have one angle; roll and compliance turn and incline them. After Schramm, Hiller, Bardini, Vehicle Dynamics (2018), chapters 10 and 11; the balance at the axles is
-the balance of lateral force and yaw moment, solved for the two axle forces.
+Both wheels of an axle have one angle; roll and compliance turn and incline them. After Schramm, Hiller, Bardini,
+Vehicle Dynamics (2018), chapters 10 and 11; the balance at the axles is the balance of lateral force and yaw moment,
+solved for the two axle forces.
 
 The lines are functions of real numbers; `tirefmu.symbolic.printers.line_functions` prints them.
 """
@@ -52,9 +53,11 @@ line(WHEELS, "gamma", camber*rolled, "rad", "inclination angle")
 
 # Slip angles and loads of the wheels.
 static   = {"f": m*g*lr / (lf + lr) / 2, "r": m*g*lf / (lf + lr) / 2}
-pitching = line(WHEELS, "pitch_transfer", m*(ax + ax_lag)*h / (lf + lr) / 2, "N", "load that acceleration moves to a rear wheel")
-rolling  = {"f": line(WHEELS, "roll_transfer_front", m*rolled*h*roll_front / wf, "N", "load that a left turn moves right"),
-            "r": line(WHEELS, "roll_transfer_rear", m*rolled*h*(1 - roll_front) / wr, "N", "the same at the rear axle")}
+pitched  = line(BODY, "a_x_pitched", ax + ax_lag, "m/s^2", "longitudinal acceleration that pitches the body")
+pitching = line(WHEELS, "pitch_transfer", m*pitched*h / (lf + lr) / 2, "N", "load of acceleration, to a rear wheel")
+front    = line(WHEELS, "roll_transfer_front", m*rolled*h*roll_front / wf, "N", "load that a left turn moves right")
+rear     = line(WHEELS, "roll_transfer_rear", m*rolled*h*(1 - roll_front) / wr, "N", "the same at the rear axle")
+rolling  = {"f": front, "r": rear}
 forward: dict[str, Symbol] = {}
 across: dict[str, Symbol] = {}
 for corner, (x, y) in position.items():

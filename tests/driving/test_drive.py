@@ -15,8 +15,11 @@ import road
 import tirefmu
 from tests.json_schemas import check_file, objections
 from tirefmu.applications.driving import simulation
+from tirefmu.applications.driving.contradiction import contradiction_of
 from tirefmu.applications.driving.effects import motion_of
 from tirefmu.applications.driving.inputs.car import Car
+from tirefmu.applications.driving.lagging import behind_lags
+from tirefmu.applications.driving.left_out import is_better
 from tirefmu.applications.driving.report import write_drive
 from tirefmu.boundary.errors import DataError
 from tirefmu.commands.cli import main
@@ -53,18 +56,45 @@ def test_verdict_and_table_have_the_same_factors(answer):
     for axle in ("front", "rear"):
         for name, factor in answer.factors[axle].items():
             assert factor.determined == (f"{name} {factor.value:.3g} ({factor.low:.3g} to {factor.high:.3g})" in text)
-    found = {(finding.axle, finding.name): finding.factor for finding in answer.verdict.tires}
-    assert found == {
-        (axle, name): factor
-        for axle, factors in answer.factors.items()
-        for name, factor in factors.items()
-        if factor.determined and factor.changed > 0.95
-    }
+    for finding in answer.verdict.tires:
+        factor = answer.factors[finding.axle][finding.name]
+        assert factor.changed > 0.95
+        assert factor.high < 1.0 if "lower" in finding.effect else factor.low > 1.0
 
 
-def test_longitudinal_factors_are_not_determined(answer):
-    assert not any(answer.factors[axle][name].determined for axle in ("front", "rear") for name in ("LMUX", "LKX"))
+def test_there_are_no_longitudinal_factors(answer):
+    assert all(set(factors) == {"LMUY", "LKY"} for factors in answer.factors.values())
     assert answer.scaled["front"].values["LMUX"] == answer.tires["front"].values["LMUX"]
+
+
+def test_lag_and_compliance_are_estimated_with_the_rest(answer):
+    entries = answer.to_json()["car"]["entries"]
+    assert entries["roll_lag"]["uncertainty"] < entries["roll_lag"]["given_uncertainty"]
+    assert {"steer_front", "steer_rear", "ay_gain", "yaw_rate_gain", "misalignment", "wheel_delay"} <= entries.keys()
+
+
+def test_new_tires_predict_the_parts_that_were_left_out(answer):
+    content = answer.to_json()
+    assert content["written"]
+    assert content["left_out"]["after"]["yaw_rate"] < 0.7 * content["left_out"]["before"]["yaw_rate"]
+    assert content["car"]["contradiction"]["p"] > 1e-3
+
+
+def test_errors_without_a_common_sign_are_no_gain():
+    before = np.array([1.0, 1.2, 0.9, 1.1, 1.0])
+    assert is_better(before, 0.8 * before)
+    assert not is_better(before, before)
+    assert not is_better(before, before * [0.5, 1.6, 0.7, 1.5, 1.1])
+
+
+def test_a_joint_deviation_is_one_although_no_entry_alone_is(answer):
+    n = len(answer.unknowns.car)
+    sure = replace(answer.estimate, covariance=1e-6 * np.eye(len(answer.estimate.z)))
+    wrong = contradiction_of(replace(sure, z=np.full(len(sure.z), 2.5)), answer.unknowns)
+    right = contradiction_of(replace(sure, z=np.full(len(sure.z), 1.0)), answer.unknowns)
+    assert wrong.degrees_of_freedom == n
+    assert wrong.certain
+    assert not right.certain
 
 
 def test_a_delay_is_estimated(answer):
@@ -79,7 +109,7 @@ def test_the_simulated_vehicle_is_closer_on_the_new_tires(answer):
 
 def resimulated(answer, tires, **options):
     given = (answer.grid, answer.estimate, answer.unknowns, answer.car)
-    return simulation.simulated(*given, tires, known_car=True, **options)
+    return simulation.simulated(*given, tires, z=answer.estimate.z, **options)
 
 
 def test_four_fmus_move_the_vehicle_as_the_generated_code_does(answer):
@@ -169,6 +199,14 @@ def test_a_wrong_car_is_no_finding_of_a_tire(tire):
     verdict = tirefmu.drive(logs[0], vehicle=Car.from_content(content, "car.toml"), tire=tire).verdict
     assert not verdict.tires
     assert {finding.name for finding in verdict.car} <= {"ratio"}
+
+
+def test_a_signalbehind_lags_a_lag_is_that_of_the_differential_equation():
+    step, t = 0.05, 0.05 * np.arange(200)
+    omega, lag = 2 * np.pi * 1.2, 0.06
+    late = behind_lags(np.sin(omega * t)[None], np.full((1, len(t)), lag), step)[0][0] + np.sin(omega * t)
+    exact = (np.sin(omega * t) - omega * lag * np.cos(omega * t)) / (1.0 + (omega * lag) ** 2)
+    np.testing.assert_allclose(late[20:-5], exact[20:-5], atol=2e-3)
 
 
 def test_without_a_peak_friction_is_not_determined(car, tire):

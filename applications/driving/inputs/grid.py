@@ -35,10 +35,11 @@ STEERING_WINDOW, SPIN_WINDOW = 0.02, 0.1
 MEASURED = (
     "yaw_rate", "ax", "ay", "speed", "beta", "vy", "x", "y", "heading", "rim_front", "rim_rear", "speed_rate",
 )  # fmt: skip
-#: Change of a rolling radius with load and speed, relative.
-RADIUS_ERROR = 0.002
-#: Error of the slip of a wheel that follows from its longitudinal force, over the slip; slip over acceleration per g.
-SLIP_ERROR, SLIP_OF_ACCELERATION = 0.3, 0.05
+#: Change of a rolling radius with load and speed, relative; error of the slip of a wheel that follows from its
+#: longitudinal force, over the slip; slip over acceleration per g; time for which such an error lasts, s.
+RADIUS_ERROR, SLIP_ERROR, SLIP_OF_ACCELERATION, LASTING = 0.001, 0.3, 0.05, 1.0
+#: Error of the mean of an acceleration that changes within an interval, over the change.
+EDGE_ERROR = 0.1
 #: Without ax, the rate of the speed is that of the logged one, averaged over this time, s; its smallest standard
 #: deviation, m/s^2.
 RATE_WINDOW, RATE_DEVIATION = 0.3, 0.1
@@ -56,8 +57,8 @@ class Grid:
       channel, at both ends.
     - `steer_slopes`, shape (4, n): its derivatives by delay and lag, at both ends.
     - `rims`, shape (4, n): spin times rolling radius of each of `CORNERS`, m/s; 0 if not logged.
-    - `behind`, shape (8, n): what lags add to longitudinal and lateral acceleration, m/s^2, its derivatives by the lags,
-      and what the relaxation of each wheel adds to its slip angle beyond the first order, rad (`lagging.with_lags`).
+    - `behind`, shape (8, n): what lags add to longitudinal and lateral acceleration, m/s^2, its derivatives by the
+      lags, and what relaxation adds to the slip angle of each wheel beyond the first order, rad (`lagging.with_lags`).
     - `used`: delay and lag of the steering, lag of pitch and of roll with which these were computed, s.
     """
 
@@ -173,7 +174,11 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
         row = MEASURED.index(("rim_front", "rim_rear")[axle])
         means[row], noise[row] = _averaged(axle_channels, edges, usable, wheels)
         slip = SLIP_OF_ACCELERATION / GRAVITY * np.gradient(_windowed(*speed, middle, RATE_WINDOW), middle)[chosen]
-        noise[row] = np.sqrt(noise[row] ** 2 + (RADIUS_ERROR**2 + (SLIP_ERROR * slip) ** 2) * means[row] ** 2)
+        lasting = LASTING / step * (RADIUS_ERROR**2 + (SLIP_ERROR * slip) ** 2)
+        noise[row] = np.sqrt(noise[row] ** 2 + lasting * means[row] ** 2)
+    row = MEASURED.index("ax")
+    change = np.gradient(means[row]) if len(chosen) > 1 else 0.0 * means[row]
+    noise[row] = np.hypot(noise[row], EDGE_ERROR * np.nan_to_num(change))
     empty = np.zeros((8, len(chosen)))
     grid = Grid(step, middle[chosen], left, left + 1, means, noise, empty[:2], empty[:4], rims[:, chosen], empty)
     return with_steering(grid, log, car, car.values)
