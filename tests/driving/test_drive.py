@@ -47,8 +47,9 @@ def test_without_an_accelerometer_the_factors_are_those_of_the_truth(missing, lo
     assert answer.ok
     for axle, values in {"front": (0.8, 0.9), "rear": (0.84, 1.0)}.items():
         for name, value in zip(("LMUY", "LKY"), values, strict=True):
-            assert answer.factors[axle][name].determined
-            assert answer.factors[axle][name].value == pytest.approx(value, rel=0.05)
+            factor = answer.factors[axle][name]
+            assert factor.determined
+            assert factor.low < value < factor.high
 
 
 def test_verdict_and_table_have_the_same_factors(answer):
@@ -121,10 +122,13 @@ def test_four_fmus_move_the_vehicle_as_the_generated_code_does(answer):
 def test_the_fmus_of_lagging_tires_lag(tire):
     lagging = replace(tire, effects={*tire.effects, "relax_lat"}, values={**tire.values, "SIGY": 0.5})
     t = 0.01 * np.arange(40)
-    table = pd.DataFrame({"t": t, "kappa": 0.01, "alpha": 0.05 * np.sin(20.0 * t), "Fz": 4000.0, "V": 15.0})
+    table = pd.DataFrame(
+        {"t": t, "kappa": 0.01, "alpha": 0.05 * np.sin(20.0 * t), "gamma": 0.0, "Fz": 4000.0, "V": 15.0}
+    )
     with simulation.fmu_forces({"front": tire, "rear": lagging}, 2) as forces:
         wheels = [
-            {name: np.full((4, 2), row[name]) for name in ("kappa", "alpha", "Fz", "V")} for _, row in table.iterrows()
+            {name: np.full((4, 2), row[name]) for name in ("kappa", "alpha", "gamma", "Fz", "V")}
+            for _, row in table.iterrows()
         ]
         found = np.array([forces(inputs, 0.01) for inputs in wheels])[:, :, :, 1]
     for corner, expected in enumerate((tire, tire, lagging, lagging)):
