@@ -16,7 +16,7 @@ from ...boundary.json_schema import json_value
 from ...fmu.packaging.export import export
 from ...measurements import Recording, write_table
 from ...tires import Tire
-from .drive_content import VERSION, CarEntry, ContradictionContent, DriveContent, LeftOutContent
+from .drive_content import VERSION, CarEntry, DriveContent
 from .estimate import Estimate
 from .factors import Factor
 from .inputs.car import Car
@@ -101,7 +101,7 @@ class Drive:
             }
             for i, name in enumerate(self.unknowns.car)
         }  # fmt: skip
-        contradiction = self.verdict.contradiction
+        contradiction, left_out = self.verdict.contradiction, self.verdict.left_out
         content: DriveContent = {
             "version": VERSION,
             "ok": self.ok,
@@ -118,11 +118,16 @@ class Drive:
             "lacking": self.verdict.lacking,
             "car": {
                 "found": self.verdict.car,
-                "contradiction": {name: getattr(contradiction, name) for name in ContradictionContent.__annotations__},
+                "contradiction": {
+                    "deviation": contradiction.deviation,
+                    "p": contradiction.p,
+                    "degrees_of_freedom": contradiction.degrees_of_freedom,
+                },
                 "entries": entries,
             },
-            "left_out": self.verdict.left_out
-            and {name: getattr(self.verdict.left_out, name) for name in LeftOutContent.__annotations__},
+            "left_out": {"before": left_out.before, "after": left_out.after, "better": left_out.better}
+            if left_out
+            else None,
             "axle_forces": {
                 name: dict(zip(AXLES, np.sqrt(np.mean(lacking**2, axis=0)).tolist(), strict=True))
                 for name, lacking in zip(("before", "after"), self.lacking, strict=True)
