@@ -14,7 +14,7 @@ from .inputs.unknowns import Unknowns
 SEEN = 0.1
 #: Probability below which the deviation is a contradiction. Judgement: uncertainties of a file are rough, and a
 #: sensor at three of them is no other car.
-IMPROBABLE = 1e-5
+IMPROBABLE = 1e-6
 
 
 @dataclass(frozen=True)

@@ -118,7 +118,7 @@ def verdict_on(
     of_car = tuple(
         CarFinding(name, values[name], car.values[name], float(z), wrong[name])
         for name, z in zip(unknowns.car, estimate.z, strict=False)
-        if wrong[name] > CERTAIN and abs(z) > DEVIATING
+        if contradiction.certain and wrong[name] > CERTAIN and abs(z) > DEVIATING
     )
     # Prediction has one vote of two, as for the factors.
     vote = 1.0 if best.missing or lacking(ranked) < 0.5 else 0.5
