@@ -12,7 +12,6 @@ import numpy.typing as npt
 from ...boundary.errors import DataError
 from ...tires import Tire, tire_from
 from ...tires.tire_argument import TireLike
-from .contradiction import Contradiction, contradiction_of
 from .disagreement import disagreement
 from .effects import Missing, factor_values, motion_of, scaled
 from .estimate import Estimate, estimated
@@ -23,10 +22,11 @@ from .inputs.log import Log, LogLike, read_log
 from .inputs.plausibility import check_log
 from .inputs.unknowns import Unknowns, check_factors, unknowns_of
 from .interval import BALANCE, POSE, interval_of
-from .left_out import Parts, is_better, left_out, parts_of, widened
 from .result import Drive, wheel_table
 from .rivals import Explanation, forces_of, lacking, probabilities_of, rivals_of
 from .simulation import simulated
+from .trust.contradiction import Contradiction, contradiction_of
+from .trust.left_out import Parts, is_better, left_out, parts_of, widened
 from .verdict import verdict_on
 
 FloatArray = npt.NDArray[np.float64]
@@ -130,14 +130,14 @@ def _answer(
     factors = factors_of(wide, unknowns, delivered, answer.grid.step, probable.factors)
     new = scaled_tires(delivered, factors)
     common = answer.grid, answer.estimate, unknowns, car
-    found = _found(parts, delivered, factors, contradiction) if answer.estimate.converged else frozenset()
-    factors = believed(factors, found)
+    certain = _certain(parts, delivered, factors, contradiction) if answer.estimate.converged else frozenset()
+    factors = believed(factors, certain)
     predicted = left_out(parts, of_base, tires, delivered) if parts and of_base else None
     before = simulated(*common, tires, z=0.0 * answer.estimate.z, fmus=fmus)
     after = simulated(*common, new, z=answer.estimate.z, fmus=fmus)
     gap = _lacking(answer, unknowns, car, tires, (tires, new))
     where = disagreement(answer.grid, answer.estimate, gap[0], car)
-    verdict = verdict_on(answer, ranked, unknowns, car, factors, found, probable.car, contradiction, predicted, where)
+    verdict = verdict_on(answer, ranked, unknowns, car, factors, certain, probable.car, contradiction, predicted, where)
     wheels = wheel_table(answer.grid, answer.estimate)
     return Drive(
         log, car, answer.grid, unknowns, answer.estimate, tires, new, factors, wheels, before, after, gap, verdict
@@ -166,7 +166,7 @@ def _with_effect(
     return best if is_better(without.errors(tires, ())[0], parts.errors(with_it, ())[0]) else base
 
 
-def _found(
+def _certain(
     parts: Parts | None, tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, Factor]],
     contradiction: Contradiction,
 ) -> frozenset[tuple[str, str]]:  # fmt: skip

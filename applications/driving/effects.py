@@ -14,12 +14,12 @@ from ...diagnosis.diagnose import with_library
 from ...diagnosis.probing.candidates import candidates_for, counts_from_neutral
 from ...symbolic.detection import Form
 from ...tires import Tire
+from .dynamics.lagging import wheel_motion
 from .estimate import Estimate
 from .inputs.car import Car, loads_of
 from .inputs.grid import Grid
 from .inputs.unknowns import AXLES, FACTORS, Unknowns
 from .interval import OUTPUTS
-from .lagging import wheel_motion
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -19,14 +19,14 @@ import numpy.typing as npt
 from scipy.linalg import cho_factor, cho_solve, cho_solve_banded, cholesky_banded
 
 from ...numerics.correlation import correlation_length
-from .discrepancy import USUAL, discrepancy_columns, size_of
+from .dynamics.discrepancy import USUAL, discrepancy_columns, size_of
+from .dynamics.lagging import with_lags
 from .evaluation import curved, evaluated, interval_data, values_of
 from .inputs.car import Car
 from .inputs.grid import Grid, with_steering
 from .inputs.log import Log
 from .inputs.unknowns import Unknowns
 from .interval import BALANCE, MOTION, Added, Interval, Linear
-from .lagging import with_lags
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]

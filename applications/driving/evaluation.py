@@ -81,13 +81,13 @@ def _columns(
     """Return the results of a function at all intervals, of the given sizes, shape (n, size) each."""
     left, right = states if states.ndim == 3 else (states[grid.left], states[grid.right])
     n, constant = len(grid.t), np.tile(np.concatenate([z, grid.used]), (CHUNK, 1))
-    found = [np.empty((-(-n // CHUNK) * CHUNK, size)) for size in sizes]
+    stored = [np.empty((-(-n // CHUNK) * CHUNK, size)) for size in sizes]
     for first in range(0, n, CHUNK):
         rows = np.minimum(np.arange(first, first + CHUNK), n - 1)  # the last interval fills the last chunk
         last = [] if more is None else [more[rows]]
-        results = [part[first : first + CHUNK] for part in found]
+        results = [part[first : first + CHUNK] for part in stored]
         _call(function, [left[rows], right[rows], data.T[rows], constant, *last], results)
-    return [part[:n] for part in found]
+    return [part[:n] for part in stored]
 
 
 def _call(function: Any, arguments: list[FloatArray], results: list[FloatArray]) -> None:

@@ -75,20 +75,23 @@ def factors_of(
     return result
 
 
-def believed(factors: Mapping[str, Mapping[str, Factor]], found: Set[tuple[str, str]]) -> dict[str, dict[str, Factor]]:
+def believed(
+    factors: Mapping[str, Mapping[str, Factor]], certain: Set[tuple[str, str]]
+) -> dict[str, dict[str, Factor]]:  # fmt: skip
     """Return the factors with the probabilities that prediction leaves.
 
     The evidence has one vote and prediction the other: what the evidence calls changed, but what does not predict, is
     at most as likely as not.
     """
-    return {
-        axle: {
-            name: replace(factor, changed=factor.changed / 2) if factor.changed > CHANGED and (axle, name) not in found
-            else factor
-            for name, factor in row.items()
-        }
+    doubted = {
+        (axle, name): replace(factor, changed=factor.changed / 2)
         for axle, row in factors.items()
-    }  # fmt: skip
+        for name, factor in row.items()
+        if factor.changed > CHANGED and (axle, name) not in certain
+    }
+    return {
+        axle: {name: doubted.get((axle, name), factor) for name, factor in row.items()} for axle, row in factors.items()
+    }
 
 
 def used_share(estimate: Estimate, axle: str, tire: Tire, friction: float) -> FloatArray:

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from .contradiction import Contradiction
 from .estimate import Estimate
 from .factors import CERTAIN, Factor
 from .inputs.car import Car
 from .inputs.car_entries import ENTRIES
 from .inputs.unknowns import AXLES, Unknowns
-from .left_out import LeftOut
 from .rivals import Explanation, Rival, lacking
+from .trust.contradiction import Contradiction
+from .trust.left_out import LeftOut
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -96,7 +96,7 @@ def verdict_on(
     unknowns: Unknowns,
     car: Car,
     factors: Mapping[str, Mapping[str, Factor]],
-    found: Set[tuple[str, str]],
+    certain: Set[tuple[str, str]],
     wrong: Mapping[str, float],
     contradiction: Contradiction,
     predicted: LeftOut | None,
@@ -104,15 +104,15 @@ def verdict_on(
 ) -> DriveVerdict:
     """Return the verdict on a drive.
 
-    `best`: the answer; `ranked`: `rivals_of` the estimate without an effect. `found`: axle and name of factors that are
-    findings. `wrong`: probability of each entry of the car to be wrong. `where`: sentence of `disagreement`.
+    `best`: the answer; `ranked`: `rivals_of` the estimate without an effect. `certain`: axle and name of factors that
+    are findings. `wrong`: probability of each entry of the car to be wrong. `where`: sentence of `disagreement`.
     """
     estimate = best.estimate
     findings = tuple(
         TireDifference(axle, name, f"{MEANING[name]} is {'lower' if factor.value < 1.0 else 'higher'}", factor)
         for axle in AXLES
         for name, factor in factors[axle].items()
-        if (axle, name) in found
+        if (axle, name) in certain
     )
     values = unknowns.car_values(car, estimate.z)
     of_car = tuple(
@@ -150,7 +150,7 @@ def _contradiction_line(contradiction: Contradiction, estimate: Estimate, unknow
     )
 
 
-def _prediction_line(predicted: LeftOut | None, found: bool) -> str:
+def _prediction_line(predicted: LeftOut | None, something: bool) -> str:
     if predicted is None:
         return "the drive is too short to leave parts of it out: no tire is written"
     before, after = (100.0 * rms["yaw_rate"] for rms in (predicted.before, predicted.after))
@@ -158,7 +158,7 @@ def _prediction_line(predicted: LeftOut | None, found: bool) -> str:
     if not predicted.better:
         return f"over parts of the drive that were left out, new tires are not better than the given ones ({numbers})"
     some = "new tires are better than the given ones over parts of the drive that were left out"
-    return f"{some} ({numbers})" if found else f"{some} ({numbers}), but no single difference is certain"
+    return f"{some} ({numbers})" if something else f"{some} ({numbers}), but no single difference is certain"
 
 
 def _effects_line(likely: tuple[EffectFinding, ...]) -> str:

@@ -15,16 +15,16 @@ import road
 import tirefmu
 from tests.json_schemas import check_file, objections
 from tirefmu.applications.driving import simulation
-from tirefmu.applications.driving.contradiction import contradiction_of
+from tirefmu.applications.driving.dynamics.lagging import behind_lags
 from tirefmu.applications.driving.effects import effect_columns, factor_values, motion_of
 from tirefmu.applications.driving.estimate import estimated
 from tirefmu.applications.driving.factors import scaled_tires
 from tirefmu.applications.driving.inputs.car import Car
 from tirefmu.applications.driving.interval import interval_of
-from tirefmu.applications.driving.lagging import behind_lags
-from tirefmu.applications.driving.left_out import is_better
 from tirefmu.applications.driving.report import write_drive
 from tirefmu.applications.driving.rivals import Explanation, Rival, forces_of
+from tirefmu.applications.driving.trust.contradiction import contradiction_of
+from tirefmu.applications.driving.trust.left_out import is_better
 from tirefmu.boundary.errors import DataError
 from tirefmu.commands.cli import main
 from tirefmu.diagnosis.diagnose import with_library

@@ -58,7 +58,7 @@ class Grid:
     - `steer_slopes`, shape (4, n): its derivatives by delay and lag, at both ends.
     - `rims`, shape (4, n): spin times rolling radius of each of `CORNERS`, m/s; 0 if not logged.
     - `behind`, shape (8, n): what lags add to longitudinal and lateral acceleration, m/s^2, its derivatives by the
-      lags, and what relaxation adds to the slip angle of each wheel beyond the first order, rad (`lagging.with_lags`).
+      lags, and what relaxation adds to the slip angle of each wheel beyond the first order, rad (`with_lags`).
     - `used`: delay and lag of the steering, lag of pitch and of roll with which these were computed, s.
     """
 

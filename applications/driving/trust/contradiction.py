@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2
 
-from .estimate import Estimate
-from .inputs.unknowns import Unknowns
+from ..estimate import Estimate
+from ..inputs.unknowns import Unknowns
 
 #: Share of the variance of the file that a drive takes away from a combination of entries that it can contradict.
 SEEN = 0.1

@@ -15,8 +15,8 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from ...measurements.units import GRAVITY
-from .inputs.grid import Grid
+from ....measurements.units import GRAVITY
+from ..inputs.grid import Grid
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -13,13 +13,13 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicSpline
 
-from ...symbolic.vehicle.quantities import CORNERS
-from ...tires.code.modules import two_track
-from .evaluation import curvature_of
-from .inputs.car import Car
-from .inputs.grid import Grid
-from .inputs.unknowns import AXLES
-from .interval import BODY, SUSPENSION, Interval, nominal_length
+from ....symbolic.vehicle.quantities import CORNERS
+from ....tires.code.modules import two_track
+from ..evaluation import curvature_of
+from ..inputs.car import Car
+from ..inputs.grid import Grid
+from ..inputs.unknowns import AXLES
+from ..interval import BODY, SUSPENSION, Interval, nominal_length
 
 FloatArray = npt.NDArray[np.float64]
 

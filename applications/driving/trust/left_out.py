@@ -15,12 +15,12 @@ import numpy as np
 import numpy.typing as npt
 from scipy.stats import t as student
 
-from ...tires import Tire
-from .estimate import Estimate
-from .inputs.car import Car
-from .inputs.grid import Grid
-from .inputs.unknowns import AXLES, FACTORS, Unknowns
-from .simulation import HORIZON, estimated_motion, pieces_of, simulated
+from ....tires import Tire
+from ..estimate import Estimate
+from ..inputs.car import Car
+from ..inputs.grid import Grid
+from ..inputs.unknowns import AXLES, FACTORS, Unknowns
+from ..simulation import HORIZON, estimated_motion, pieces_of, simulated
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -144,7 +144,7 @@ def left_out(parts: Parts, base: Parts, tires: Mapping[str, Tire], new: Mapping[
     starts = parts.grid.t[pieces_of(parts.grid)]
     spans = [starts[parts.number == i] for i in range(len(before))]
     rows = tuple(
-        (float(some[0]), float(some[-1] + HORIZON), float(np.sqrt(one)), float(np.sqrt(other)))
-        for some, one, other in zip(spans, before, after, strict=True)
+        (float(some[0]), float(some[-1] + HORIZON), float(np.sqrt(first)), float(np.sqrt(second)))
+        for some, first, second in zip(spans, before, after, strict=True)
     )
     return LeftOut(rms_before, rms_after, rows, is_better(before, after))
