@@ -36,12 +36,12 @@ START_DEVIATION, MIN_DEVIATION = 0.02, 5e-4
 #: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
 LONGEST_STEP = 1.0
 #: Largest deviation of an unknown: one that reaches it contradicts the car file.
-LARGEST = 10.0
+LARGEST = 20.0
 #: Residual in standard deviations beyond which it has less weight, as that of Huber.
 OUTLYING = 3.0
 #: Most steps of the unknowns, and from an estimate that is near; most steps of the states for given unknowns, predicted
 #: relative decrease that ends the latter, smallest part of a step that is tried.
-ROUNDS, NEAR_ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 60, 20, 12, 1e-6, 1e-2
+ROUNDS, NEAR_ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 60, 20, 50, 1e-7, 1e-2
 #: Rounds for which the slope of the volume is kept, but for steps shorter than this.
 SLOPE_ROUNDS, NEAR = 3, 1.0
 #: The estimate ends at a step of an unknown in its standard deviations and of the logarithm of a deviation below the
