@@ -116,7 +116,7 @@ def rivals_of(base: Explanation, unknowns: Unknowns, car: Car, tires: dict[str, 
     for missing, u, power in _shortlist(base, motion, tires, factors):
         evidence, u = _fitted(base, motion, unknowns, missing, u, factors)
         rivals.append(Rival(missing, u))
-        logs.append((evidence - without) * power / length + _log_prior(missing))
+        logs.append(float((evidence - without) * power / length) + _log_prior(missing))
     share = np.exp(np.array(logs) - max(logs))
     ranked = [replace(rival, probability=float(p)) for rival, p in zip(rivals, share / share.sum(), strict=True)]
     return sorted(ranked, key=lambda rival: -rival.probability)
