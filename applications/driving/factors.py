@@ -20,7 +20,7 @@ CERTAIN = 0.95
 #: Normal deviate of 95 %.
 WIDTH = 1.96
 #: A factor is determined if the standard deviation of its logarithm is at most this, and a friction factor only if the
-#: side force exceeds this share of the peak (at the upper limit of the factor) for this time, s.
+#: side force exceeds this share of the peak (at a factor one standard deviation higher) for this time, s.
 MAX_SPREAD, PEAK_SHARE, PEAK_TIME = 0.1, 0.9, 0.5
 #: Slip angles at which a peak is sought, rad.
 _SLIPS = np.linspace(-0.6, 0.6, 241)
@@ -69,7 +69,8 @@ def factors_of(
             low, value, high = (float(np.exp(center + k * WIDTH * spread)) for k in (-1, 0, 1))
             reason = "" if spread <= MAX_SPREAD else "the drive has too little information on it"
             if not reason and name == "LMUY":
-                time = step * np.sum(used_share(estimate, axle, tires[axle], high) > PEAK_SHARE)
+                share = used_share(estimate, axle, tires[axle], float(np.exp(center + spread)))
+                time = step * np.sum(share > PEAK_SHARE)
                 reason = "" if time >= PEAK_TIME else "the side force never comes near its peak"
             result[axle][name] = Factor(value, low, high, not reason, reason, changed.get((axle, name), CHANGED))
     return result

@@ -14,7 +14,7 @@ from .inputs.car import Car
 from .inputs.car_entries import ENTRIES
 from .inputs.unknowns import AXLES, Unknowns
 from .rivals import Explanation, Rival, lacking
-from .trust.contradiction import Contradiction
+from .trust.contradiction import Contradiction, contradiction_of
 from .trust.left_out import LeftOut
 
 FloatArray = npt.NDArray[np.float64]
@@ -118,7 +118,10 @@ def verdict_on(
     of_car = tuple(
         CarFinding(name, values[name], car.values[name], float(z), wrong[name])
         for name, z in zip(unknowns.car, estimate.z, strict=False)
-        if contradiction.certain and wrong[name] > CERTAIN and abs(z) > DEVIATING
+        if contradiction.certain
+        and wrong[name] > CERTAIN
+        and abs(z) > DEVIATING
+        and not contradiction_of(estimate, unknowns, name).certain
     )
     # Prediction has one vote of two, as for the factors.
     vote = 1.0 if best.missing or lacking(ranked) < 0.5 else 0.5
