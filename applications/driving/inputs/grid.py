@@ -170,8 +170,10 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
     if "ax" not in channels:
         means[-1] = np.gradient(_windowed(*speed, middle, RATE_WINDOW), middle)[chosen]
         noise[-1] = RATE_DEVIATION
-    for axle, (wheels, axle_channels) in enumerate(_axle_speeds(log, car)):
-        row = MEASURED.index(("rim_front", "rim_rear")[axle])
+    for axle, (wheels, axle_channels) in zip(("front", "rear"), _axle_speeds(log, car), strict=False):
+        if axle == car.driven:  # its slip grows in a turn, beyond what its longitudinal force says
+            continue
+        row = MEASURED.index(f"rim_{axle}")
         means[row], noise[row] = _averaged(axle_channels, edges, usable, wheels)
         slip = SLIP_OF_ACCELERATION / GRAVITY * np.gradient(_windowed(*speed, middle, RATE_WINDOW), middle)[chosen]
         lasting = LASTING / step * (RADIUS_ERROR**2 + (SLIP_ERROR * slip) ** 2)
