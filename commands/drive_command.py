@@ -56,10 +56,10 @@ def drive(
     terminal.print(f"rms error of the simulated vehicle: {changes}")
     if answer.log.ignored:
         terminal.print(f"not read: {answer.log.ignored}")
-    if not answer.ok:
-        terminal.print("no tire is written: these numbers cannot be used")
+    if not answer.written:
+        terminal.print("no tire is written")
     terminal.print(*(f"{path}" for path in [*written, output / "drive.json", output / "report.html"]))
-    return 0 if answer.ok else 1
+    return 0 if answer.written else 1
 
 
 def _template(example: Path, quiet: bool) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,9 +14,9 @@ from ...tires import Tire, tire_from
 from ...tires.description import limits_of
 from ...tires.tire_argument import TireLike
 from .disagreement import disagreement
-from .effects import factor_values, motion_of, scaled
-from .estimate import Estimate, Forces, estimated
-from .factors import factors_of, scaled_tires
+from .effects import Missing, factor_values, motion_of, scaled
+from .estimate import Estimate, estimated
+from .factors import CERTAIN, Factor, believed, factors_of, scaled_tires
 from .inputs.car import Car, read_car
 from .inputs.grid import Grid, forward_speed, gridded, spinning, unwrapped
 from .inputs.log import Log, LogLike, read_log
@@ -24,8 +24,10 @@ from .inputs.plausibility import check_load_class, check_log, check_wheel_speeds
 from .inputs.unknowns import Unknowns, check_factors, unknowns_of
 from .interval import BALANCE, POSE, interval_of
 from .result import Drive, wheel_table
-from .rivals import Explanation, answer_of, explanations, probabilities_of
+from .rivals import Explanation, forces_of, lacking, probabilities_of, rivals_of
 from .simulation import simulated
+from .trust.contradiction import Contradiction, contradiction_of
+from .trust.left_out import Parts, is_better, left_out, parts_of, widened
 from .verdict import verdict_on
 
 FloatArray = npt.NDArray[np.float64]
@@ -51,7 +53,7 @@ def drive(
         The car, or its file (``tirefmu drive --example``).
     tire, rear : Tire, path or published name
         The tires of the front and of the rear axle; the rear tire is the front one by default. Their model needs the
-        factors LMUX, LMUY, LKX and LKY.
+        factors LMUY and LKY.
     columns : dict of str to str, optional
         Header of a channel that has another name in the log; beyond those of the car file.
     fmus : bool
@@ -103,32 +105,81 @@ def drive(
 def _answer(
     car: Car, tires: dict[str, Tire], log: Log, grid: Grid, speed: tuple[FloatArray, FloatArray], fmus: bool
 ) -> Drive:
-    unknowns = unknowns_of(car, log)
-    interval = interval_of(car, tires, unknowns, pose=log.has_pose(), spins=spinning(log, car), step=grid.step)
+    unknowns = unknowns_of(car, log, tires)
+    interval = interval_of(car, tires, unknowns, sampled=grid.sampled, spins=spinning(log, car), step=grid.step)
     start = _start(grid, interval.states, log, car, speed)
     try:
         grid, estimate = estimated(grid, interval, unknowns, start, log, car)
     except np.linalg.LinAlgError:
         raise DataError(f"{log.source}: no motion of {car.source} on these tires explains the log") from None
 
-    def refit(forces: Forces) -> tuple[Grid, Estimate]:
-        return estimated(grid, interval, unknowns, start, log, car, forces, estimate)
-
-    ranked = explanations(Explanation(None, grid, estimate), unknowns, car, tires, refit)
-    best = answer_of(ranked, unknowns)
-    delivered = best.missing.delivered(best.estimate.z[len(unknowns) :]) if best.missing else tires
-    probable = probabilities_of(best.grid, best.estimate, unknowns)
-    factors = factors_of(best.estimate, unknowns, delivered, best.grid.step, probable.factors)
+    base = Explanation(None, grid, estimate)
+    ranked = rivals_of(base, unknowns, car, tires)
+    best = base
+    if lacking(ranked) > CERTAIN and ranked[0].missing:
+        forces = forces_of(ranked[0], unknowns, car, base)
+        best = (
+            _refitted(ranked[0].missing, lambda: estimated(grid, interval, unknowns, start, log, car, forces, estimate))
+            or base
+        )
+    answer = _with_effect(best, base, unknowns, car, tires)
+    delivered = answer.missing.delivered(answer.estimate.z[len(unknowns) :]) if answer.missing else tires
+    parts = parts_of(answer.grid, answer.estimate, unknowns, car)
+    of_base = parts if answer is base else parts_of(base.grid, base.estimate, unknowns, car)
+    wide = widened(answer.estimate, parts)
+    answer = replace(answer, estimate=wide)
+    contradiction = contradiction_of(wide, unknowns)
+    probable = probabilities_of(answer.grid, wide, unknowns)
+    factors = factors_of(wide, unknowns, delivered, answer.grid.step, probable.factors)
     new = scaled_tires(delivered, factors)
-    common = best.grid, best.estimate, unknowns, car
-    before = simulated(*common, tires, known_car=False, fmus=fmus)
-    after = simulated(*common, new, known_car=True, fmus=fmus)
-    gap = _lacking(best, unknowns, car, tires, (tires, new))
-    where = disagreement(best.grid, best.estimate, gap[0], car)
-    verdict = verdict_on(best, ranked, unknowns, car, factors, probable.car, where)
+    common = answer.grid, answer.estimate, unknowns, car
+    certain = _certain(parts, delivered, factors, contradiction) if answer.estimate.converged else frozenset()
+    factors = believed(factors, certain)
+    predicted = left_out(parts, of_base, tires, delivered) if parts and of_base else None
+    before = simulated(*common, tires, z=0.0 * answer.estimate.z, fmus=fmus)
+    after = simulated(*common, new, z=answer.estimate.z, fmus=fmus)
+    gap = _lacking(answer, unknowns, car, tires, (tires, new))
+    where = disagreement(answer.grid, answer.estimate, gap[0], car)
+    verdict = verdict_on(answer, ranked, unknowns, car, factors, certain, probable.car, contradiction, predicted, where)
     verdict = replace(verdict, lines=(*verdict.lines, *_limits(tires)))
-    wheels = wheel_table(best.grid, best.estimate)
-    return Drive(log, car, best.grid, unknowns, best.estimate, tires, new, factors, wheels, before, after, gap, verdict)
+    wheels = wheel_table(answer.grid, answer.estimate)
+    return Drive(
+        log, car, answer.grid, unknowns, answer.estimate, tires, new, factors, wheels, before, after, gap, verdict
+    )
+
+
+def _refitted(missing: Missing, refit: Callable[[], tuple[Grid, Estimate]]) -> Explanation | None:
+    """Return the estimate of the whole drive with an effect, or None if there is none."""
+    try:
+        explanation = Explanation(missing, *refit())
+    except np.linalg.LinAlgError:
+        return None
+    return explanation if explanation.estimate.converged else None
+
+
+def _with_effect(
+    best: Explanation, base: Explanation, unknowns: Unknowns, car: Car, tires: dict[str, Tire]
+) -> Explanation:
+    """Return the explanation with an effect if the car simulated with it is better on the parts that were left out."""
+    if not best.missing:
+        return base
+    parts, without = (parts_of(at.grid, at.estimate, unknowns, car) for at in (best, base))
+    if not parts or not without or contradiction_of(widened(best.estimate, parts), unknowns).certain:
+        return base
+    with_it = best.missing.delivered(best.estimate.z[len(unknowns) :])
+    return best if is_better(without.errors(tires, ())[0], parts.errors(with_it, ())[0]) else base
+
+
+def _certain(
+    parts: Parts | None, tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, Factor]],
+    contradiction: Contradiction,
+) -> frozenset[tuple[str, str]]:  # fmt: skip
+    """Return axle and name of the factors that changed and that predict the parts that were left out."""
+    pairs = [(axle, name) for axle, row in factors.items() for name, factor in row.items() if factor.differs]
+    if not pairs or not parts or contradiction.certain:
+        return frozenset()
+    after, _ = parts.errors(tires, ())
+    return frozenset(pair for pair in pairs if is_better(parts.errors(tires, [pair])[0], after))
 
 
 def _limits(tires: Mapping[str, Tire]) -> list[str]:

@@ -10,7 +10,7 @@ from .factors import Factor
 from .verdict import CarFinding, EffectFinding, TireDifference
 
 #: Version of drive.json. New keys increment the second number, changed meanings the first.
-VERSION = "2.0"
+VERSION = "3.0"
 
 
 class CarEntry(TypedDict):
@@ -22,10 +22,27 @@ class CarEntry(TypedDict):
     given_uncertainty: float
 
 
+class ContradictionContent(TypedDict):
+    """The joint deviation of the entries of the car from their file, in the estimate without an effect."""
+
+    deviation: Annotated[float, "chi-squared"]
+    degrees_of_freedom: int
+    p: Annotated[float, "probability of a larger deviation if the file is right"]
+
+
+class LeftOutContent(TypedDict):
+    """Root mean squares of the errors of the simulated vehicle in parts that its estimate did not see, by signal."""
+
+    before: Annotated[Mapping[str, float], "tires as given"]
+    after: Annotated[Mapping[str, float], "new tires"]
+    better: Annotated[bool, "whether the new tires are better, beyond the scatter over the parts"]
+
+
 class CarContent(TypedDict):
-    """Entries that contradict the car file, and all estimated entries by name."""
+    """Entries that contradict the car file, one by one and together, and all estimated entries by name."""
 
     found: Sequence[CarFinding]
+    contradiction: ContradictionContent
     entries: dict[str, CarEntry]
 
 
@@ -42,6 +59,7 @@ class DriveContent(TypedDict):
 
     version: str
     ok: Annotated[bool, "whether the numbers can be used"]
+    written: Annotated[bool, "whether there are new tires"]
     verdict: list[str]
     log: str
     duration: Annotated[float, "s"]
@@ -56,6 +74,7 @@ class DriveContent(TypedDict):
     axle_forces: Annotated[dict[str, dict[str, float]], "rms of lacking side force before and after, by axle, N"]
     correlations: Annotated[dict[str, dict[str, float]], "of determined factors with entries of the car, above 0.3"]
     simulation: SimulationContent
+    left_out: LeftOutContent | None
     converged: bool
 
 

@@ -14,12 +14,12 @@ from ...diagnosis.diagnose import with_library
 from ...diagnosis.probing.candidates import candidates_for, counts_from_neutral
 from ...symbolic.detection import Form
 from ...tires import Tire
-from ...tires.code.modules import two_track
+from .dynamics.lagging import wheel_motion
 from .estimate import Estimate
 from .inputs.car import Car, loads_of
 from .inputs.grid import Grid
 from .inputs.unknowns import AXLES, FACTORS, Unknowns
-from .interval import BODY, OUTPUTS
+from .interval import OUTPUTS
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -36,7 +36,7 @@ class Motion:
     """What the forces of the tires follow from.
 
     - `t`, shape (n,), s.
-    - `inputs`: kappa, alpha, Fz and V, shape (4, n) each: of the corners, ISO-W signs. `loads`: of the axles, N.
+    - `inputs`: kappa, alpha, gamma, Fz and V, shape (4, n) each: of the corners, ISO-W signs. `loads`: of the axles, N.
     """
 
     t: FloatArray
@@ -63,14 +63,8 @@ class Motion:
 def motion_of(grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> Motion:
     """Return the motion of the wheels in the middle of the intervals."""
     p = unknowns.car_values(car, estimate.z)
-    middle = (estimate.states[grid.left] + estimate.states[grid.right])[:, :3].T / 2
-    rate = (estimate.states[grid.right] - estimate.states[grid.left])[:, :3].T / grid.step
-    more = p["delay"] - grid.used[0], p["lag"] - grid.used[1]
-    ends = grid.steer + grid.steer_slopes[:2] * more[0] + grid.steer_slopes[2:] * more[1]
-    steer = p["offset"] + car.values["ratio"] / p["ratio"] * ends.mean(axis=0)
-    wheels = np.array(two_track.wheels(*middle, *rate, steer, *(p[entry] for entry in BODY.values())))
+    inputs = dict(zip(("alpha", "V", "Fz", "gamma"), wheel_motion(grid, estimate.states, car, p), strict=True))
     kappa = np.stack([estimate.outputs.values[:, OUTPUTS.index(f"kappa_{axle}")] for axle in AXLES])
-    inputs = dict(zip(("alpha", "V", "Fz"), wheels.reshape(3, 4, -1), strict=True))
     return Motion(grid.t, {"kappa": kappa.repeat(2, axis=0), **inputs}, loads_of(p))
 
 
@@ -89,9 +83,9 @@ class Missing:
     logarithmic: frozenset[str]
 
     def values(self, u: FloatArray) -> dict[str, float]:
-        """Return the coefficients, within their bounds."""
+        """Return the coefficients, within their bounds, from the first deviations."""
         declared, values = self.tires["front"].symbolic_model.coefficients, dict[str, float]()
-        for (name, center), deviation in zip(self.center.items(), u, strict=True):
+        for (name, center), deviation in zip(self.center.items(), u, strict=False):
             step = self.spread[name] * deviation
             value = center * np.exp(step) if name in self.logarithmic else center + step
             values[name] = float(np.clip(value, declared[name].lower, declared[name].upper))
@@ -103,6 +97,10 @@ class Missing:
             axle: scaled(replace(tire, effects=tire.has | {self.name}).with_values(**self.values(u)), factors[axle])
             for axle, tire in self.tires.items()
         }
+
+    def off(self, factors: Mapping[str, Mapping[str, float]]) -> dict[str, Tire]:
+        """Return the tires without the effect, with scaling factors by axle and name."""
+        return {axle: scaled(tire, factors[axle]) for axle, tire in self.tires.items()}
 
     def delivered(self, u: FloatArray) -> dict[str, Tire]:
         """Return the tires with the effect and nothing else of the library, ISO-W signs."""
@@ -117,11 +115,6 @@ class Missing:
             added = tuple(effect for effect in tire.added if effect not in unused)
             result[axle] = replace(tire, added=added, values=values).in_signs("iso")
         return result
-
-    def side_forces(self, motion: Motion, u: FloatArray, factors: Mapping[str, Mapping[str, float]]) -> FloatArray:
-        """Return the side forces that the effect adds, per static load, shape (n, 2)."""
-        without = motion.side_forces({axle: scaled(tire, factors[axle]) for axle, tire in self.tires.items()})
-        return np.nan_to_num(motion.side_forces(self.on(u, factors)) - without)
 
 
 def scaled(tire: Tire, factors: Mapping[str, float]) -> Tire:
@@ -140,8 +133,8 @@ def factor_values(unknowns: Unknowns, z: FloatArray) -> dict[str, dict[str, floa
 
 def effect_columns(
     motion: Motion, tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, float]]
-) -> list[tuple[Missing, FloatArray]]:
-    """Return the effects that a drive can show, each with its side force at a typical size, shape (n, 2).
+) -> list[tuple[Missing, FloatArray, FloatArray]]:
+    """Return the effects that a drive can show, each with a typical size and its side force there, shape (n, 2).
 
     An effect occurs once for each form and probe.
     """
@@ -157,7 +150,7 @@ def effect_columns(
         for missing, size in (pair for form in candidate.forms for pair in _of_form(name, form, library)):
             added = motion.side_forces(missing.on(size, factors)) - without
             if np.isfinite(added).all() and np.abs(added).max() > MIN_CHANGE:
-                columns.append((missing, added))
+                columns.append((missing, size, added))
     return columns
 
 

@@ -10,7 +10,7 @@ their steps are those of MacKay, Bayesian interpolation, Neural Computation 4 (1
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -19,31 +19,38 @@ import numpy.typing as npt
 from scipy.linalg import cho_factor, cho_solve, cho_solve_banded, cholesky_banded
 
 from ...numerics.correlation import correlation_length
-from .evaluation import curved, evaluated, interval_data
+from .dynamics.discrepancy import USUAL, discrepancy_columns, size_of
+from .dynamics.lagging import with_lags
+from .evaluation import curved, evaluated, interval_data, values_of
 from .inputs.car import Car
-from .inputs.grid import MEASURED, Grid, with_steering
+from .inputs.grid import Grid, with_steering
 from .inputs.log import Log
 from .inputs.unknowns import Unknowns
 from .interval import BALANCE, MOTION, Added, Interval, Linear
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
 
 #: Deviations of the balance, per load: at the start, and the smallest one (the error of the integration).
-START_DEVIATION, MIN_DEVIATION = 0.02, 1e-3
+START_DEVIATION, MIN_DEVIATION = 0.02, 5e-4
 #: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
 LONGEST_STEP = 1.0
 #: Largest deviation of an unknown: one that reaches it contradicts the car file.
-LARGEST = 10.0
+LARGEST = 20.0
 #: Residual in standard deviations beyond which it has less weight, as that of Huber.
 OUTLYING = 3.0
 #: Most steps of the unknowns, and from an estimate that is near; most steps of the states for given unknowns, predicted
 #: relative decrease that ends the latter, smallest part of a step that is tried.
 ROUNDS, NEAR_ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 60, 20, 50, 1e-7, 1e-2
+#: Rounds for which the slope of the volume is kept, but for steps shorter than this.
+SLOPE_ROUNDS, NEAR = 3, 1.0
 #: The estimate ends at a step of an unknown in its standard deviations and of the logarithm of a deviation below the
 #: first number, or at a step below 1 that gains less than the second one in the logarithm of the posterior.
 SETTLED, FLAT = 0.1, 0.05
 
 
+#: Intervals in parts of a drive that are estimated first, and the number of these parts. Convention: computing time.
+SAMPLE, PIECES = 400, 4
 #: Added forces from the grid, states and unknowns.
 Forces = Callable[[Grid, FloatArray, FloatArray], Added]
 
@@ -86,6 +93,7 @@ class Estimate(Posterior):
     - `weights`, shape (n, 2): by which the residuals of the balance, per static load, are multiplied.
     - `evidence`: logarithm of the probability of the log, integrated over states and unknowns (Laplace), up to a
       constant of the log.
+    - `size`: of the discrepancy, relative to the side force that the motion requires; its coefficients are last in `z`.
     - `converged`: whether the last step was shorter than its tolerance.
     """
 
@@ -96,12 +104,21 @@ class Estimate(Posterior):
     outputs: Linear
     weights: FloatArray
     evidence: float
+    size: float
     converged: bool
 
     @property
     def unexplained(self) -> FloatArray:
         """Deviation of what the motion requires of each axle beyond its tires, per static load, shape (2,)."""
         return self.deviations[-len(BALANCE) :]
+
+    def of_part(self, grid: Grid, rows: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Return the information on the unknowns of some intervals alone, and the slope of their cost."""
+        part, _ = grid.part(rows)
+        factor = _Factor(
+            part, Linear(self.residuals.values[rows], self.residuals.jacobian[rows]), self.states.shape[1], 1e-9
+        )
+        return factor.schur - np.eye(len(self.z)), factor.slope(np.zeros(len(self.z)))
 
     def information(self, grid: Grid, added: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the information of the log on the unknowns and on coefficients of added forces, and its score at 0.
@@ -136,26 +153,44 @@ def estimated(
     `forces`: added to those of the tires, for a fixed motion in each round. `near`: an estimate without them, from
     which this one starts.
     """
-    n_balance = len(BALANCE)
-    z, floor = np.zeros(len(unknowns)), np.ones(len(interval.residuals))
+    n_balance, n = len(BALANCE), len(unknowns)
+    z, floor = np.zeros(n), np.ones(len(interval.residuals))
     floor[-n_balance:] = MIN_DEVIATION
     deviations = np.concatenate([floor[:-n_balance], np.full(n_balance, START_DEVIATION)])
+    size, rest = USUAL, np.zeros(0)
+    rows = None if near else _sample(grid)
     if near:
-        start, z, deviations = near.states, near.z, near.deviations
-    added = forces(grid, start, z)
-    z = np.concatenate([z, np.zeros(added.further)])
+        start, deviations, size, (z, rest) = near.states, near.deviations, near.size, np.split(near.z, [n])
+    elif rows is not None:
+        some, nodes = grid.part(rows)
+        _, first = estimated(some, interval, unknowns, start[nodes], log, car, forces)
+        start, deviations, size, z = start.copy(), first.deviations, first.size, first.z[:n]
+        start[nodes] = first.states
+        grid = _moved(grid, interval, start, log, car, unknowns.car_values(car, z))
+
+    def acting(grid: Grid, states: FloatArray, z: FloatArray) -> Added:
+        beyond = values_of(interval, grid, states, z[:n], interval_data(grid))[:, -n_balance:]
+        columns = discrepancy_columns(grid, states, unknowns.car_values(car, z), beyond)
+        return forces(grid, states, z).and_columns(size * columns)
+
+    added = acting(grid, start, z)
+    n_rest = added.columns.shape[2] - forces(grid, start, z).columns.shape[2]
+    rest = rest[len(rest) - n_rest :] if near else np.zeros(n_rest)
+    z = np.concatenate([z, np.zeros(added.further - n_rest), rest])
     at = _solved(grid, interval, added, start, z, deviations, np.ones((len(grid.t), len(floor))))
-    converged, arrived, part, last = False, False, 1.0, np.zeros(len(z))
-    for _ in range(NEAR_ROUNDS if near else ROUNDS):
-        slope = _volume_slope(grid, interval, at, added.tires(z))
+    converged, arrived, part, last, resized = False, near is not None or rows is not None, 1.0, np.zeros(len(z)), 0.0
+    longest, slope = np.inf, np.zeros(len(z))
+    for round_ in range(NEAR_ROUNDS if near else ROUNDS):
+        if longest < NEAR or round_ % SLOPE_ROUNDS == 0:  # it changes slowly
+            slope = _volume_slope(grid, interval, at, added.tires(z))
         change, change_z = at.factor.step(z + slope, z)
         widening = np.maximum(np.clip(at.excess(), -LONGEST_STEP, LONGEST_STEP), np.log(floor / at.deviations))
-        widening[len(MEASURED) : -n_balance] = 0.0  # errors of the integration
+        widening[len(grid.sampled) : -n_balance] = 0.0  # errors of the integration
         arrived = arrived or bool(np.abs(change_z).max() < (1.0 - 1e-9) * LONGEST_STEP)
         widening *= arrived
         step = change_z / np.sqrt(np.diag(at.posterior.covariance))
-        size = max(np.abs(step).max(), np.abs(widening).max())
-        if size < SETTLED:
+        longest = max(np.abs(step).max(), np.abs(widening).max(), resized)
+        if longest < SETTLED:
             converged = True
             break
         part, last = _part(part, last, step), step
@@ -169,18 +204,40 @@ def estimated(
             except np.linalg.LinAlgError:  # a motion that the model does not have
                 continue
             gain = at.criterion - tried.criterion
-        converged = bool(gain < FLAT and size < 1.0)
+        converged = bool(gain < FLAT and longest < 1.0)
         if converged or not gain > 0.0:
             break
         z = z + share * change_z
-        grid = with_steering(grid, log, car, unknowns.car_values(car, z))
+        grid = _moved(grid, interval, tried.states, log, car, unknowns.car_values(car, z))
         weights = _weights(tried.linear.values / at.weights)
-        added = curved(grid, interval, forces(grid, tried.states, z), tried.states, z)
+        if longest < 1.0:  # before, errors of the unknowns would be taken for the car's
+            variances = np.diag(at.posterior.covariance)[len(z) - n_rest :]
+            new = size_of(size, z[len(z) - n_rest :], variances)
+            resized = abs(np.log(new / size))
+            z[len(z) - n_rest :] *= size / new
+            size = new
+        added = curved(grid, interval, acting(grid, tried.states, z), tried.states, z)
         at = _solved(grid, interval, added, tried.states, z, tried.deviations, weights)
-    return grid, _estimate(at, interval, added, z, converged)
+    return grid, _estimate(at, interval, added, z, size, converged)
 
 
-def _estimate(at: _Point, interval: Interval, added: Added, z: FloatArray, converged: bool) -> Estimate:
+def _sample(grid: Grid) -> IntArray | None:
+    """Return the intervals of some parts of a drive, from which an estimate of the whole begins, or None."""
+    n = len(grid.t)
+    if n < 2 * SAMPLE:
+        return None
+    first = np.arange(PIECES) * n // PIECES + (n // PIECES - SAMPLE // PIECES) // 2
+    return np.asarray((first[:, None] + np.arange(SAMPLE // PIECES)).ravel(), dtype=np.intp)
+
+
+def _moved(
+    grid: Grid, interval: Interval, states: FloatArray, log: Log, car: Car, entries: Mapping[str, float]
+) -> Grid:
+    """Return the grid with steering and lags for a motion and entries of the car."""
+    return with_lags(with_steering(grid, log, car, entries), interval, states, car, entries)
+
+
+def _estimate(at: _Point, interval: Interval, added: Added, z: FloatArray, size: float, converged: bool) -> Estimate:
     """Return the estimate at a point; a residual that is correlated over time has the information of fewer ones."""
     grid, n_balance = at.grid, len(BALANCE)
     lengths = [correlation_length(at.linear.values[:, i], grid.segment) for i in range(-n_balance, 0)]
@@ -192,7 +249,7 @@ def _estimate(at: _Point, interval: Interval, added: Added, z: FloatArray, conve
     parts, evidence = vars(_posterior(grid, factor)), -at.criterion - np.linalg.slogdet(at.factor.schur)[1] / 2
     return Estimate(**parts, states=at.states, z=z, deviations=at.deviations, residuals=linear,
                     outputs=outputs.with_columns(added.further), weights=weights, evidence=float(evidence),
-                    converged=converged)  # fmt: skip
+                    size=size, converged=converged)  # fmt: skip
 
 
 def _part(part: float, last: FloatArray, step: FloatArray) -> float:
@@ -319,9 +376,13 @@ class _Factor:
         by_z = self._J[:, :, 2 * self.n :].reshape(-1, self._border.shape[1])
         return np.asarray(by_z.T @ by_z + np.eye(by_z.shape[1]) - self._border.T @ self.solved_border)
 
+    def slope(self, more: FloatArray) -> FloatArray:
+        """Return the derivatives of the cost by the unknowns, for the best states, and `more`."""
+        return np.asarray(self._slopes[:, 2 * self.n :].sum(axis=0) + more - self._border.T @ self.solved_gradient)
+
     def step(self, slope: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the step of the states and of the unknowns."""
-        gradient = self._slopes[:, 2 * self.n :].sum(axis=0) + slope - self._border.T @ self.solved_gradient
+        gradient = self.slope(slope)
         change_z = -cho_solve(cho_factor(self.schur), gradient)
         change_z *= min(1.0, LONGEST_STEP / max(float(np.abs(change_z).max()), 1e-12))
         change_z = np.clip(z + change_z, -LARGEST, LARGEST) - z

@@ -26,7 +26,7 @@ def interval_data(grid: Grid, share: float = 0.0) -> FloatArray:
     weights = np.where(sampled, 1.0 / np.where(sampled, grid.noise, 1.0), 0.0)
     lines = np.stack([grid.steer, grid.steer_slopes[:2], grid.steer_slopes[2:]])
     lines = lines + share * np.diff(lines, axis=1)
-    return np.concatenate([np.where(sampled, grid.means, 0.0), weights, lines.reshape(6, -1), grid.rims])
+    return np.concatenate([np.where(sampled, grid.means, 0.0), weights, lines.reshape(6, -1), grid.rims, grid.behind])
 
 
 def curved(grid: Grid, interval: Interval, added: Added, states: FloatArray, z: FloatArray) -> Added:
@@ -35,20 +35,25 @@ def curved(grid: Grid, interval: Interval, added: Added, states: FloatArray, z: 
     Over an interval, the motion is a parabola through its nodes with the curvature at them. The steering is a line with
     the mean of the channel: at Gauss points, a parabola with the same mean has the same values.
     """
-    inner = np.flatnonzero(np.bincount(np.concatenate([grid.left, grid.right])) == 2)
-    bend, inside = np.zeros_like(states), np.zeros((grid.n_nodes, 1))
-    bend[inner], inside[inner] = states[inner + 1] - 2.0 * states[inner] + states[inner - 1], 1.0
-    ends = np.stack([grid.left, grid.right])
-    curvature = bend[ends].sum(axis=0) / np.maximum(inside[ends].sum(axis=0), 1.0)
-    (left, right), of_tires = states[ends], added.tires(z)
-    correction = -evaluated(interval.residual_chunk, grid, states, of_tires, interval_data(grid)).values
+    curvature = curvature_of(grid, states)
+    left, right, of_tires = states[grid.left], states[grid.right], added.tires(z)
+    correction = -values_of(interval, grid, states, of_tires, interval_data(grid))
     for share in POINTS:
         at = (left + right) / 2 + share * (right - left) - curvature / 12
         half = (right - left + share * curvature) / 2
         moved = np.stack([at - half, at + half])
         data = interval_data(grid, share)
-        correction += evaluated(interval.residual_chunk, grid, moved, of_tires, data).values / len(POINTS)
+        correction += values_of(interval, grid, moved, of_tires, data) / len(POINTS)
     return replace(added, correction=correction)
+
+
+def curvature_of(grid: Grid, states: FloatArray) -> FloatArray:
+    """Return the second differences of the states over each interval, the mean of those at its nodes."""
+    inner = np.flatnonzero(np.bincount(np.concatenate([grid.left, grid.right])) == 2)
+    bend, inside = np.zeros_like(states), np.zeros((grid.n_nodes, 1))
+    bend[inner], inside[inner] = states[inner + 1] - 2.0 * states[inner] + states[inner - 1], 1.0
+    ends = np.stack([grid.left, grid.right])
+    return np.asarray(bend[ends].sum(axis=0) / np.maximum(inside[ends].sum(axis=0), 1.0))
 
 
 def evaluated(
@@ -59,20 +64,30 @@ def evaluated(
     `states`: of the nodes, shape (n_nodes, n_states), or of both ends of the intervals, shape (2, n, n_states).
     `more`, shape (n, n_more): its last argument.
     """
+    m, width = function.size1_out(0), 2 * states.shape[-1] + len(z)
+    values, jacobian = _columns(function, grid, states, z, data, (m, m * width), more)
+    return Linear(values, jacobian.reshape(len(grid.t), width, m).transpose(0, 2, 1))
+
+
+def values_of(interval: Interval, grid: Grid, states: FloatArray, z: FloatArray, data: FloatArray) -> FloatArray:
+    """Return the residuals at all intervals, shape (n, n_residuals); see `evaluated`."""
+    return _columns(interval.value_chunk, grid, states, z, data, (len(interval.residuals),))[0]
+
+
+def _columns(
+    function: Any, grid: Grid, states: FloatArray, z: FloatArray, data: FloatArray, sizes: tuple[int, ...],
+    more: FloatArray | None = None,
+) -> list[FloatArray]:  # fmt: skip
+    """Return the results of a function at all intervals, of the given sizes, shape (n, size) each."""
     left, right = states if states.ndim == 3 else (states[grid.left], states[grid.right])
-    n, m, width = len(grid.t), function.size1_out(0), 2 * left.shape[1] + len(z)
-    values, jacobian = np.empty((n, m)), np.empty((n, m, width))
-    constant = np.concatenate([z, grid.used])
+    n, constant = len(grid.t), np.tile(np.concatenate([z, grid.used]), (CHUNK, 1))
+    stored = [np.empty((-(-n // CHUNK) * CHUNK, size)) for size in sizes]
     for first in range(0, n, CHUNK):
         rows = np.minimum(np.arange(first, first + CHUNK), n - 1)  # the last interval fills the last chunk
-        results = [np.empty((CHUNK, m)), np.empty((CHUNK, m * width))]
         last = [] if more is None else [more[rows]]
-        _call(function, [left[rows], right[rows], data.T[rows], np.tile(constant, (CHUNK, 1)), *last], results)
-        some = slice(first, min(first + CHUNK, n))
-        count = some.stop - first
-        values[some] = results[0][:count]
-        jacobian[some] = results[1][:count].reshape(count, width, m).transpose(0, 2, 1)
-    return Linear(values, jacobian)
+        results = [part[first : first + CHUNK] for part in stored]
+        _call(function, [left[rows], right[rows], data.T[rows], constant, *last], results)
+    return [part[:n] for part in stored]
 
 
 def _call(function: Any, arguments: list[FloatArray], results: list[FloatArray]) -> None:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Set
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -11,15 +11,17 @@ import numpy.typing as npt
 from ...measurements.checks.recordings.coverage import lacking_peak
 from ...tires import Tire
 from .estimate import Estimate
-from .inputs.unknowns import AXLES, CHANGED, FACTORS, LATERAL, Unknowns
+from .inputs.unknowns import AXLES, CHANGED, FACTORS, Unknowns
 from .interval import OUTPUTS
 
 FloatArray = npt.NDArray[np.float64]
 
+#: Posterior probability at which a change of a tire, a wrong entry of the car or an effect is a finding.
+CERTAIN = 0.95
 #: Normal deviate of 95 %.
 WIDTH = 1.96
 #: A factor is determined if the standard deviation of its logarithm is at most this, and a friction factor only if the
-#: side force exceeds `PEAK_SHARE` of the peak (at the upper limit of the factor) for this time, s.
+#: side force exceeds `PEAK_SHARE` of the peak (at a factor one standard deviation higher) for this time, s.
 MAX_SPREAD, PEAK_TIME = 0.1, 0.5
 #: Slip angles at which a peak is sought, rad.
 _SLIPS = np.linspace(-0.6, 0.6, 241)
@@ -39,6 +41,11 @@ class Factor:
     determined: bool
     reason: str
     changed: float
+
+    @property
+    def differs(self) -> bool:
+        """Whether the drive says that it differs from 1."""
+        return self.determined and self.changed > CERTAIN and not self.low <= 1.0 <= self.high
 
     @property
     def informed(self) -> bool:
@@ -62,10 +69,9 @@ def factors_of(
             center, spread = unknowns.spread[i] * estimate.z[i], unknowns.spread[i] * deviation[i]
             low, value, high = (float(np.exp(center + k * WIDTH * spread)) for k in (-1, 0, 1))
             reason = "" if spread <= MAX_SPREAD else "the drive has too little information on it"
-            if name not in LATERAL:
-                reason = "the log has no longitudinal force of a wheel"
             if not reason and name == "LMUY":
-                reason = lacking_peak("Fy", _exceeded(used_share(estimate, axle, tires[axle], high), step))
+                share = used_share(estimate, axle, tires[axle], float(np.exp(center + spread)))
+                reason = lacking_peak("Fy", _exceeded(share, step))
             result[axle][name] = Factor(value, low, high, not reason, reason, changed.get((axle, name), CHANGED))
     return result
 
@@ -74,6 +80,25 @@ def _exceeded(share: FloatArray, step: float) -> float:
     """Return the share of the peak that is exceeded for `PEAK_TIME`."""
     rows = max(round(PEAK_TIME / step), 1)
     return float(np.sort(share)[-rows]) if len(share) >= rows else 0.0
+
+
+def believed(
+    factors: Mapping[str, Mapping[str, Factor]], certain: Set[tuple[str, str]]
+) -> dict[str, dict[str, Factor]]:  # fmt: skip
+    """Return the factors with the probabilities that prediction leaves.
+
+    The evidence has one vote and prediction the other: what the evidence calls changed, but what does not predict, is
+    at most as likely as not.
+    """
+    doubted = {
+        (axle, name): replace(factor, changed=factor.changed / 2)
+        for axle, row in factors.items()
+        for name, factor in row.items()
+        if factor.changed > CHANGED and (axle, name) not in certain
+    }
+    return {
+        axle: {name: doubted.get((axle, name), factor) for name, factor in row.items()} for axle, row in factors.items()
+    }
 
 
 def used_share(estimate: Estimate, axle: str, tire: Tire, friction: float) -> FloatArray:
@@ -92,7 +117,7 @@ def scaled_tires(tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, F
     """
     return {
         axle: tire.with_values(
-            **{name: tire.values[name] * factors[axle][name].value for name in LATERAL if factors[axle][name].informed}
+            **{name: tire.values[name] * factors[axle][name].value for name in FACTORS if factors[axle][name].informed}
         )
         for axle, tire in tires.items()
     }

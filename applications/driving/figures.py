@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...drawing.figure import Figure, Panel, Series, band
-from ...drawing.style import DASHED
+from ...drawing.style import DASHED, SOLID
 from .inputs.unknowns import AXLES
 from .interval import OUTPUTS
 from .simulation import estimated_motion
@@ -19,13 +19,15 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 RECORDED, BEFORE, AFTER = "#555555", "#a33b00", "#0b4f9c"
+#: Panels in a row of beliefs.
+ROW = 4
 #: Most points of a series.
 MAX_POINTS = 4000
 
 
 def drive_figures(answer: Drive) -> list[Figure]:
     """Return the figures of an answer."""
-    return [_histories(answer), _forces(answer), _map(answer)]
+    return [_histories(answer), *_left_out(answer), _forces(answer), _map(answer), _beliefs(answer)]
 
 
 def _some(n: int) -> slice:
@@ -48,6 +50,45 @@ def _histories(answer: Drive) -> Figure:
         panels.append((Panel("time (s)", label, series, x_axis="time", width=12.0, height=2.6),))
     text = "The simulation starts every 2 s from the estimated state. Steering and speed are those of the log."
     return Figure("motion", "Motion over time", tuple(panels), text)
+
+
+def _left_out(answer: Drive) -> list[Figure]:
+    """Return the errors in the parts that were left out, if the drive has parts."""
+    predicted = answer.verdict.left_out
+    if not predicted:
+        return []
+    first, last, before, after = np.array(predicted.parts).T
+    times = np.stack([first, last, np.full_like(first, np.nan)], axis=1).ravel()
+    series = tuple(
+        Series("line", times, np.repeat(errors, 3), color, label, dashes, size=2.2)
+        for errors, color, label, dashes in (
+            (before, BEFORE, "tires as given", DASHED),
+            (after, AFTER, "new tires", SOLID),
+        )
+    )
+    panel = Panel("time (s)", "rms error (rad/s)", series, width=12.0, height=2.6, y_limits=(0.0, None))
+    text = "Yaw rate and lateral acceleration over speed, in parts of the drive that the estimate did not see."
+    return [Figure("left_out", "Parts that were left out", ((panel,),), text)]
+
+
+def _beliefs(answer: Drive) -> Figure:
+    """Return what is believed of the entries of the car and of the factors before and after the drive."""
+    unknowns, estimate = answer.unknowns, answer.estimate
+    deviation = np.sqrt(np.diag(estimate.covariance))
+    names = [*unknowns.car, *(f"log {name} {axle}" for axle, name in unknowns.factors)]
+    panels = []
+    for i, name in enumerate(names):
+        z = np.linspace(min(-3.0, estimate.z[i] - 3.0), max(3.0, estimate.z[i] + 3.0), 121)
+        before, after = np.exp(-(z**2) / 2), np.exp(-(((z - estimate.z[i]) / deviation[i]) ** 2) / 2)
+        x = unknowns.center[i] + unknowns.spread[i] * z
+        series = (
+            Series("line", x, before, BEFORE, "before", DASHED, size=1.5),
+            Series("line", x, after, AFTER, "after", size=2.0),
+        )
+        panels.append(Panel("", "", series, name, width=3.0, height=1.8))
+    rows = tuple(tuple(panels[first : first + ROW]) for first in range(0, len(panels), ROW))
+    text = "Belief relative to the most probable value: before, that of the car file; after, with the drive."
+    return Figure("beliefs", "Car and tires before and after the drive", rows, text)
 
 
 def _forces(answer: Drive) -> Figure:

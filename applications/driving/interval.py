@@ -9,7 +9,7 @@ what an effect adds to the forces of the tires.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
@@ -35,7 +35,7 @@ BALANCE = ("e_front", "e_rear")
 #: the side force of the tire alone. Fy is the tire's and half of what the motion requires beyond it.
 OUTPUTS = tuple(f"{name}_{axle}" for name in ("alpha", "kappa", "V", "Fz", "Fy", "Fy_tire") for axle in AXLES)
 #: Intervals that are evaluated at a time.
-CHUNK = 500
+CHUNK = 100
 #: Error of the integration of a pose, m/s and rad/s.
 POSE_ERROR = 3e-3
 #: Share of the mean load of an axle below which the load of a wheel changes smoothly to 0: a road cannot pull.
@@ -49,62 +49,88 @@ BODY = {
 }  # fmt: skip
 
 
+#: Entries that are the arguments of `two_track.turned` and `two_track.sensor`, and the rolling radii.
+SUSPENSION = ("steer_front", "steer_rear", "camber")
+SENSOR = ("x", "y", "roll_gradient", "misalignment")
+RADII = ("radius_front", "radius_rear")
+
+
 @dataclass(frozen=True)
 class Interval:
     """The function of an interval.
 
     - `states`: names of the states of a node.
-    - `residuals`: names; `MEASURED` are first, `BALANCE` last.
+    - `residuals`: names; those of `MEASURED` are first, `BALANCE` last.
     - `residual_chunk`, `output_chunk`: functions of `CHUNK` columns of left node, right node, data
-      (`evaluation.interval_data`), and unknowns followed by the delay and lag of the steering in the data. They give
+      (`evaluation.interval_data`), and unknowns followed by the delay and the lags in the data. They give
       the residuals or `OUTPUTS`, and their Jacobian by left node, right node, unknowns.
+    - `value_chunk`: of the same arguments, the residuals alone.
+    - `lengths`: loads and relaxation lengths of the tire of each axle.
     - `volume_chunk`: of the same and a matrix for the Jacobian of the residuals by both nodes: the derivatives of their
       product minus the logarithm of the density that the balance gives the next motion.
     """
 
     states: tuple[str, ...]
     residuals: tuple[str, ...]
+    lengths: Mapping[str, tuple[FloatArray, FloatArray]]
+    value_chunk: Any
     residual_chunk: Any
     output_chunk: Any
     volume_chunk: Any
 
 
 def interval_of(
-    car: Car, tires: Mapping[str, Tire], unknowns: Unknowns, *, pose: bool, spins: tuple[str, ...], step: float
-) -> Interval:
+    car: Car, tires: Mapping[str, Tire], unknowns: Unknowns, *, sampled: tuple[str, ...], spins: tuple[str, ...],
+    step: float,
+) -> Interval:  # fmt: skip
     """Return the function of the intervals of a drive.
 
-    `pose`: whether position and heading are logged. `spins`: the wheels whose spin is. `step`: s.
+    `sampled`: those of `MEASURED` that are logged. `spins`: the wheels whose spin is. `step`: s.
     """
+    pose = "heading" in sampled
     states, n = MOTION + POSE * pose, len(MEASURED)
     left, right = ca.SX.sym("left", len(states)), ca.SX.sym("right", len(states))
-    data, z = ca.SX.sym("data", 2 * n + 10), ca.SX.sym("z", len(unknowns))
-    used = ca.SX.sym("used", 2)
+    data, z = ca.SX.sym("data", 2 * n + 18), ca.SX.sym("z", len(unknowns))
+    used = ca.SX.sym("used", 4)
     p = _entries(car, unknowns, z)
     middle, rate = ca.vertsplit((left + right) / 2), ca.vertsplit((right - left) / step)
     more = p["delay"] - used[0], p["lag"] - used[1]
     ends = [data[2 * n + i] + data[2 * n + 2 + i] * more[0] + data[2 * n + 4 + i] * more[1] for i in (0, 1)]
     scale = car.values["ratio"] / p["ratio"]
     steer, turning = p["offset"] + scale * (ends[0] + ends[1]) / 2, scale * (ends[1] - ends[0]) / step
-    wheels = _wheels(middle, rate, steer, turning, p, tires)
-    pulls = _pulls(middle, rate, steer, car, p)
-    rims = dict(zip(CORNERS, ca.vertsplit(data[2 * n + 6 :]), strict=True))
-    kappa = _kappa_of_spins(rims, wheels, spins) if spins else _kappa_of_pulls(pulls, p, tires)
+    behind, motion = data[2 * n + 10 :], (*middle[:3], *rate[:3])
+    lag = [behind[i] + (p[name] - used[2 + i]) * behind[2 + i] for i, name in enumerate(("pitch_lag", "roll_lag"))]
+    *turned, gamma = two_track.turned(*motion, *lag, steer, *(p[name] for name in SUSPENSION), xp=ARRAYS)
+    wheels = _wheels(motion, lag, turned, turning, p, tires)
+    wheels |= {f"gamma_{corner}": gamma for corner in CORNERS}
+    for i, corner in enumerate(CORNERS):
+        wheels[f"alpha_{corner}"] += behind[4 + i]
+    pulls = _pulls(middle, rate, turned[0], car, p)
+    slips = _kappa_of_pulls(pulls, p, tires)
+    late = {corner: p["wheel_delay"] * wheels[f"V_dot_{corner}"] for corner in CORNERS}
+    scales = {axle: p[name] / car.values[name] if spins else 1.0 for axle, name in zip(AXLES, RADII, strict=True)}
+    rims = dict(zip(CORNERS, ca.vertsplit(data[2 * n + 6 : 2 * n + 10]), strict=True))
+    rims = {corner: rim * scales[AXLES["fr".index(corner[0])]] + late[corner] for corner, rim in rims.items()}
+    kappa = _kappa_of_spins(rims, wheels, spins) if spins else slips
     factors = {axle: {name: _factor(unknowns, axle, name, z) for name in FACTORS} for axle in AXLES}
     forces = {axle: _forces(tires[axle], axle, wheels, kappa[i], factors[axle]) for i, axle in enumerate(AXLES)}
-    body, motion = [p[entry] for entry in BODY.values()], (*middle[:3], *rate[:3])
+    body = [p[entry] for entry in BODY.values()]
     # A differential gives both wheels of an axle the same torque: their longitudinal forces are equal.
     order = [*(pull / 2 for pull in pulls for _ in "lr"), *(forces[axle][1][side] for axle in AXLES for side in (0, 1))]
-    balance = dict(zip(_RESULTS, two_track.balance(*motion, steer, *body, *order, xp=ARRAYS), strict=True))
+    balance = dict(zip(_RESULTS, two_track.balance(*motion, *turned, *body, *order, xp=ARRAYS), strict=True))
     measured = _readings(p, middle, rate, pose)
-    parts = {name: (data[i] - measured.get(name, 0)) * data[n + i] for i, name in enumerate(MEASURED)}
+    for i, axle in enumerate(AXLES):
+        mean = sum(wheels[f"V_{corner}"] - late[corner] for corner in (f"{axle[0]}l", f"{axle[0]}r")) / 2
+        measured[f"rim_{axle}"] = mean * (1 + slips[i][0]) / scales[axle]
+    parts = {name: (data[i] - measured[name]) * data[n + i] for i, name in enumerate(MEASURED) if name in sampled}
     parts |= _kinematics(middle, rate) if pose else {}
     parts |= {name: balance[name] / load for name, load in zip(BALANCE, loads_of(p), strict=True)}
     residual = ca.vertcat(*parts.values())
-    required_forces = [balance[f"e_{axle}"] / ca.cos(steer if axle == "front" else 0) / 2 for axle in AXLES]
+    required_forces = [balance[f"e_{axle}"] / ca.cos(turned[i]) / 2 for i, axle in enumerate(AXLES)]
     outputs = ca.vertcat(*_outputs(wheels, forces, kappa, required_forces))
+    lengths = {axle: relaxation_lengths(tires[axle]) for axle in AXLES}
     arguments = [left, right, data, ca.vertcat(z, used)]
-    chunks = []
+    chunks = [ca.Function("interval", arguments, [residual], {"cse": True}).map(CHUNK)]
     for results in (residual, outputs):
         by = ca.densify(ca.jacobian(results, ca.vertcat(left, right, z)))
         chunks.append(ca.Function("interval", arguments, [results, ca.vec(by)], {"cse": True}).map(CHUNK))
@@ -115,7 +141,7 @@ def interval_of(
     volume = ca.dot(ca.vec(by_nodes), shares) - density
     by = ca.densify(ca.gradient(volume, point))
     chunks.append(ca.Function("volume", [*arguments, shares], [volume, by], {"cse": True}).map(CHUNK))
-    return Interval(states, tuple(parts), *chunks)
+    return Interval(states, tuple(parts), lengths, *chunks)
 
 
 _RESULTS = tuple(quantity.name for quantity in vehicle.BALANCE)
@@ -131,31 +157,40 @@ def _entries(car: Car, unknowns: Unknowns, z: Any) -> dict[str, Any]:
 
 
 def _wheels(
-    middle: list[Any], rate: list[Any], steer: Any, turning: Any, p: Mapping[str, Any], tires: Mapping[str, Tire]
-) -> dict[str, Any]:
-    """Return slip angle, speed and load of each wheel; slip angles lag by the relaxation length of the tire."""
+    motion: tuple[Any, ...], lag: list[Any], turned: list[Any], turning: Any, p: Mapping[str, Any],
+    tires: Mapping[str, Tire],
+) -> dict[str, Any]:  # fmt: skip
+    """Return slip angle, speed, its rate, and load of each wheel; slip angles lag, to the first order."""
     symbols = [ca.SX.sym(f"s{i}") for i in range(4)]
     body = [p[entry] for entry in BODY.values()]
     names = [f"{name}_{corner}" for name in ("alpha", "V", "Fz") for corner in CORNERS]
-    values = (*middle[:3], *rate[:3], steer)
-    wheels = dict(zip(names, two_track.wheels(*values, *body, xp=ARRAYS), strict=True))
-    of_symbols = two_track.wheels(*symbols[:3], *rate[:3], symbols[3], *body, xp=ARRAYS)[: len(CORNERS)]
-    point, change = ca.vertcat(*middle[:3], steer), ca.vertcat(*rate[:3], turning)
-    slopes = ca.substitute(ca.jacobian(ca.vertcat(*of_symbols), ca.vertcat(*symbols)), ca.vertcat(*symbols), point)
+    wheels = dict(zip(names, two_track.wheels(*motion, *lag, *turned, *body, xp=ARRAYS), strict=True))
+    of_symbols = two_track.wheels(*symbols[:3], *motion[3:], *lag, symbols[3], turned[1], *body, xp=ARRAYS)
+    point, change = ca.vertcat(*motion[:3], turned[0]), ca.vertcat(*motion[3:], turning)
+    by = ca.jacobian(ca.vertcat(*of_symbols[: 2 * len(CORNERS)]), ca.vertcat(*symbols))
+    slopes = ca.substitute(by, ca.vertcat(*symbols), point)
     for i, corner in enumerate(CORNERS):
-        length = relaxation_length(tires[AXLES[i // 2]])
+        length = p["relaxation"] * nominal_length(relaxation_lengths(tires[AXLES[i // 2]]))
         wheels[f"alpha_{corner}"] -= length / wheels[f"V_{corner}"] * (slopes[i, :] @ change)
+        wheels[f"V_dot_{corner}"] = slopes[len(CORNERS) + i, :] @ change
     return wheels
 
 
-def relaxation_length(tire: Tire) -> float:
-    """Return the lateral relaxation length at the nominal load, m; 0 for a tire without relaxation."""
+def relaxation_lengths(tire: Tire) -> tuple[FloatArray, FloatArray]:
+    """Return loads, N, and the lateral relaxation lengths at them, m: 0 for a tire without relaxation."""
+    loads = tire.nominal("Fz") * np.linspace(0.1, 2.5, 25)
     quantity = tire.symbolic_model.quantity("relaxation_y")
     if not tire.lags or not quantity:
-        return 0.0
+        return loads, np.zeros_like(loads)
     import pandas as pd
 
-    return float(tire.evaluate(pd.DataFrame({"alpha": [0.0]}), steady=True)[quantity].iloc[0])
+    table = tire.evaluate(pd.DataFrame({"alpha": 0.0, "Fz": loads}), steady=True)
+    return loads, table[quantity].to_numpy(np.float64)
+
+
+def nominal_length(lengths: tuple[FloatArray, FloatArray]) -> float:
+    """Return the relaxation length at the nominal load, m."""
+    return float(np.interp(lengths[0][9], *lengths))
 
 
 def _forces(
@@ -168,7 +203,7 @@ def _forces(
         parameters[list(model.coefficients).index(name)] *= factors[name]
     results = []
     pair = [
-        {"kappa": slip, **{name: wheels[f"{name}_{axle[0]}{side}"] for name in ("alpha", "V", "Fz")}}
+        {"kappa": slip, **{name: wheels[f"{name}_{axle[0]}{side}"] for name in ("alpha", "V", "Fz", "gamma")}}
         for slip, side in zip(kappa, "lr", strict=True)
     ]
     mean = (pair[0]["Fz"] + pair[1]["Fz"]) / 2
@@ -183,14 +218,14 @@ def _forces(
 def _readings(p: Mapping[str, Any], middle: list[Any], rate: list[Any], pose: bool) -> dict[str, Any]:
     """Return what the sensors measure."""
     motion = (*middle[:3], *rate[:3])
-    ax, ay, _, _ = two_track.sensor(*motion, p["x"], p["y"], p["roll_gradient"], xp=ARRAYS)
+    ax, ay, _, _ = two_track.sensor(*motion, *(p[name] for name in SENSOR), xp=ARRAYS)
     delay = p["motion_delay"]
     late = [value - delay * slope for value, slope in zip(middle, rate, strict=True)]
-    *_, vx, vy = two_track.sensor(*late[:3], *rate[:3], p["reference_x"], p["reference_y"], 0.0, xp=ARRAYS)
+    *_, vx, vy = two_track.sensor(*late[:3], *rate[:3], p["reference_x"], p["reference_y"], 0, 0, xp=ARRAYS)
     readings = {
-        "yaw_rate": middle[2] + p["yaw_rate_offset"],
+        "yaw_rate": p["yaw_rate_gain"] * middle[2] + p["yaw_rate_offset"],
         "ax": ax + p["ax_offset"],
-        "ay": ay + p["ay_offset"],
+        "ay": p["ay_gain"] * ay + p["ay_offset"],
         "speed": vx,
         "beta": ca.atan(vy / vx) + p["heading_offset"],
         "vy": vy + vx * p["heading_offset"],
@@ -301,6 +336,11 @@ class Added:
     def tires(self, z: FloatArray) -> FloatArray:
         """Return the unknowns of tires and car."""
         return z[: len(z) - self.further]
+
+    def and_columns(self, columns: FloatArray) -> Added:
+        """Return these forces and those of further unknowns."""
+        both = np.concatenate([self.columns, columns], axis=2)
+        return replace(self, columns=both, further=self.further + columns.shape[2])
 
     def residuals(self, of_tires: Linear, z: FloatArray, left: FloatArray, right: FloatArray) -> Linear:
         """Return residuals, per static load, with these forces, from those without them."""

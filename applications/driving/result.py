@@ -29,8 +29,6 @@ from .verdict import DriveVerdict
 
 FloatArray = npt.NDArray[np.float64]
 
-#: An entry of the car this many standard deviations from its file: the log is not one of this car, no tire is written.
-OTHER_CAR = 8.0
 #: Time between the last row of the front axle and the first one of the rear axle, s: a gap, so that they are segments.
 GAP = 10.0
 
@@ -74,9 +72,13 @@ class Drive:
 
     @property
     def ok(self) -> bool:
-        """Whether the numbers can be used: the estimate converged, and the log is one of this car."""
-        deviations = np.abs(self.estimate.z[: len(self.unknowns.car)])
-        return self.estimate.converged and bool((deviations < OTHER_CAR).all())
+        """Whether the numbers can be used: the estimate converged, and does not contradict the car."""
+        return self.estimate.converged and not self.verdict.contradiction.certain
+
+    @property
+    def written(self) -> bool:
+        """Whether there are new tires: something was found of them, and they predict better what was left out."""
+        return self.ok and self.verdict.better
 
     def __repr__(self) -> str:
         """Return the verdict."""
@@ -99,9 +101,11 @@ class Drive:
             }
             for i, name in enumerate(self.unknowns.car)
         }  # fmt: skip
+        contradiction, left_out = self.verdict.contradiction, self.verdict.left_out
         content: DriveContent = {
             "version": VERSION,
             "ok": self.ok,
+            "written": self.written,
             "verdict": list(self.verdict.lines),
             "log": self.log.source,
             "duration": len(self.grid.t) * self.grid.step,
@@ -112,7 +116,18 @@ class Drive:
             "effect": self.verdict.effect,
             "effects": self.verdict.effects,
             "lacking": self.verdict.lacking,
-            "car": {"found": self.verdict.car, "entries": entries},
+            "car": {
+                "found": self.verdict.car,
+                "contradiction": {
+                    "deviation": contradiction.deviation,
+                    "p": contradiction.p,
+                    "degrees_of_freedom": contradiction.degrees_of_freedom,
+                },
+                "entries": entries,
+            },
+            "left_out": {"before": left_out.before, "after": left_out.after, "better": left_out.better}
+            if left_out
+            else None,
             "axle_forces": {
                 name: dict(zip(AXLES, np.sqrt(np.mean(lacking**2, axis=0)).tolist(), strict=True))
                 for name, lacking in zip(("before", "after"), self.lacking, strict=True)
@@ -136,7 +151,7 @@ class Drive:
         return strong
 
     def save(self, folder: str | Path) -> list[Path]:
-        """Write the recording and, if the numbers can be used, the tires into a folder.
+        """Write the recording and, if there are new tires (`written`), these into a folder.
 
         Parameters
         ----------
@@ -158,7 +173,7 @@ class Drive:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             write_table(self.wheels, written[0])
-            for axle in AXLES if self.ok else ():
+            for axle in AXLES if self.written else ():
                 path = folder / f"{axle}.tir"
                 note = "; ".join(line for line in self.verdict.lines if line.startswith((axle, "the tires lack")))
                 replace(self.scaled[axle], about={**self.scaled[axle].about, "drive": note}).save(path)

@@ -1,17 +1,17 @@
 """Explanations of a drive compared: changed factors of the tires, a wrong entry of the car, an effect that tires lack.
 
-With an effect or without one, the whole drive is estimated; the coefficients of the effect are unknowns like the
-factors of the tires. The evidence of an estimate integrates over the motion, the car, the factors and these
-coefficients, with the unexplained force that it needs. Residuals that are correlated over time count as fewer. Within
-an estimate, which factors changed, and at most one wrong entry of the car, are compared by the Gaussian of the
-estimate: a prior gives a changed factor the spread of factors, a wrong entry a multiple of its uncertainty (MacKay,
-Information Theory, Inference, and Learning Algorithms, 2003, chapter 28).
+All are compared by the Gaussian of the estimate of the whole drive, in which the discrepancy of the car has its part:
+the coefficients of an effect join the unknowns, and its forces are linearized about them in some rounds. The evidence
+integrates over the motion, the car, its discrepancy, the factors and these coefficients. Residuals that are correlated
+over time count as fewer. For which factors changed, and at most one wrong entry of the car, a prior gives a changed
+factor the spread of factors, a wrong entry a multiple of its uncertainty (MacKay, Information Theory, Inference, and
+Learning Algorithms, 2003, chapter 28).
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,7 +24,7 @@ from .effects import Missing, Motion, effect_columns, factor_values, motion_of, 
 from .estimate import Estimate, Forces
 from .inputs.car import Car
 from .inputs.grid import Grid
-from .inputs.unknowns import AXLES, CHANGED, LATERAL, Unknowns
+from .inputs.unknowns import CHANGED, Unknowns
 from .interval import BALANCE, MOTION, Added
 
 FloatArray = npt.NDArray[np.float64]
@@ -35,35 +35,27 @@ ODDS, WRONG_SPREAD = 0.05, 10.0
 #: Factor of the prior odds of an effect for each coefficient after the first. Judgement: of effects that a drive does
 #: not separate, the simpler one is the more likely.
 FURTHER = 0.5
-#: Posterior probability at which a change of a tire, a wrong entry of the car or an effect is a finding.
-CERTAIN = 0.95
-#: Effects that are compared by an estimate of their own. Convention: computing time.
-COMPARED = 4
+#: Effects whose coefficients are estimated, rounds of that, and a change of a standardized coefficient that ends them.
+#: Convention: computing time.
+COMPARED, FITTED, SMALL_CHANGE = 4, 4, 0.1
 #: Error of the form of a tire over its side force. Judgement: a Magic Formula differs from bench data by about 1 %, of
 #: which its factors and the car take the larger part.
 FORM_ERROR = 0.003
-#: Steps for derivatives: of an unknown in its standard deviations, of a slip angle in rad.
-STEP, SLIP_STEP = 0.02, 1e-4
-#: Gives the grid and the estimate with the forces of an effect.
-Refit = Callable[[Forces], tuple[Grid, Estimate]]
+#: Step of a coefficient for derivatives, in its standard deviations.
+STEP = 0.02
 
 
 @dataclass(frozen=True)
 class Probabilities:
-    """Posterior probabilities: of changed factors by axle and name, of wrong entries of the car.
-
-    `wrong_car`: logarithm by which the evidence of an estimate grows if an entry of the car may be wrong.
-    """
+    """Posterior probabilities: of changed factors by axle and name, of wrong entries of the car."""
 
     factors: dict[tuple[str, str], float]
     car: dict[str, float]
-    wrong_car: float
 
 
 def probabilities_of(grid: Grid, estimate: Estimate, unknowns: Unknowns) -> Probabilities:
     """Return the probabilities over all explanations."""
-    lateral = [pair for pair in unknowns.factors if pair[1] in LATERAL]
-    places = [unknowns.factor(*pair) for pair in lateral]
+    places = [unknowns.factor(*pair) for pair in unknowns.factors]
     information, score = estimate.information(grid, np.zeros((len(grid.t), 2, 0)))
     changed = np.array(list(itertools.product((False, True), repeat=len(places))))
     logs = np.empty((len(changed), 1 + len(unknowns.car)))
@@ -78,9 +70,8 @@ def probabilities_of(grid: Grid, estimate: Estimate, unknowns: Unknowns) -> Prob
     share = np.exp(logs - logs.max())
     share /= share.sum()
     return Probabilities(
-        {pair: float(share[changed[:, i]].sum()) for i, pair in enumerate(lateral)},
+        {pair: float(share[changed[:, i]].sum()) for i, pair in enumerate(unknowns.factors)},
         dict(zip(unknowns.car, share[:, 1:].sum(axis=0).tolist(), strict=True)),
-        float(-np.log(max(share[:, 0].sum(), 1e-300))),
     )
 
 
@@ -94,119 +85,126 @@ def evidence_of(information: FloatArray, score: FloatArray, spread: FloatArray) 
 
 
 @dataclass(frozen=True)
+class Rival:
+    """An effect that the tires may lack, or none: `missing` is None.
+
+    - `u`: standardized deviations of its coefficients. `probability`: of this explanation.
+    """
+
+    missing: Missing | None
+    u: FloatArray
+    probability: float = 0.0
+
+
+@dataclass(frozen=True)
 class Explanation:
     """An estimate with an effect, or without one: `missing` is None."""
 
     missing: Missing | None
     grid: Grid
     estimate: Estimate
-    probability: float = 0.0
 
 
-def explanations(
-    base: Explanation, unknowns: Unknowns, car: Car, tires: dict[str, Tire], refit: Refit
-) -> list[Explanation]:
-    """Return the estimate without an effect and those with the most likely ones, with their probabilities.
-
-    Likely ones first.
-    """
+def rivals_of(base: Explanation, unknowns: Unknowns, car: Car, tires: dict[str, Tire]) -> list[Rival]:
+    """Return no effect and the most likely ones, with their probabilities about the estimate; likely ones first."""
     if not base.estimate.converged:
-        return [replace(base, probability=1.0)]
-    compared, powers = [base], [1.0]
-    for missing, power in _shortlist(base, unknowns, car, tires):
-        try:
-            explanation = Explanation(missing, *refit(_forces(missing, unknowns, car, base)))
-        except np.linalg.LinAlgError:
-            continue
-        if explanation.estimate.converged:
-            compared.append(explanation)
-            powers.append(power)
-    logs = np.array([_evidence(explanation, unknowns) for explanation in compared])
-    # All rivals are compared under one likelihood, that of the best one.
-    first = int(np.argmax(graded(logs)))
-    best = compared[first]
-    residuals = best.estimate.residuals.values[:, -len(BALANCE) :].T
-    length = np.mean([correlation_length(row, best.grid.segment) for row in residuals])
-    logs = (logs - logs[0]) * powers[first] / length + [_log_prior(explanation.missing) for explanation in compared]
-    share = np.exp(logs - logs.max())
-    ranked = zip(compared, share / share.sum(), strict=True)
-    return sorted(
-        (replace(explanation, probability=float(p)) for explanation, p in ranked),
-        key=lambda explanation: -graded(explanation.probability),
-    )
+        return [Rival(None, np.zeros(0), 1.0)]
+    without = _with_wrong_car(*base.estimate.information(base.grid, np.zeros((len(base.grid.t), 2, 0))), unknowns)
+    rivals, logs = [Rival(None, np.zeros(0))], [0.0]
+    residuals = base.estimate.residuals.values[:, -len(BALANCE) :].T
+    length = np.mean([correlation_length(row, base.grid.segment) for row in residuals])
+    factors, motion = factor_values(unknowns, base.estimate.z), motion_of(base.grid, base.estimate, unknowns, car)
+    for missing, u, power in _shortlist(base, motion, tires, factors):
+        evidence, u = _fitted(base, motion, unknowns, missing, u, factors)
+        rivals.append(Rival(missing, u))
+        logs.append(float((evidence - without) * power / length) + _log_prior(missing))
+    share = np.exp(np.array(logs) - max(logs))
+    ranked = [replace(rival, probability=float(p)) for rival, p in zip(rivals, share / share.sum(), strict=True)]
+    return sorted(ranked, key=lambda rival: -graded(rival.probability))
 
 
-def answer_of(ranked: Sequence[Explanation], unknowns: Unknowns) -> Explanation:
-    """Return the explanation that is the answer: with the most probable effect, or without one.
-
-    An effect is no answer if an entry of the car contradicts its file beside it: the model of the car lacks something.
-    """
-    first, without = ranked[0], next(explanation for explanation in ranked if not explanation.missing)
-    if lacking(ranked) <= CERTAIN:
-        return without
-    wrong = probabilities_of(first.grid, first.estimate, unknowns).car.values()
-    return without if max(wrong, default=0.0) > CERTAIN else first
-
-
-def lacking(ranked: Sequence[Explanation]) -> float:
+def lacking(ranked: Sequence[Rival]) -> float:
     """Return the probability that the tires lack an effect of the library."""
-    return sum(explanation.probability for explanation in ranked if explanation.missing)
+    return sum(rival.probability for rival in ranked if rival.missing)
 
 
-def _log_prior(missing: Missing | None) -> float:
-    return float(np.log(ODDS) + (len(missing.center) - 1) * np.log(FURTHER)) if missing else 0.0
+def _log_prior(missing: Missing) -> float:
+    return float(np.log(ODDS) + (len(missing.center) - 1) * np.log(FURTHER))
 
 
-def _evidence(explanation: Explanation, unknowns: Unknowns) -> float:
-    estimate = explanation.estimate
-    return estimate.evidence + probabilities_of(explanation.grid, estimate, unknowns).wrong_car
+def _with_wrong_car(information: FloatArray, score: FloatArray, unknowns: Unknowns) -> float:
+    """Return the logarithm of the evidence if no entry of the car or one is wrong."""
+    spread = np.ones(len(score))
+    logs = [evidence_of(information, score, spread)]
+    for i in range(len(unknowns.car)):
+        wrong = np.where(np.arange(len(score)) == i, WRONG_SPREAD, spread)
+        logs.append(float(np.log(ODDS)) + evidence_of(information, score, wrong))
+    return float(np.logaddexp.reduce(logs))
 
 
-def _forces(missing: Missing, unknowns: Unknowns, car: Car, base: Explanation) -> Forces:
+def _fitted(
+    base: Explanation, motion: Motion, unknowns: Unknowns, missing: Missing, u: FloatArray,
+    factors: Mapping[str, Mapping[str, float]],
+) -> tuple[float, FloatArray]:  # fmt: skip
+    """Return the evidence of an effect for the linearized rest of the drive, and its coefficients (Gauss-Newton)."""
+    k, without = len(u), motion.side_forces(missing.off(factors))
+
+    def added(u: FloatArray) -> FloatArray:
+        return np.nan_to_num(motion.side_forces(missing.on(u, factors)) - without)
+
+    evidence = -np.inf
+    for _ in range(FITTED):
+        at = added(u)
+        columns = [(added(u + STEP * (np.arange(k) == i)) - at) / STEP for i in range(k)]
+        offset = at - np.tensordot(u, np.array(columns), axes=1)
+        both, score = base.estimate.information(base.grid, np.stack([*columns, offset], axis=2))
+        # The coefficient of the offset is 1.
+        information, rest = both[:-1, :-1], score[:-1] - both[:-1, -1]
+        constant = score[-1] - both[-1, -1] / 2
+        evidence = constant + _with_wrong_car(information, rest, unknowns)
+        best = np.linalg.solve(information + np.eye(len(rest)), rest)[-k:]
+        change = np.clip(best - u, -1.0, 1.0)
+        if np.abs(change).max() < SMALL_CHANGE:
+            break
+        u = u + change
+    return float(evidence), u
+
+
+def forces_of(rival: Rival, unknowns: Unknowns, car: Car, base: Explanation) -> Forces:
     """Return the forces of an effect about the motion, the factors and the coefficients that are estimated so far."""
-    n, further = len(unknowns), len(missing.center)
+    missing, n, further = rival.missing, len(unknowns), len(rival.u)
+    assert missing is not None
 
     def forces(grid: Grid, states: FloatArray, z: FloatArray) -> Added:
-        z = np.concatenate([z[:n], z[n:] if len(z) > n else np.zeros(further)])
+        u = z[n : n + further] if len(z) > n else rival.u
         motion = motion_of(grid, replace(base.estimate, states=states, z=z), unknowns, car)
+        factors = factor_values(unknowns, z)
+        without = motion.side_forces(missing.off(factors))
 
-        def added(z: FloatArray, motion: Motion = motion) -> FloatArray:
-            return missing.side_forces(motion, z[n:], factor_values(unknowns, z))
+        def added(u: FloatArray) -> FloatArray:
+            return np.nan_to_num(motion.side_forces(missing.on(u, factors)) - without)
 
-        at, last = added(z), len(unknowns.factors) + further
-        columns = np.zeros((*at.shape, last))
-        for name in LATERAL:  # of both axles at a time
-            places = [unknowns.factor(axle, name) for axle in AXLES]
-            change = (added(z + STEP * np.isin(np.arange(len(z)), places)) - at) / STEP
-            for axle, place in enumerate(places):
-                columns[:, axle, place - len(z)] = change[:, axle]
-        for i in range(n, n + further):
-            columns[:, :, i - len(z)] = (added(z + STEP * (np.arange(len(z)) == i)) - at) / STEP
-        turned = {**motion.inputs, "alpha": motion.inputs["alpha"] + SLIP_STEP}
-        by_slip = (added(z, replace(motion, inputs=turned)) - at) / SLIP_STEP
-        p = unknowns.car_values(car, z)
-        middle = (states[grid.left] + states[grid.right])[:, : len(MOTION)] / 2
-        ahead = np.array([p["cg_to_front"], -p["cg_to_rear"]])
-        slopes = np.stack([0.0 * by_slip, by_slip, by_slip * ahead], axis=2) / middle[:, :1, None]
-        offset = at - columns @ z[len(z) - last :] - np.einsum("kim,km->ki", slopes, middle)
-        return Added(offset, columns, slopes, further)
+        at = added(u)
+        columns = [(added(u + STEP * (np.arange(further) == i)) - at) / STEP for i in range(further)]
+        by_u = np.stack(columns, axis=2)
+        return Added(at - by_u @ u, by_u, np.zeros((*at.shape, len(MOTION))), further)
 
     return forces
 
 
-def _shortlist(base: Explanation, unknowns: Unknowns, car: Car, tires: dict[str, Tire]) -> list[tuple[Missing, float]]:
+def _shortlist(
+    base: Explanation, motion: Motion, tires: dict[str, Tire], factors: Mapping[str, Mapping[str, float]]
+) -> list[tuple[Missing, FloatArray, float]]:
     """Return the effects that raise the evidence of the linearized estimate most, if any do, in their best form.
 
-    With each the power of its likelihood: no formula is exact, and the information of a log on an error of the form
-    grows with its length (Miller and Dunson, Robust Bayesian inference via coarsening, JASA 114, 2019). The error has
-    the shape of the effect; what the car and the factors explain of it does not count.
+    With each its coefficients and the power of its likelihood: no formula is exact, and the information of a log on an
+    error of the form grows with its length (Miller and Dunson, Robust Bayesian inference via coarsening, JASA 114,
+    2019). The error has the shape of the effect; what the car and the factors explain of it does not count.
     """
-    factors = factor_values(unknowns, base.estimate.z)
-    motion = motion_of(base.grid, base.estimate, unknowns, car)
     columns = effect_columns(motion, tires, factors)
     if not columns:
         return []
-    forces = np.stack([column for _, column in columns], axis=2)
+    forces = np.stack([column for _, _, column in columns], axis=2)
     information, score = base.estimate.information(base.grid, forces)
     n = len(base.estimate.z)
     without = evidence_of(information, score, np.repeat([1.0, 0.0], [n, len(columns)]))
@@ -215,11 +213,11 @@ def _shortlist(base: Explanation, unknowns: Unknowns, car: Car, tires: dict[str,
     of_tires = motion.side_forces({axle: scaled(tire, factors[axle]) for axle, tire in tires.items()})
     errors = FORM_ERROR**2 * np.mean(of_tires**2) / np.mean(forces**2, axis=(0, 1))
     powers = 1.0 / (1.0 + errors * alone / 2)
-    gains = dict[str, tuple[float, Missing, float]]()
-    for i, (missing, _) in enumerate(columns):
+    gains = dict[str, tuple[float, Missing, FloatArray, float]]()
+    for i, (missing, u, _) in enumerate(columns):
         spread = np.concatenate([np.ones(n), np.arange(len(columns)) == i])
         gain = powers[i] * (evidence_of(information, score, spread) - without)
         if gain > gains.get(missing.name, (0.0,))[0]:
-            gains[missing.name] = gain, missing, powers[i]
-    ranked = sorted(gains.values(), key=lambda entry: -graded(entry[0]))[:COMPARED]
-    return [(missing, power) for _, missing, power in ranked]
+            gains[missing.name] = gain, missing, u, powers[i]
+    ranked = sorted(gains.values(), key=lambda entry: -entry[0])[:COMPARED]
+    return [(missing, u, power) for _, missing, u, power in ranked]

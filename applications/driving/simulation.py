@@ -20,21 +20,21 @@ from ...fmu.simulation.coupled import Coupled
 from ...fmu.simulation.simulate import instances
 from ...symbolic.vehicle.quantities import CORNERS
 from ...tires import Tire
-from ...tires.code import code_for
-from ...tires.code.modules import two_track
+from ...tires.code.modules import numpy_routine, two_track
 from .effects import Motion, motion_of
 from .estimate import Estimate
 from .inputs.car import Car, loads_of
 from .inputs.grid import MEASURED, Grid
 from .inputs.unknowns import AXLES, Unknowns
-from .interval import BODY, OUTPUTS
+from .interval import BODY, OUTPUTS, SUSPENSION
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
 
 #: Length of a piece, s; longest Heun step, s, and in the shorter time constant of lateral speed and yaw rate.
 HORIZON, MAX_STEP, MAX_SHARE = 2.0, 0.01, 0.5
-#: kappa, alpha, Fz, V and states of effects, shape (4, n) each, and the length of the step that follows with these
-#: inputs, s (0: none); the answer is Fx and Fy, shape (2, 4, n).
+#: kappa, alpha, gamma, Fz, V and states of effects, shape (4, n) each, and the length of the step that follows with
+#: these inputs, s (0: none); the answer is Fx and Fy, shape (2, 4, n).
 TireForces = Callable[[Mapping[str, FloatArray], float], FloatArray]
 
 
@@ -51,51 +51,57 @@ class VehicleSimulation:
     fmus: bool = False
 
 
+def pieces_of(grid: Grid) -> IntArray:
+    """Return the first interval of each piece."""
+    length = round(HORIZON / grid.step)
+    first = np.arange(0, len(grid.t) - length + 1, length)
+    return np.asarray(first[grid.segment[first] == grid.segment[first + length - 1]], dtype=np.intp)
+
+
 def simulated(
-    grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car, tires: Mapping[str, Tire], *, known_car: bool,
-    fmus: bool = False,
+    grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car, tires: Mapping[str, Tire], *, z: FloatArray,
+    factors: Mapping[str, Mapping[str, FloatArray]] | None = None, fmus: bool = False,
 ) -> VehicleSimulation:  # fmt: skip
     """Simulate a car on its tires.
 
-    `known_car`: with the estimated entries of the car, not those of its file. `fmus`: the tires are four FMUs.
+    `z`: deviations of the entries of the car, of all pieces or of each, shape (n_z, n_pieces). `factors`: of each piece
+    by axle and name, on the factors of the tires. `fmus`: the tires are four FMUs.
     """
-    estimated = unknowns.car_values(car, estimate.z)
-    p = estimated if known_car else unknowns.car_values(car, 0.0 * estimate.z)
-    body = [p[entry] for entry in BODY.values()]
-    length = round(HORIZON / grid.step)
-    starts = [
-        first
-        for first in range(0, len(grid.t) - length + 1, length)
-        if grid.segment[first] == grid.segment[first + length - 1]
-    ]
+    starts, length = pieces_of(grid), round(HORIZON / grid.step)
     motion = np.full((len(grid.t), 3), np.nan)
-    if not starts:
+    if not len(starts):
         return VehicleSimulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
-    rows = np.array(starts)[:, None] + np.arange(length)
-    # The offset of the steering is one of the log: both cars drive with it.
-    steer = grid.steer[:, rows] * car.values["ratio"] / p["ratio"] + estimated["offset"]
+    rows = starts[:, None] + np.arange(length)
+    many = np.broadcast_to(z[:, None] if z.ndim == 1 else z, (len(z), len(starts)))
+    some = [unknowns.car_values(car, column) for column in many.T] if z.ndim > 1 else [unknowns.car_values(car, z)]
+    p = {name: np.array([entries[name] for entries in some]) for name in some[0]}
+    # Offset and delay of the steering are those of the log: all cars drive with them.
+    offset = unknowns.car_values(car, estimate.z)["offset"]
+    steer = grid.steer[:, rows] * (car.values["ratio"] / p["ratio"])[:, None] + offset
     speed = estimate.states[:, 0]
     kappa = estimate.outputs.values[:, [OUTPUTS.index(f"kappa_{axle}") for axle in AXLES]][rows].repeat(2, axis=2)
     state = estimate.states[grid.left[rows[:, 0]], 1:3].T
-    acceleration = np.zeros((2, len(rows)))
-    longest = min(MAX_STEP, MAX_SHARE * _shortest_time(p, tires, float(speed[grid.left[rows]].min())))
+    longest = min(MAX_STEP, MAX_SHARE * _shortest_time(some[0], tires, float(speed[grid.left[rows]].min())))
     substeps = int(np.ceil(grid.step / longest - 1e-9))
     h = grid.step / substeps
     past = {} if fmus else states_of(motion_of(grid, estimate, unknowns, car), tires)
-    with fmu_forces(tires, len(rows)) if fmus else nullcontext(code_forces(tires)) as forces:
+    turning = estimated_motion(grid, estimate)[rows[:, 0], 1]
+    vehicle = _Vehicle(p, h, turning + grid.behind[1, rows[:, 0]])
+    with fmu_forces(tires, len(rows)) if fmus else nullcontext(code_forces(tires, factors or {})) as forces:
         for k in range(length):
             at = rows[:, k]
             ends = speed[grid.left[at]], speed[grid.right[at]]
             held = {name: values[:, at] for name, values in past.items()}
-            given = kappa[:, k].T, held, (ends[1] - ends[0]) / grid.step, body, forces
+            given = kappa[:, k].T, held, (ends[1] - ends[0]) / grid.step, grid.behind[0, at], forces
             before = state
             for i in range(substeps):
                 share = (i + 0.5) / substeps
                 vx = ends[0] + share * (ends[1] - ends[0])
                 angle = steer[0, :, k] + share * (steer[1, :, k] - steer[0, :, k])
-                first = acceleration = _rates(vx, state, angle, acceleration, 0.0, *given)
-                second = acceleration = _rates(vx, state + h * first, angle, acceleration, h, *given)
+                first = vehicle.rates(vx, state, angle, 0.0, *given)
+                second = vehicle.rates(vx, state + h * first, angle, h, *given)
                 state = state + h / 2 * (first + second)
+                vehicle.advance(vx, state, second)
             mean = (before + state) / 2
             motion[at] = np.stack(
                 [mean[1], (state[0] - before[0]) / grid.step + mean[1] * (ends[0] + ends[1]) / 2, mean[0]], axis=1
@@ -115,21 +121,41 @@ def _shortest_time(p: Mapping[str, float], tires: Mapping[str, Tire], speed: flo
     return speed / max(sum(stiffness) / p["mass"], turning)
 
 
-def _rates(
-    vx: FloatArray, state: FloatArray, steer: FloatArray, last: FloatArray, step: float, kappa: FloatArray,
-    held: Mapping[str, FloatArray], along: FloatArray, body: list[float], forces: TireForces,
-) -> FloatArray:  # fmt: skip
-    """Return the rates of lateral speed and yaw rate; loads follow from the `last` ones. `step`: see `TireForces`.
+class _Vehicle:
+    """Vehicles side by side, with the accelerations that act on their loads.
 
-    `held`: `states_of` the tires.
+    `p`: entries of the car, shape (1,) or (n,) each; `rolled`, shape (n,): lateral acceleration behind the lag of roll.
     """
-    wheels = np.array(two_track.wheels(vx, *state, along, *last, steer, *body))
-    alpha, V, Fz = wheels.reshape(3, len(CORNERS), -1)
-    inputs = {**held, "kappa": kappa, "alpha": alpha + held.get("alpha", 0.0), "Fz": Fz, "V": V}
-    Fx, Fy = forces(inputs, step)
-    # The wheels of an axle have the same torque.
-    Fx = Fx.reshape(2, 2, -1).mean(axis=1).repeat(2, axis=0)
-    return np.array(two_track.accelerations(vx, *state, steer, *body, *Fx, *Fy)[1:])
+
+    def __init__(self, p: Mapping[str, FloatArray], step: float, rolled: FloatArray) -> None:
+        self._body, self._suspension = [p[entry] for entry in BODY.values()], [p[entry] for entry in SUSPENSION]
+        self._kept = np.exp(-step / np.maximum(p["roll_lag"], 1e-9))
+        self._rolled, self._last = rolled, np.zeros((2, len(rolled)))
+
+    def rates(
+        self, vx: FloatArray, state: FloatArray, steer: FloatArray, step: float, kappa: FloatArray,
+        held: Mapping[str, FloatArray], along: FloatArray, pitch: FloatArray, forces: TireForces,
+    ) -> FloatArray:  # fmt: skip
+        """Return the rates of lateral speed and yaw rate; loads follow from the last ones. `step`: see `TireForces`.
+
+        `held`: `states_of` the tires. `pitch`: what the lag of pitch adds to the longitudinal acceleration.
+        """
+        motion = vx, *state, along, *self._last
+        lag = pitch, self._rolled - (self._last[0] + vx * state[1])
+        *turned, gamma = two_track.turned(*motion, *lag, steer, *self._suspension)
+        alpha, V, Fz = np.array(two_track.wheels(*motion, *lag, *turned, *self._body)).reshape(3, len(CORNERS), -1)
+        gamma = np.broadcast_to(gamma, alpha.shape)
+        inputs = {**held, "kappa": kappa, "alpha": alpha + held.get("alpha", 0.0), "gamma": gamma, "Fz": Fz, "V": V}
+        Fx, Fy = forces(inputs, step)
+        # The wheels of an axle have the same torque.
+        Fx = Fx.reshape(2, 2, -1).mean(axis=1).repeat(2, axis=0)
+        self._last = np.array(two_track.accelerations(vx, *state, *turned, *self._body, *Fx, *Fy)[1:])
+        return self._last
+
+    def advance(self, vx: FloatArray, state: FloatArray, rates: FloatArray) -> None:
+        """Advance the lag of roll to the end of a step."""
+        now = rates[0] + vx * state[1]
+        self._rolled = now + (self._rolled - now) * self._kept
 
 
 def states_of(motion: Motion, tires: Mapping[str, Tire]) -> dict[str, FloatArray]:
@@ -162,8 +188,14 @@ def _errors(motion: FloatArray, grid: Grid, estimate: Estimate, unknowns: Unknow
     return dict(zip(("yaw_rate", "ay", "vy"), rms.tolist(), strict=True))
 
 
-def code_forces(tires: Mapping[str, Tire]) -> TireForces:
-    """Return the forces of the tires for given states, from their generated code."""
+def code_forces(tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, FloatArray]]) -> TireForces:
+    """Return the forces of the tires for given states, from their generated code; `factors`: see `simulated`."""
+    parameters = {}
+    for axle in AXLES:
+        parameters[axle] = list(tires[axle].parameters())
+        for name, values in factors.get(axle, {}).items():
+            place = list(tires[axle].symbolic_model.coefficients).index(name)
+            parameters[axle][place] = parameters[axle][place] * np.tile(values, 2)
 
     def forces(inputs: Mapping[str, FloatArray], step: float) -> FloatArray:
         parts = []
@@ -171,8 +203,9 @@ def code_forces(tires: Mapping[str, Tire]) -> TireForces:
             tire = tires[axle]
             some = [inputs[name][2 * i : 2 * i + 2] if name in inputs else tire.nominal(name) for name in tire.inputs]
             rows = np.stack(np.broadcast_arrays(*some)).reshape(len(some), -1)
-            outputs = code_for(tire.symbolic_model, "numpy").forces(tire.effective_inputs(rows), tire.parameters())
-            parts.append(outputs[:2].reshape(2, 2, -1))
+            evaluate = numpy_routine(tire.symbolic_model, "forces")
+            outputs = evaluate(tuple(tire.effective_inputs(rows)), parameters[axle])
+            parts.append(np.array([np.broadcast_to(force, rows[0].shape) for force in outputs[:2]]).reshape(2, 2, -1))
         return np.concatenate(parts, axis=1)
 
     return forces
@@ -186,7 +219,7 @@ def fmu_forces(tires: Mapping[str, Tire], n: int) -> Iterator[TireForces]:
         for axle in AXLES:
             path = export(tires[axle], Path(folder) / f"{axle}.fmu")
             slaves = stack.enter_context(instances(path, 2 * n))
-            read = [name for name in ("kappa", "alpha", "Fz", "V") if name in tires[axle].inputs]
+            read = [name for name in ("kappa", "alpha", "gamma", "Fz", "V") if name in tires[axle].inputs]
             axles.append(Coupled(slaves, read, ("Fx", "Fy")))
 
         def forces(inputs: Mapping[str, FloatArray], step: float) -> FloatArray:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from .estimate import Estimate
-from .factors import Factor
+from .factors import CERTAIN, Factor
 from .inputs.car import Car
 from .inputs.car_entries import ENTRIES
 from .inputs.unknowns import AXLES, Unknowns
-from .rivals import CERTAIN, Explanation, lacking
+from .rivals import Explanation, Rival, lacking
+from .trust.contradiction import Contradiction, contradiction_of
+from .trust.left_out import LeftOut
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -22,6 +24,10 @@ LIKELY = 0.05
 #: Deviation of the balance of forces, per load, beyond which the tires do not explain the drive. The lateral force of a
 #: repeated bench measurement scatters by 1 to 2 %.
 UNEXPLAINED = 0.03
+#: Standard deviations of the car file beyond which an entry contradicts it. Convention.
+DEVIATING = 3.0
+#: Entries that are named with a contradiction.
+NAMED = 3
 #: What a factor that a drive determines is.
 MEANING = {"LMUY": "friction", "LKY": "cornering stiffness"}
 
@@ -60,7 +66,9 @@ class EffectFinding:
 class DriveVerdict:
     """The verdict.
 
-    - `tires`: findings. `car`: entries that contradict the car file. `effect`: that the new tires have.
+    - `tires`: findings. `car`: entries that contradict the car file; `contradiction`: all of them together. `effect`:
+      that the new tires have. `left_out`: how the tires predict, None for a drive too short for that.
+    - `better`: whether something was found of the tires, and they predict better.
     - `effects`: of the library, likely ones first; `lacking`: the probability that the tires lack any of them.
     - `unknown`: axles whose side force the tires do not explain.
     - `lines`: the verdict in words.
@@ -68,55 +76,92 @@ class DriveVerdict:
 
     tires: tuple[TireDifference, ...]
     car: tuple[CarFinding, ...]
+    contradiction: Contradiction
+    left_out: LeftOut | None
     effect: str | None
     effects: tuple[EffectFinding, ...]
     lacking: float
     unknown: tuple[str, ...]
     lines: tuple[str, ...]
 
+    @property
+    def better(self) -> bool:
+        """See the class."""
+        return bool((self.tires or self.effect) and self.left_out and self.left_out.better)
+
 
 def verdict_on(
     best: Explanation,
-    ranked: Sequence[Explanation],
+    ranked: Sequence[Rival],
     unknowns: Unknowns,
     car: Car,
     factors: Mapping[str, Mapping[str, Factor]],
+    certain: Set[tuple[str, str]],
     wrong: Mapping[str, float],
+    contradiction: Contradiction,
+    predicted: LeftOut | None,
     where: str,
 ) -> DriveVerdict:
     """Return the verdict on a drive.
 
-    `ranked`: `explanations`; `best`: `answer_of` them. `wrong`: probability of each entry of the car to be wrong.
-    `where`: sentence of `disagreement`.
+    `best`: the answer; `ranked`: `rivals_of` the estimate without an effect. `certain`: axle and name of factors that
+    are findings. `wrong`: probability of each entry of the car to be wrong. `where`: sentence of `disagreement`.
     """
     estimate = best.estimate
     findings = tuple(
         TireDifference(axle, name, f"{MEANING[name]} is {'lower' if factor.value < 1.0 else 'higher'}", factor)
         for axle in AXLES
         for name, factor in factors[axle].items()
-        if factor.determined and factor.changed > CERTAIN
+        if (axle, name) in certain
     )
     values = unknowns.car_values(car, estimate.z)
     of_car = tuple(
         CarFinding(name, values[name], car.values[name], float(z), wrong[name])
         for name, z in zip(unknowns.car, estimate.z, strict=False)
-        if wrong[name] > CERTAIN
+        if contradiction.certain
+        and wrong[name] > CERTAIN
+        and abs(z) > DEVIATING
+        and not contradiction_of(estimate, unknowns, name).certain
     )
+    # Prediction has one vote of two, as for the factors.
+    vote = 1.0 if best.missing or lacking(ranked) < 0.5 else 0.5
     likely = tuple(
-        EffectFinding(
-            explanation.missing.name,
-            explanation.missing.values(explanation.estimate.z[len(unknowns) :]),
-            explanation.probability,
-        )
-        for explanation in ranked
-        if explanation.missing and explanation.probability > LIKELY
+        EffectFinding(rival.missing.name, rival.missing.values(rival.u), vote * rival.probability)
+        for rival in ranked
+        if rival.missing and rival.probability > LIKELY
     )
     unknown = tuple(axle for i, axle in enumerate(AXLES) if estimate.unexplained[i] > UNEXPLAINED)
     lines = [*_factor_lines(findings, factors), where, *_car_lines(of_car, unknown, estimate)]
     if best.missing:
         lines.insert(0, _effects_line(likely))
+    if contradiction.certain:
+        lines.insert(0, _contradiction_line(contradiction, estimate, unknowns))
+    lines.append(_prediction_line(predicted, bool(findings or best.missing)))
     effect = best.missing.name if best.missing else None
-    return DriveVerdict(findings, of_car, effect, likely, lacking(ranked), unknown, tuple(lines))
+    return DriveVerdict(
+        findings, of_car, contradiction, predicted, effect, likely, vote * lacking(ranked), unknown, tuple(lines)
+    )
+
+
+def _contradiction_line(contradiction: Contradiction, estimate: Estimate, unknowns: Unknowns) -> str:
+    deviations = np.abs(estimate.z[: len(unknowns.car)])
+    strongest = [unknowns.car[i] for i in np.argsort(-deviations, kind="stable")[:NAMED]]
+    return (
+        f"the drive contradicts the car file: chi-squared {contradiction.deviation:.3g} with "
+        f"{contradiction.degrees_of_freedom} degrees of freedom (p {contradiction.p:.1g}), most in "
+        f"{', '.join(strongest)}: it says nothing about the tires"
+    )
+
+
+def _prediction_line(predicted: LeftOut | None, something: bool) -> str:
+    if predicted is None:
+        return "the drive is too short to leave parts of it out: no tire is written"
+    before, after = (100.0 * rms["yaw_rate"] for rms in (predicted.before, predicted.after))
+    numbers = f"error of the yaw rate {before:.3g} before, {after:.3g} after, 0.01 rad/s"
+    if not predicted.better:
+        return f"over parts of the drive that were left out, new tires are not better than the given ones ({numbers})"
+    some = "new tires are better than the given ones over parts of the drive that were left out"
+    return f"{some} ({numbers})" if something else f"{some} ({numbers}), but no single difference is certain"
 
 
 def _effects_line(likely: tuple[EffectFinding, ...]) -> str:
@@ -141,7 +186,7 @@ def _factor_lines(findings: tuple[TireDifference, ...], factors: Mapping[str, Ma
         for name, factor in factors[axle].items():
             if not factor.determined:
                 by_reason.setdefault(f"not determined ({factor.reason})", []).append(name)
-            elif factor.changed <= CERTAIN:
+            elif factor not in [d.factor for d in findings if (d.axle, d.name) == (axle, name)]:
                 text = f"{name} {factor.value:.3g} ({factor.low:.3g} to {factor.high:.3g})"
                 by_reason.setdefault("not certain to differ from the tire file", []).append(text)
         lines += [f"{axle} axle: {', '.join(names)}: {reason}" for reason, names in by_reason.items()]

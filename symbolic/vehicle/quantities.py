@@ -20,6 +20,19 @@ RATES = (
     Quantity("yaw_rate_dot", "rad/s^2", "rate of the yaw rate"),
 )
 STEER = Quantity("steer", "rad", "steering angle of both front wheels, positive to the left", typical=0.05)
+TURNED = (
+    Quantity("delta_f", "rad", "angle of both front wheels with that of roll and compliance", typical=0.05),
+    Quantity("delta_r", "rad", "angle of both rear wheels", typical=0.001),
+)
+LAG = (
+    Quantity("a_x_lag", "m/s^2", "what the lag of pitch adds to the longitudinal acceleration that moves load"),
+    Quantity("a_y_lag", "m/s^2", "what the lag of roll adds to the lateral acceleration that moves load"),
+)
+SUSPENSION = (
+    Quantity("steer_f", "rad s^2/m", "angle that lateral acceleration takes from the front wheels: understeer"),
+    Quantity("steer_r", "rad s^2/m", "angle that lateral acceleration adds to the rear wheels: understeer"),
+    Quantity("camber", "rad s^2/m", "inclination of all wheels over lateral acceleration, out of a turn"),
+)
 CAR = (
     Quantity("m", "kg", "mass"),
     Quantity("I_z", "kg m^2", "yaw inertia"),
@@ -35,6 +48,7 @@ SENSOR = (
     Quantity("s_x", "m", "position of the sensor, forward"),
     Quantity("s_y", "m", "position of the sensor, to the left"),
     Quantity("roll_gradient", "rad s^2/m", "roll angle over lateral acceleration"),
+    Quantity("misalignment", "rad", "angle of the sensor about the vertical axis, to the left"),
 )
 FORCES = tuple(
     Quantity(f"{force}_{corner}", "N", f"{text} of the tire {corner}, W axes", typical=1000.0)
@@ -46,6 +60,7 @@ WHEELS = tuple(
     for name, unit, text in (("alpha", "rad", "slip angle"), ("V", "m/s", "forward speed"), ("Fz", "N", "load"))
     for corner in CORNERS
 )
+TURNING = (*TURNED, Quantity("gamma", "rad", "inclination angle of all wheels"))
 BALANCE = (
     Quantity("F_x_front", "N", "longitudinal force of the front axle, vehicle axes"),
     Quantity("F_x_rear", "N", "longitudinal force of the rear axle"),

@@ -1,9 +1,10 @@
 """The two-track vehicle: slip angles and loads of its wheels, forces at its axles, and what a sensor measures.
 
-The body moves in the plane. Loads follow from the accelerations at once: the longitudinal transfer from the height of
-the center of gravity, the lateral one divided between the axles by their roll stiffness. Both front wheels have one
-steering angle. After Schramm, Hiller, Bardini, Vehicle Dynamics (2018), chapters 10 and 11; the balance at the axles is
-the balance of lateral force and yaw moment, solved for the two axle forces.
+The body moves in the plane. Loads follow from the accelerations, behind which roll and pitch lag: the longitudinal
+transfer from the height of the center of gravity, the lateral one divided between the axles by their roll stiffness.
+Both wheels of an axle have one angle; roll and compliance turn and incline them. After Schramm, Hiller, Bardini,
+Vehicle Dynamics (2018), chapters 10 and 11; the balance at the axles is the balance of lateral force and yaw moment,
+solved for the two axle forces.
 
 The lines are functions of real numbers; `tirefmu.symbolic.printers.line_functions` prints them.
 """
@@ -31,7 +32,10 @@ def line(number: str, name: str, expression: Expr, unit: str = "N", description:
 vx, vy, r = (quantity.symbol for quantity in car.MOTION)
 vx_dot, vy_dot, r_dot = (quantity.symbol for quantity in car.RATES)
 m, Iz, lf, lr, wf, wr, h, roll_front, drag = (quantity.symbol for quantity in car.CAR)
-sx, sy, roll_gradient = (quantity.symbol for quantity in car.SENSOR)
+sx, sy, roll_gradient, misalignment = (quantity.symbol for quantity in car.SENSOR)
+delta = dict(zip("fr", (quantity.symbol for quantity in car.TURNED), strict=True))
+ax_lag, ay_lag = (quantity.symbol for quantity in car.LAG)
+steer_f, steer_r, camber = (quantity.symbol for quantity in car.SUSPENSION)
 steer, g = car.STEER.symbol, Float(GRAVITY)
 Fx = dict(zip(car.CORNERS, (quantity.symbol for quantity in car.FORCES[:4]), strict=True))
 Fy = dict(zip(car.CORNERS, (quantity.symbol for quantity in car.FORCES[4:]), strict=True))
@@ -41,16 +45,24 @@ position = {"fl": (lf, wf / 2), "fr": (lf, -wf / 2), "rl": (-lr, wr / 2), "rr": 
 ax = line(BODY, "a_x", vx_dot - r*vy, "m/s^2", "longitudinal acceleration of the center of gravity")
 ay = line(BODY, "a_y", vy_dot + r*vx, "m/s^2", "lateral acceleration of the center of gravity")
 
+# Angles of the wheels.
+rolled = line(BODY, "a_y_rolled", ay + ay_lag, "m/s^2", "lateral acceleration that rolls the body")
+line(WHEELS, "delta_f", steer - steer_f*rolled, "rad", "angle of the front wheels")
+line(WHEELS, "delta_r", steer_r*rolled, "rad", "angle of the rear wheels")
+line(WHEELS, "gamma", camber*rolled, "rad", "inclination angle")
+
 # Slip angles and loads of the wheels.
 static   = {"f": m*g*lr / (lf + lr) / 2, "r": m*g*lf / (lf + lr) / 2}
-pitching = line(WHEELS, "pitch_transfer", m*ax*h / (lf + lr) / 2, "N", "load that acceleration moves to a rear wheel")
-rolling  = {"f": line(WHEELS, "roll_transfer_front", m*ay*h*roll_front / wf, "N", "load that a left turn moves right"),
-            "r": line(WHEELS, "roll_transfer_rear", m*ay*h*(1 - roll_front) / wr, "N", "the same at the rear axle")}
+pitched  = line(BODY, "a_x_pitched", ax + ax_lag, "m/s^2", "longitudinal acceleration that pitches the body")
+pitching = line(WHEELS, "pitch_transfer", m*pitched*h / (lf + lr) / 2, "N", "load of acceleration, to a rear wheel")
+front    = line(WHEELS, "roll_transfer_front", m*rolled*h*roll_front / wf, "N", "load that a left turn moves right")
+rear     = line(WHEELS, "roll_transfer_rear", m*rolled*h*(1 - roll_front) / wr, "N", "the same at the rear axle")
+rolling  = {"f": front, "r": rear}
 forward: dict[str, Symbol] = {}
 across: dict[str, Symbol] = {}
 for corner, (x, y) in position.items():
     axle, side = corner[0], corner[1]
-    turned = steer if axle == "f" else Float(0)
+    turned = delta[axle]
     along = line(WHEELS, f"u_{corner}", vx - r*y, "m/s", "forward speed of the wheel center, vehicle axes")
     left  = line(WHEELS, f"v_{corner}", vy + r*x, "m/s", "lateral speed of the wheel center, vehicle axes")
     V = line(WHEELS, f"V_{corner}", along*cos(turned) + left*sin(turned), "m/s", "forward speed in the wheel plane")
@@ -75,8 +87,10 @@ line(BODY, "e_rear",  (lf*beyond_y - beyond_n) / (lf + lr))
 
 # What a sensor measures.
 roll = line(SENSOR, "roll", roll_gradient*ay, "rad", "roll angle of the body")
-line(SENSOR, "sensor_a_x", ax - r_dot*sy - r**2*sx, "m/s^2", "longitudinal acceleration at the sensor")
-line(SENSOR, "sensor_a_y", ay + r_dot*sx - r**2*sy + g*roll, "m/s^2", "lateral acceleration, with gravity")
+along = line(SENSOR, "a_x_there", ax - r_dot*sy - r**2*sx, "m/s^2", "longitudinal acceleration at the sensor")
+left  = line(SENSOR, "a_y_there", ay + r_dot*sx - r**2*sy + g*roll, "m/s^2", "lateral acceleration, with gravity")
+line(SENSOR, "sensor_a_x", along + misalignment*left, "m/s^2", "longitudinal acceleration that the sensor measures")
+line(SENSOR, "sensor_a_y", left - misalignment*along, "m/s^2", "lateral acceleration that the sensor measures")
 line(SENSOR, "sensor_v_x", vx - r*sy, "m/s", "forward speed of the sensor")
 line(SENSOR, "sensor_v_y", vy + r*sx, "m/s", "lateral speed of the sensor")
 
@@ -90,12 +104,14 @@ eq(BODY, "yaw_rate_dot", (lf*Yf - lr*Yr + turning) / Iz, "rad/s^2", "rate of the
 FUNCTIONS = tuple(
     LineFunction(name, summary, eq, names(arguments), names(results))
     for name, summary, arguments, results in (
+        ("turned", "Angles of the wheels from steering and lateral acceleration.",
+         (*car.MOTION, *car.RATES, *car.LAG, car.STEER, *car.SUSPENSION), car.TURNING),
         ("wheels", "Slip angles, forward speeds and loads of the wheels from the motion.",
-         (*car.MOTION, *car.RATES, car.STEER, *car.CAR), car.WHEELS),
+         (*car.MOTION, *car.RATES, *car.LAG, *car.TURNED, *car.CAR), car.WHEELS),
         ("balance", "Forces at the axles, and what the motion requires beyond them.",
-         (*car.MOTION, *car.RATES, car.STEER, *car.CAR, *car.FORCES), car.BALANCE),
+         (*car.MOTION, *car.RATES, *car.TURNED, *car.CAR, *car.FORCES), car.BALANCE),
         ("accelerations", "Rates of the motion that the forces of the tires cause.",
-         (*car.MOTION, car.STEER, *car.CAR, *car.FORCES), car.ACCELERATIONS),
+         (*car.MOTION, *car.TURNED, *car.CAR, *car.FORCES), car.ACCELERATIONS),
         ("sensor", "What a sensor in the vehicle measures.", (*car.MOTION, *car.RATES, *car.SENSOR), car.READINGS),
     )
 )  # fmt: skip

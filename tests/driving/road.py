@@ -1,7 +1,7 @@
 """A car on a road in plain NumPy: an independent program whose drives have a known truth.
 
-Four wheels that spin, a body that moves in the plane, loads by static transfer, Magic Formula tires written out here
-with similarity for combined slip. None of the equations of tirefmu is used. Several drives run side by side.
+Four wheels that spin, a body that moves in the plane, loads that lag, angles of compliance, Magic Formula tires written
+out here with similarity for combined slip. None of the equations of tirefmu is used. Several drives run side by side.
 """
 
 from __future__ import annotations
@@ -20,13 +20,15 @@ TIRE = {
 CAR = {
     "mass": 1250.0, "wheelbase": 2.5, "cg_to_front": 1.2, "cg_height": 0.52, "track_front": 1.5, "track_rear": 1.48,
     "yaw_inertia": 1700.0, "front_roll_share": 0.56, "ratio": 15.0, "offset": 0.0, "radius_front": 0.3,
-    "radius_rear": 0.3, "x": 0.15, "y": -0.1,
+    "radius_rear": 0.3, "x": 0.15, "y": -0.1, "roll_lag": 0.05, "steer_front": 0.0, "steer_rear": 0.0,
+    "ay_gain": 1.0, "yaw_rate_gain": 1.0, "misalignment": 0.0, "wheel_delay": 0.0,
 }  # fmt: skip
-#: Standard deviations of a workshop's numbers: the default uncertainties of a car file; those of radii are calibrated.
+#: Standard deviations of a workshop's numbers, and what cars and sensors differ by.
 SPREAD = {
     "mass": 37.5, "wheelbase": 0.005, "cg_to_front": 0.036, "cg_height": 0.052, "track_front": 0.0075,
     "track_rear": 0.0074, "yaw_inertia": 170.0, "front_roll_share": 0.1, "ratio": 0.15, "offset": 0.005,
-    "radius_front": 0.0015, "radius_rear": 0.0015, "x": 0.05, "y": 0.05,
+    "radius_front": 0.0015, "radius_rear": 0.0015, "x": 0.05, "y": 0.05, "roll_lag": 0.012, "steer_front": 1e-4,
+    "steer_rear": 1e-4, "ay_gain": 0.004, "yaw_rate_gain": 0.003, "misalignment": 0.01, "wheel_delay": 0.01,
 }  # fmt: skip
 WHEEL_INERTIA, STEP = 1.0, 0.002
 KINDS = ("slalom", "sweep", "step", "laps", "brake")
@@ -105,23 +107,20 @@ class Road:
         X = np.stack([lf, lf, -lr, -lr])
         Y = np.stack([c["track_front"], -c["track_front"], c["track_rear"], -c["track_rear"]]) / 2
         R = np.stack([c["radius_front"]] * 2 + [c["radius_rear"]] * 2)
-        angle = np.stack([wheel, wheel, 0 * wheel, 0 * wheel])
+        front, rear = wheel - c["steer_front"] * self.rolled[1], c["steer_rear"] * self.rolled[1]
+        angle = np.stack([front, front, rear, rear])
         u, w = vx - r * Y, vy + r * X
         along, side = u * np.cos(angle) + w * np.sin(angle), w * np.cos(angle) - u * np.sin(angle)
         alpha, kappa = np.arctan(side / along), (spins * R - along) / along
-        ax, ay = self.last
-        for _ in range(2):
-            shift = c["mass"] * ax * c["cg_height"] / c["wheelbase"] / 2
-            share = c["front_roll_share"]
-            roll_f = c["mass"] * ay * c["cg_height"] * share / c["track_front"]
-            roll_r = c["mass"] * ay * c["cg_height"] * (1 - share) / c["track_rear"]
-            front, rear = c["mass"] * G * lr / c["wheelbase"] / 2, c["mass"] * G * lf / c["wheelbase"] / 2
-            Fz = np.stack(
-                [front - shift - roll_f, front - shift + roll_f, rear + shift - roll_r, rear + shift + roll_r]
-            )
-            Fx, Fy = self.tire(kappa, alpha, Fz, along, self.factors)
-            bx, by = Fx * np.cos(angle) - Fy * np.sin(angle), Fx * np.sin(angle) + Fy * np.cos(angle)
-            ax, ay = bx.sum(0) / c["mass"], by.sum(0) / c["mass"]
+        shift = c["mass"] * self.rolled[0] * c["cg_height"] / c["wheelbase"] / 2
+        share = c["front_roll_share"]
+        roll_f = c["mass"] * self.rolled[1] * c["cg_height"] * share / c["track_front"]
+        roll_r = c["mass"] * self.rolled[1] * c["cg_height"] * (1 - share) / c["track_rear"]
+        front, rear = c["mass"] * G * lr / c["wheelbase"] / 2, c["mass"] * G * lf / c["wheelbase"] / 2
+        Fz = np.stack([front - shift - roll_f, front - shift + roll_f, rear + shift - roll_r, rear + shift + roll_r])
+        Fx, Fy = self.tire(kappa, alpha, Fz, along, self.factors)
+        bx, by = Fx * np.cos(angle) - Fy * np.sin(angle), Fx * np.sin(angle) + Fy * np.cos(angle)
+        ax, ay = bx.sum(0) / c["mass"], by.sum(0) / c["mass"]
         turning = (X * by - Y * bx).sum(0) / c["yaw_inertia"]
         return np.stack([ax + r * vy, ay - r * vx, turning, *((torque - Fx * R) / WHEEL_INERTIA)]), (ax, ay), turning
 
@@ -131,7 +130,7 @@ class Road:
         state = np.zeros((7, n))
         state[0] = speed[0]
         state[3:] = speed[0] / 0.3
-        self.last = (np.zeros(n), np.zeros(n))
+        self.rolled = np.zeros((2, n))
         rows = {
             name: np.empty((n_steps, n))
             for name in ("vx", "vy", "yaw_rate", "ax", "ay", "turning", "fl", "fr", "rl", "rr")
@@ -144,15 +143,16 @@ class Road:
             )
             share = np.where(force < 0.0, 0.72, 0.0)
             torque = np.stack([force * share / 2] * 2 + [force * (1 - share) / 2] * 2) * 0.3
-            k1, self.last, turning = self.rates(state, wheel, torque)
+            k1, last, turning = self.rates(state, wheel, torque)
             if hasattr(self.tire, "advance"):
                 self.tire.advance(STEP)
-            for name, values in zip(rows, (*state[:3], *self.last, turning, *state[3:]), strict=True):
+            for name, values in zip(rows, (*state[:3], *last, turning, *state[3:]), strict=True):
                 rows[name][i] = values
             k2, *_ = self.rates(state + STEP / 2 * k1, middle, torque)
             k3, *_ = self.rates(state + STEP / 2 * k2, middle, torque)
             k4, *_ = self.rates(state + STEP * k3, later, torque)
             state = state + STEP / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+            self.rolled = last + (self.rolled - last) * np.exp(-STEP / self.car["roll_lag"])
         return rows
 
 
@@ -165,18 +165,21 @@ def logs(rows, steer, truths, rng):
         part, car = {name: values[:, i] for name, values in rows.items()}, {**CAR, **truth.car}
         ax = part["ax"] - part["turning"] * car["y"] - part["yaw_rate"] ** 2 * car["x"]
         ay = part["ay"] + part["turning"] * car["x"] - part["yaw_rate"] ** 2 * car["y"]
+        ax, ay = ax + car["misalignment"] * ay, car["ay_gain"] * (ay - car["misalignment"] * ax)
         m = len(t[::every])
         noise = rng.standard_normal((9, m))
         table = {
             "t": t[::every],
             "steer": np.interp(t[::every] - truth.steer_log_delay, t, steer[:, i]) + 2e-3 * noise[0],
             "speed": part["vx"][::every] + 0.05 * noise[1],
-            "yaw_rate": part["yaw_rate"][::every] + rng.normal(0, 0.005) + 0.005 * noise[2],
+            "yaw_rate": car["yaw_rate_gain"] * part["yaw_rate"][::every] + rng.normal(0, 0.005) + 0.005 * noise[2],
             "ax": ax[::every] + rng.normal(0, 0.1) + 0.1 * noise[3],
             "ay": ay[::every] + rng.normal(0, 0.1) + 0.1 * noise[4],
         }
         for row, corner in enumerate(("fl", "fr", "rl", "rr")):
-            table[f"omega_{corner}"] = part[corner][::every] + 0.05 * noise[5 + row]
+            table[f"omega_{corner}"] = (
+                np.interp(t[::every] - car["wheel_delay"], t, part[corner]) + 0.05 * noise[5 + row]
+            )
         made.append(pd.DataFrame(table))
     return made
 
@@ -205,6 +208,7 @@ def drawn_truth(rng):
     factors["rear"]["LMUY"] = factors["front"]["LMUY"] * rng.uniform(0.97, 1.1)  # a car that does not spin
     factors["rear"]["LKY"] = factors["front"]["LKY"] * rng.uniform(0.97, 1.15)
     car = {name: CAR[name] + spread * rng.standard_normal() for name, spread in SPREAD.items()}
+    car["roll_lag"] = max(car["roll_lag"], 0.02)
     return Truth(factors, car, steer_log_delay=rng.normal(0.0, 0.02))
 
 

@@ -11,8 +11,8 @@ from tirefmu.tires.code.modules import two_track
 BODY = (1250.0, 1700.0, 1.2, 1.3, 1.5, 1.48, 0.52, 0.56, 0.0)
 
 
-def wheels(vx=15.0, vy=0.0, r=0.0, ax=0.0, vy_dot=0.0, r_dot=0.0, steer=0.0):
-    return np.array(two_track.wheels(vx, vy, r, ax, vy_dot, r_dot, steer, *BODY)).reshape(3, 4)
+def wheels(vx=15.0, vy=0.0, r=0.0, ax=0.0, vy_dot=0.0, r_dot=0.0, steer=0.0, lag=(0.0, 0.0)):
+    return np.array(two_track.wheels(vx, vy, r, ax, vy_dot, r_dot, *lag, steer, 0.0, *BODY)).reshape(3, 4)
 
 
 def test_loads_are_the_weight_and_straight_running_has_no_slip():
@@ -33,8 +33,20 @@ def test_a_mirrored_motion_has_mirrored_wheels():
 def test_balance_vanishes_for_the_rates_that_the_forces_cause():
     forces = np.array([200.0, 150.0, -300.0, -250.0, 900.0, 1400.0, 800.0, 1300.0])
     motion, steer = (14.0, -0.2, 0.35), 0.04
-    rates = two_track.accelerations(*motion, steer, *BODY, *forces)
-    np.testing.assert_allclose(two_track.balance(*motion, *rates, steer, *BODY, *forces)[4:], 0.0, atol=1e-9)
+    turned = steer, 0.002
+    rates = two_track.accelerations(*motion, *turned, *BODY, *forces)
+    np.testing.assert_allclose(two_track.balance(*motion, *rates, *turned, *BODY, *forces)[4:], 0.0, atol=1e-9)
+
+
+def test_loads_follow_the_accelerations_behind_which_they_lag():
+    motion = {"vx": 15.0, "r": 0.3, "ax": 2.0}
+    np.testing.assert_allclose(wheels(**motion, lag=(-2.0, -4.5))[2], wheels()[2])  # no transfer has begun
+
+
+def test_compliance_turns_the_wheels_towards_understeer():
+    motion = 15.0, 0.0, 0.3, 0.0, 0.0, 0.0
+    front, rear, inclination = two_track.turned(*motion, 0.0, 0.0, 0.05, 1e-3, 2e-3, 3e-3)
+    np.testing.assert_allclose([front, rear, inclination], [0.05 - 4.5e-3, 9e-3, 13.5e-3])
 
 
 def test_slips_and_loads_are_those_of_the_independent_program():
@@ -47,9 +59,9 @@ def test_slips_and_loads_are_those_of_the_independent_program():
 
     program = road.Road([road.Truth(same, {})], tire)
     state = np.array([14.0, -0.2, 0.35, *[14.0 / 0.3] * 4])[:, None]
-    program.last = np.zeros(1), np.zeros(1)
-    for _ in range(5):  # until the loads follow from the accelerations that they cause
-        rates, program.last, _ = program.rates(state, np.array([0.04]), np.zeros((4, 1)))
+    program.rolled = np.zeros((2, 1))
+    for _ in range(12):  # until the loads follow from the accelerations that they cause
+        rates, program.rolled, _ = program.rates(state, np.array([0.04]), np.zeros((4, 1)))
     alpha, _, load = wheels(14.0, -0.2, 0.35, *rates[:3, 0], 0.04)
     np.testing.assert_allclose(alpha, seen["alpha"], atol=1e-12)
     np.testing.assert_allclose(load, seen["Fz"], rtol=1e-4)

@@ -18,6 +18,9 @@ from .car_entries import ENTRIES, car_schema
 
 FloatArray = npt.NDArray[np.float64]
 
+#: Wheelbase to which default times belong, m.
+USUAL_WHEELBASE = 2.7
+
 
 class CarError(TirefmuError):
     """A car file that cannot be used; the sentence names file, section and key."""
@@ -65,7 +68,10 @@ class Car:
                 raise CarError(f"{source}: [{entry.section}] lacks {entry.name}: {entry.meaning}, {entry.unit}")
             value, uncertainty = given.get(entry.name, (entry.default, None))
             values[entry.name] = float(value)  # type: ignore[arg-type]  # a default of None was refused
-            scale = {"relative": abs(values[entry.name]), "wheelbase": values["wheelbase"]}.get(entry.scale, 1.0)
+            if entry.scale == "time" and entry.name not in given:
+                values[entry.name] *= np.sqrt(values["wheelbase"] / USUAL_WHEELBASE)
+            size = abs(values[entry.name])
+            scale = {"relative": size, "time": size, "wheelbase": values["wheelbase"]}.get(entry.scale, 1.0)
             uncertainties[entry.name] = entry.uncertainty * scale if uncertainty is None else uncertainty
         if not values["cg_to_front"] < values["wheelbase"]:
             raise CarError(f"{source}: [body] cg_to_front is not less than wheelbase: the load of an axle is negative")

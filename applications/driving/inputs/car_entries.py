@@ -17,7 +17,8 @@ class Entry:
     - `example`: value in the example file.
     - `default`: None if the entry is required.
     - `uncertainty`: default standard deviation, in units of `scale`: "relative" (to the value), "wheelbase" (to the
-      wheelbase) or "absolute".
+      wheelbase), "time" (to the value, whose default is that of a wheelbase of 2.7 m and grows with the square root of
+      it, as the periods of similar cars do) or "absolute".
     - `lower`, `upper`: limits of plausible values.
     """
 
@@ -34,7 +35,8 @@ class Entry:
 
 
 # The default uncertainties are judgement: a scale under the wheels knows a mass within 1 %, a car with driver and fuel
-# within 3 %; a yaw inertia from a formula is right within 10 %; a consumer IMU has the offsets below after warm-up.
+# within 3 %; a yaw inertia from a formula is right within 10 %; a consumer IMU has the offsets below after warm-up, and
+# gains within 0.5 %. Roll and pitch of cars reach two thirds of their value in 30 to 80 ms.
 _ENTRIES = (
     Entry("body", "wheelbase", "distance of the axles", "m", 2.4, None, 0.002, "relative", 0.05, 20.0),
     Entry("body", "mass", "mass with driver and fuel", "kg", 1100.0, None, 0.03, "relative", 0.1, 1e5),
@@ -49,6 +51,16 @@ _ENTRIES = (
           "absolute", 0.0, 1.0),
     Entry("body", "drag", "drag force over the square of the speed", "N s^2/m^2", 0.4, 0.0, 0.3, "relative",
           0.0, 100.0),
+    Entry("body", "roll_lag", "time constant of the lateral load transfer behind the lateral acceleration", "s", 0.05,
+          0.05, 0.6, "time", 0.0, 1.0),
+    Entry("body", "pitch_lag", "time constant of the longitudinal load transfer", "s", 0.05, 0.05, 0.6, "time", 0.0,
+          1.0),
+    Entry("body", "steer_front", "angle that roll and compliance take from the front wheels, over lateral acceleration",
+          "rad s^2/m", 0.0, 0.0, 1e-4, "absolute", -0.01, 0.01),
+    Entry("body", "steer_rear", "angle that roll and compliance turn the rear wheels into a turn, over lateral "
+          "acceleration", "rad s^2/m", 0.0, 0.0, 1e-4, "absolute", -0.01, 0.01),
+    Entry("body", "camber", "inclination of the wheels out of a turn over lateral acceleration", "rad s^2/m", 0.0, 0.0,
+          1e-3, "absolute", -0.05, 0.05),
     Entry("steering", "ratio", "steering channel over the angle of the front wheels", "1", 15.0, 1.0, 0.01, "relative",
           1e-3, 1e4),
     Entry("steering", "offset", "angle of the front wheels at zero of the channel", "rad", 0.0, 0.0, 0.005,
@@ -57,9 +69,11 @@ _ENTRIES = (
           "absolute", -1.0, 1.0),
     Entry("steering", "lag", "time constant of a first-order lag of the wheels behind the channel", "s", 0.0, 0.0, 0.3,
           "relative", 0.0, 2.0),
-    Entry("wheels", "radius_front", "rolling radius of the front wheels, for wheel speeds; calibrated in free rolling",
-          "m", 0.3, 0.0, 0.0, "absolute", 0.0, 3.0),
-    Entry("wheels", "radius_rear", "rolling radius of the rear wheels", "m", 0.3, 0.0, 0.0, "absolute", 0.0, 3.0),
+    Entry("wheels", "radius_front", "rolling radius of the front wheels, for wheel speeds", "m", 0.3, 0.0, 0.005,
+          "relative", 0.0, 3.0),
+    Entry("wheels", "radius_rear", "rolling radius of the rear wheels", "m", 0.3, 0.0, 0.005, "relative", 0.0, 3.0),
+    Entry("wheels", "relaxation", "lateral relaxation lengths over those of the tire files", "1", 1.0, 1.0, 0.2,
+          "relative", 0.0, 10.0),
     Entry("wheels", "brake_front", "share of the braking force at the front axle", "1", 0.65, 0.6, 0.1,
           "absolute", 0.0, 1.0),
     Entry("sensors", "x", "position of the accelerometer ahead of the center of gravity", "m", 0.0, 0.0, 0.02,
@@ -68,6 +82,13 @@ _ENTRIES = (
           "wheelbase", -10.0, 10.0),
     Entry("sensors", "roll_gradient", "roll angle over lateral acceleration", "rad s^2/m", 0.0, 0.0, 0.3, "relative",
           0.0, 0.1),
+    Entry("sensors", "misalignment", "angle of the accelerometer about the vertical axis, to the left", "rad", 0.0, 0.0,
+          0.01, "absolute", -0.5, 0.5),
+    Entry("sensors", "ay_gain", "reading of ay over its true value", "1", 1.0, 1.0, 0.005, "absolute", 0.5, 2.0),
+    Entry("sensors", "yaw_rate_gain", "reading of the yaw rate over its true value", "1", 1.0, 1.0, 0.005, "absolute",
+          0.5, 2.0),
+    Entry("sensors", "wheel_delay", "delay of the wheel speeds behind the accelerometer", "s", 0.0, 0.0, 0.02,
+          "absolute", -1.0, 1.0),
     Entry("sensors", "yaw_rate_offset", "reading of the yaw rate at rest", "rad/s", 0.0, 0.0, 0.01),
     Entry("sensors", "ax_offset", "reading of ax at rest on a level road", "m/s^2", 0.0, 0.0, 0.3),
     Entry("sensors", "ay_offset", "reading of ay at rest on a level road; a road bank of 1 rad adds 9.81", "m/s^2", 0.0,
@@ -93,7 +114,7 @@ OTHERS: dict[str, dict[str, tuple[str, str]]] = {
     "sensors": {},
     "columns": {"yaw_rate": (toml_string("W (IMU) [deg/s]"), "header of a channel that has another name in the log")},
 }
-_UNCERTAIN = {"relative": " of the value", "wheelbase": " of the wheelbase", "absolute": ""}
+_UNCERTAIN = {"relative": " of the value", "time": " of the value", "wheelbase": " of the wheelbase", "absolute": ""}
 
 
 def example_text() -> str:

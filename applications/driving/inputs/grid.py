@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from ....boundary.errors import DataError
+from ....measurements.units import GRAVITY
 from ....symbolic.vehicle.quantities import CORNERS
 from .car import Car
 from .log import Log
@@ -30,10 +31,15 @@ SHORTEST_CHAIN, LONGEST_GAP = 1.0, 0.25
 MARGIN = 0.2
 #: Times over which the steering and the spins are averaged, s: their noise is not a motion.
 STEERING_WINDOW, SPIN_WINDOW = 0.02, 0.1
-#: Accelerations below which a wheel rolls freely, m/s^2: there its rolling radius is calibrated.
-FREE_ROLLING = 0.5
 #: The channels of a grid, in the order of the residuals of the estimate.
-MEASURED = ("yaw_rate", "ax", "ay", "speed", "beta", "vy", "x", "y", "heading", "speed_rate")
+MEASURED = (
+    "yaw_rate", "ax", "ay", "speed", "beta", "vy", "x", "y", "heading", "rim_front", "rim_rear", "speed_rate",
+)  # fmt: skip
+#: Change of a rolling radius with load and speed, relative; error of the slip of a wheel that follows from its
+#: longitudinal force, over the slip; slip over acceleration per g; time for which such an error lasts, s.
+RADIUS_ERROR, SLIP_ERROR, SLIP_OF_ACCELERATION, LASTING = 0.001, 0.3, 0.05, 1.0
+#: Error of the mean of an acceleration that changes within an interval, over the change.
+EDGE_ERROR = 0.1
 #: Without ax, the rate of the speed is that of the logged one, averaged over this time, s; its smallest standard
 #: deviation, m/s^2.
 RATE_WINDOW, RATE_DEVIATION = 0.3, 0.1
@@ -50,8 +56,10 @@ class Grid:
     - `steer`, shape (2, n): angle of the front wheels, without offset: a line over the interval with the mean of the
       channel, at both ends.
     - `steer_slopes`, shape (4, n): its derivatives by delay and lag, at both ends.
-    - `used`: delay and lag with which the steering was computed, s.
     - `rims`, shape (4, n): spin times rolling radius of each of `CORNERS`, m/s; 0 if not logged.
+    - `behind`, shape (8, n): what lags add to longitudinal and lateral acceleration, m/s^2, its derivatives by the
+      lags, and what relaxation adds to the slip angle of each wheel beyond the first order, rad (`with_lags`).
+    - `used`: delay and lag of the steering, lag of pitch and of roll with which these were computed, s.
     """
 
     step: float
@@ -63,12 +71,29 @@ class Grid:
     steer: FloatArray
     steer_slopes: FloatArray
     rims: FloatArray
-    used: tuple[float, float] = (0.0, 0.0)
+    behind: FloatArray
+    used: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
     @property
     def n_nodes(self) -> int:
         """Number of nodes."""
         return int(self.right[-1]) + 1
+
+    @property
+    def sampled(self) -> tuple[str, ...]:
+        """The channels that are logged."""
+        return tuple(name for name, row in zip(MEASURED, self.means, strict=True) if np.isfinite(row).any())
+
+    def part(self, rows: IntArray) -> tuple[Grid, IntArray]:
+        """Return the grid of some intervals, in their order, and the numbers of its nodes in this one."""
+        fresh = np.diff(self.right[rows], prepend=-1) != 1
+        left = np.arange(len(rows)) + np.cumsum(fresh) - 1
+        nodes = np.empty(left[-1] + 2, dtype=np.intp)
+        nodes[left], nodes[left + 1] = self.left[rows], self.right[rows]
+        columns = {
+            name: getattr(self, name)[:, rows] for name in ("means", "noise", "steer", "steer_slopes", "rims", "behind")
+        }
+        return replace(self, t=self.t[rows], left=left, right=left + 1, **columns), nodes
 
     @property
     def segment(self) -> IntArray:
@@ -130,7 +155,7 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
     usable = (v > max(SLOWEST, SLOW_SHARE * fast)) & (middle > start + MARGIN) & (middle < end - MARGIN)
     for name in ("steer", "yaw_rate" if "yaw_rate" in channels else "heading"):
         usable &= _near_samples(channels[name][0], middle)
-    rims = _rims(log, car, middle, speed)
+    rims = _rims(log, car, middle)
     usable &= (np.abs(np.where(rims, rims, v) / v - 1.0) < LARGEST_SLIP).all(axis=0)
     usable = _long_runs(usable, round(SHORTEST_CHAIN / step))
     if not usable.any():
@@ -145,8 +170,19 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
     if "ax" not in channels:
         means[-1] = np.gradient(_windowed(*speed, middle, RATE_WINDOW), middle)[chosen]
         noise[-1] = RATE_DEVIATION
-    empty = np.zeros((4, len(chosen)))
-    grid = Grid(step, middle[chosen], left, left + 1, means, noise, empty[:2], empty, rims[:, chosen])
+    for axle, (wheels, axle_channels) in zip(("front", "rear"), _axle_speeds(log, car), strict=False):
+        if axle == car.driven:  # its slip grows in a turn, beyond what its longitudinal force says
+            continue
+        row = MEASURED.index(f"rim_{axle}")
+        means[row], noise[row] = _averaged(axle_channels, edges, usable, wheels)
+        slip = SLIP_OF_ACCELERATION / GRAVITY * np.gradient(_windowed(*speed, middle, RATE_WINDOW), middle)[chosen]
+        lasting = LASTING / step * (RADIUS_ERROR**2 + (SLIP_ERROR * slip) ** 2)
+        noise[row] = np.sqrt(noise[row] ** 2 + lasting * means[row] ** 2)
+    row = MEASURED.index("ax")
+    change = np.gradient(means[row]) if len(chosen) > 1 else 0.0 * means[row]
+    noise[row] = np.hypot(noise[row], EDGE_ERROR * np.nan_to_num(change))
+    empty = np.zeros((8, len(chosen)))
+    grid = Grid(step, middle[chosen], left, left + 1, means, noise, empty[:2], empty[:4], rims[:, chosen], empty)
     return with_steering(grid, log, car, car.values)
 
 
@@ -164,7 +200,8 @@ def with_steering(grid: Grid, log: Log, car: Car, entries: Mapping[str, float]) 
     change = grid.step / 4
     by_delay = (at(delay + change, lag) - at(delay - change, lag)) / (2 * change)
     by_lag = (at(delay, lag * 1.05) - at(delay, lag * 0.95)) / (0.1 * lag) if lag else np.zeros_like(by_delay)
-    return replace(grid, steer=at(delay, lag), steer_slopes=np.concatenate([by_delay, by_lag]), used=(delay, lag))
+    slopes, used = np.concatenate([by_delay, by_lag]), (delay, lag, *grid.used[2:])
+    return replace(grid, steer=at(delay, lag), steer_slopes=slopes, used=used)
 
 
 def _wheel_angle(log: Log, car: Car) -> tuple[FloatArray, FloatArray]:
@@ -183,23 +220,22 @@ def _step(log: Log, car: Car) -> float:
     return step
 
 
-def _rims(log: Log, car: Car, middle: FloatArray, speed: tuple[FloatArray, FloatArray]) -> FloatArray:
-    """Return the speeds of the rims, shape (4, n); the radius is such that a freely rolling axle has no slip."""
-    logged, channels = spinning(log, car), log.channels
-    if not logged:
-        return np.zeros((len(CORNERS), len(middle)))
-    v = np.interp(middle, *speed)
-    ax = np.gradient(_windowed(*speed, middle, 1.0), middle)
-    turning = np.interp(middle, *channels["yaw_rate"]) * v if "yaw_rate" in channels else np.zeros_like(v)
-    free = (np.abs(ax) < FREE_ROLLING) & (np.abs(turning) < FREE_ROLLING * 4.0) & (v > 0.3 * v.max())
+def _rims(log: Log, car: Car, middle: FloatArray) -> FloatArray:
+    """Return the speeds of the rims, shape (4, n)."""
     rims = np.zeros((len(CORNERS), len(middle)))
-    for axle in "fr":
-        wheels = [i for i, corner in enumerate(CORNERS) if corner in logged and corner[0] == axle]
-        for i in wheels:
-            rims[i] = _radius(car, CORNERS[i]) * _windowed(*channels[f"omega_{CORNERS[i]}"], middle, SPIN_WINDOW)
-        if free.any():
-            rims[wheels] *= np.median(v[free] / rims[wheels][:, free].mean(axis=0))
+    for corner in spinning(log, car):
+        samples = log.channels[f"omega_{corner}"]
+        rims[CORNERS.index(corner)] = _radius(car, corner) * _windowed(*samples, middle, SPIN_WINDOW)
     return rims
+
+
+def _axle_speeds(log: Log, car: Car) -> Iterator[tuple[str, tuple[FloatArray, FloatArray]]]:
+    """Yield a channel and samples of the mean speed of the rims of each axle, if both wheels have one."""
+    logged = spinning(log, car)
+    for left, right in (CORNERS[:2], CORNERS[2:]) if len(logged) == len(CORNERS) else ():
+        t, values = log.channels[f"omega_{left}"]
+        both = (values + np.interp(t, *log.channels[f"omega_{right}"])) / 2
+        yield f"omega_{left}", (t, _radius(car, left) * both)
 
 
 def _windowed(t: FloatArray, values: FloatArray, at: FloatArray, width: float) -> FloatArray:

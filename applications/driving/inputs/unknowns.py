@@ -18,9 +18,9 @@ from .log import Log
 FloatArray = npt.NDArray[np.float64]
 
 AXLES = ("front", "rear")
-#: Scaling factors of a tire: friction and slip stiffness, longitudinal and lateral.
-FACTORS = ("LMUX", "LMUY", "LKX", "LKY")
-LATERAL = ("LMUY", "LKY")
+#: Scaling factors of a tire: lateral friction and cornering stiffness. No channel of a log is the longitudinal force of
+#: a wheel, which LMUX and LKX scale.
+FACTORS = ("LMUY", "LKY")
 #: Prior probability that a factor changed. Judgement: who compares a drive expects other tires as likely as not.
 CHANGED = 0.5
 #: Prior standard deviation of the logarithm of a factor: it hardly matters for what a drive determines.
@@ -30,7 +30,8 @@ NEEDS: dict[str, tuple[str, ...]] = {
     "ax_offset": ("ax",), "ay_offset": ("ay",), "roll_gradient": ("ay",), "x": ("ay", "ax"),
     "y": ("ay", "ax"), "yaw_rate_offset": ("yaw_rate",), "reference_x": ("vy", "beta", "heading"),
     "reference_y": ("speed", "heading"), "heading_offset": ("beta", "heading"),
-    "motion_delay": ("yaw_rate", "ax", "ay"),
+    "motion_delay": ("speed", "beta", "vy", "x"), "misalignment": ("ay", "ax"), "ay_gain": ("ay",),
+    "yaw_rate_gain": ("yaw_rate",), "wheel_delay": ("omega",), "radius_front": ("omega",), "radius_rear": ("omega",),
 }  # fmt: skip
 
 
@@ -70,12 +71,14 @@ class Unknowns:
         return len(self.car) + self.factors.index((axle, name))
 
 
-def unknowns_of(car: Car, log: Log) -> Unknowns:
+def unknowns_of(car: Car, log: Log, tires: Mapping[str, Tire]) -> Unknowns:
     """Return what a log can say something about: entries of the car with an uncertainty, and the factors."""
+    lags = any(tire.lags for tire in tires.values())
     names = tuple(
         name
         for name, uncertainty in car.uncertainties.items()
         if uncertainty > 0.0
+        and (lags or name != "relaxation")
         and any(channel.startswith(start) for start in NEEDS.get(name, ("",)) for channel in log.channels)
     )
     factors = tuple((axle, name) for axle in AXLES for name in FACTORS)
@@ -91,13 +94,7 @@ def check_factors(tires: Mapping[str, Tire]) -> None:
     """
     for axle, tire in tires.items():
         load = tire.nominal("Fz")
-        lacking = [
-            name
-            for name, (slip, force) in zip(
-                FACTORS, (("kappa", "Fx"), ("alpha", "Fy"), ("kappa", "Fx"), ("alpha", "Fy")), strict=True
-            )
-            if not _scales(tire, name, slip, force, load)
-        ]
+        lacking = [name for name in FACTORS if not _scales(tire, name, load)]
         if lacking:
             raise TireError(
                 f"the {axle} tire ({tire.model}) has no factor {', '.join(lacking)} that scales its forces: "
@@ -105,11 +102,10 @@ def check_factors(tires: Mapping[str, Tire]) -> None:
             )
 
 
-def _scales(tire: Tire, name: str, slip: str, force: str, load: float) -> bool:
+def _scales(tire: Tire, name: str, load: float) -> bool:
     if name not in tire.values:
         return False
     scaled = tire.with_values(**{name: 0.9 * tire.values[name]})
     slips = np.array([-0.02, 0.02, 0.1])
-    inputs: dict[str, Any] = {slip: slips, "Fz": load}
-    before, after = (compared.forces(code="numpy", **inputs)[force] for compared in (tire, scaled))
+    before, after = (compared.forces(alpha=slips, Fz=load, code="numpy")["Fy"] for compared in (tire, scaled))
     return bool(np.abs(after - before).max() > 1e-6 * np.abs(before).max())

@@ -1,0 +1,150 @@
+"""Whether tires predict: the car simulated over parts of a drive that their estimate did not see.
+
+The drive is divided into manoeuvres. What the others say of the unknowns follows from the linearized estimate without
+the information of one; with tires as given, their factors are held at 1 and the car is that of the other parts, too.
+Only what the simulated car does better in the parts that were left out, beyond the scatter over them, is found.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+from scipy.stats import t as student
+
+from ....tires import Tire
+from ..estimate import Estimate
+from ..inputs.car import Car
+from ..inputs.grid import Grid
+from ..inputs.unknowns import AXLES, FACTORS, Unknowns
+from ..simulation import HORIZON, estimated_motion, pieces_of, simulated
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
+
+#: Most parts of a drive, and fewest; a part has at least a piece of the simulation. Convention.
+PARTS, FEWEST = 10, 3
+#: One-sided probability of a gain by chance at which it is none. Convention.
+CHANCE = 0.025
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """Errors of the simulated car in the parts that were left out of its estimate.
+
+    - `before`, `after`: rms of yaw rate, ay and lateral speed, with the given and with the new tires.
+    - `parts`: first and last time of each part, s, and the rms of the error of the yaw rate, rad/s, before and after.
+    - `better`: whether the new tires are better, beyond the scatter over the parts.
+    """
+
+    before: Mapping[str, float]
+    after: Mapping[str, float]
+    parts: tuple[tuple[float, float, float, float], ...]
+    better: bool
+
+
+@dataclass(frozen=True)
+class Parts:
+    """A drive in parts.
+
+    `number`, shape (n_pieces,): of the part of each piece. `z`, shape (n_parts, n_z), and `covariance`, shape (n_parts,
+    n_z, n_z): what all parts but one say of the unknowns.
+    """
+
+    grid: Grid
+    estimate: Estimate
+    unknowns: Unknowns
+    car: Car
+    number: IntArray
+    z: FloatArray
+    covariance: FloatArray
+
+    def errors(
+        self, tires: Mapping[str, Tire], fixed: Iterable[tuple[str, str]]
+    ) -> tuple[FloatArray, dict[str, float]]:
+        """Return the squared error of each part, (rad/s)^2, and the rms of signals; some factors are fixed at 1."""
+        places, z = [self.unknowns.factor(*pair) for pair in fixed], self.z
+        if places:
+            block = np.linalg.inv(self.covariance[:, places][:, :, places]) @ self.z[:, places, None]
+            z = self.z - (self.covariance[:, :, places] @ block)[:, :, 0]
+            z[:, places] = 0.0
+        of_pieces = z[self.number].T
+        factors = {
+            axle: {
+                name: np.exp(self.unknowns.spread[i] * of_pieces[i])
+                for name in FACTORS
+                for i in [self.unknowns.factor(axle, name)]
+            }
+            for axle in AXLES
+        }
+        given = self.grid, self.estimate, self.unknowns, self.car
+        simulation = simulated(*given, tires, z=of_pieces, factors=factors)
+        wanted = estimated_motion(self.grid, self.estimate)
+        speed = (self.estimate.states[self.grid.left, 0] + self.estimate.states[self.grid.right, 0]) / 2
+        scale = np.stack([np.ones_like(speed), speed, speed], axis=1)
+        squares = np.mean(((simulation.motion - wanted) / scale) ** 2, axis=1)
+        length = round(HORIZON / self.grid.step)
+        of_piece = np.array([squares[first : first + length].mean() for first in pieces_of(self.grid)])
+        of_part = np.bincount(self.number, of_piece) / np.bincount(self.number)
+        return of_part, dict(simulation.rms)
+
+
+def parts_of(grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> Parts | None:
+    """Return a drive in parts, or None if it is too short for that."""
+    starts = pieces_of(grid)
+    n = min(PARTS, len(starts))
+    if n < FEWEST:
+        return None
+    number = np.arange(len(starts)) * n // len(starts)
+    edges = np.concatenate([starts[np.flatnonzero(np.diff(number, prepend=-1))], [len(grid.t)]])
+    edges[0] = 0
+    rows = [np.arange(first, last) for first, last in itertools.pairwise(edges)]
+    informations, slopes = zip(*(estimate.of_part(grid, some) for some in rows), strict=True)
+    # At the optimum the slopes of all parts and of the prior add to 0.
+    shared = (np.sum(slopes, axis=0) + estimate.z) / n
+    precision = np.linalg.inv(estimate.covariance)
+    covariance = np.linalg.inv(precision - np.array(informations))
+    z = estimate.z + np.einsum("kij,kj->ki", covariance, np.array(slopes) - shared)
+    return Parts(grid, estimate, unknowns, car, number, z, covariance)
+
+
+def widened(estimate: Estimate, parts: Parts | None) -> Estimate:
+    """Return an estimate whose deviations are at least those of the scatter over its parts (jackknife).
+
+    A model that is wrong says something else in each manoeuvre, with a precision that only noise deserves (Huggins and
+    Miller, Bayesian Analysis 18, 2023, average over resamples for the same reason).
+    """
+    if not parts:
+        return estimate
+    n = len(parts.z)
+    scatter = np.sqrt((n - 1) / n * np.sum((parts.z - parts.z.mean(axis=0)) ** 2, axis=0))
+    deviation = np.sqrt(np.diag(estimate.covariance))
+    scale = np.clip(scatter, deviation, np.maximum(deviation, 1.0)) / deviation
+    return replace(estimate, covariance=estimate.covariance * np.outer(scale, scale))
+
+
+def is_better(before: FloatArray, after: FloatArray) -> bool:
+    """Return whether errors of parts fall beyond their scatter."""
+    gain = np.log(before / after)
+    error = gain.std(ddof=1) / np.sqrt(len(gain))
+    return bool(gain.mean() > student.ppf(1.0 - CHANCE, len(gain) - 1) * error)
+
+
+def left_out(parts: Parts, base: Parts, tires: Mapping[str, Tire], new: Mapping[str, Tire]) -> LeftOut:
+    """Return the errors with the given tires, whose factors are 1, and with the new ones, whose factors are estimated.
+
+    `parts`: of the answer; `base`: of the estimate without an effect, which is the same if the answer has none.
+    """
+    everything = base.unknowns.factors
+    before, rms_before = base.errors(tires, everything)
+    after, rms_after = parts.errors(new, ())
+    starts = parts.grid.t[pieces_of(parts.grid)]
+    spans = [starts[parts.number == i] for i in range(len(before))]
+    rows = tuple(
+        (float(some[0]), float(some[-1] + HORIZON), float(np.sqrt(first)), float(np.sqrt(second)))
+        for some, first, second in zip(spans, before, after, strict=True)
+    )
+    return LeftOut(rms_before, rms_after, rows, is_better(before, after))
