@@ -9,9 +9,9 @@ from math import degrees
 import numpy as np
 
 from ...numerics.arrays import BoolArray, FloatArray
-from ...numerics.coverage import PEAK_SHARE, SMALL_SHARE, Coverage, flatness, lacking_peak, share_of_peak
 from ...numerics.slip_slope import SLOPE_WINDOW
 from ...tires.code import fastest_code
+from .coverage_rule import PEAK_SHARE, SMALL_SHARE, Coverage, flatness, lacking_peak, share_of_peak
 from .residuals import Residuals
 from .slip_stiffness import FORCES
 
@@ -54,29 +54,30 @@ def reaches(residuals: Residuals, slip: str, channel: str) -> list[Reach]:
     if not levels.size:
         levels = np.unique(np.quantile(load[rows], (np.arange(PARTS) + 0.5) / PARTS))
     nearest = np.abs(load[:, None] - levels).argmin(axis=1)
-    found = [_reach(residuals, np.asarray(rows & (nearest == k)), slip, channel) for k in range(len(levels))]
-    return [reach for reach in found if reach]
+    of_loads = [_reach(residuals, np.asarray(rows & (nearest == k)), slip, channel) for k in range(len(levels))]
+    return [reach for reach in of_loads if reach]
 
 
 def coverage(residuals: Residuals) -> tuple[Coverage, ...]:
     """Return whether the fitted rows determine each characteristic of the tire."""
-    found: list[Coverage] = []
+    determined: list[Coverage] = []
     for slip, channel in FORCES.items():
-        found += _of_force(residuals, slip, channel)
+        determined += _of_force(residuals, slip, channel)
     for channel in residuals.channels:
-        found += _influences(residuals, channel)
+        determined += _influences(residuals, channel)
     absent = [output for output in residuals.tire.outputs if output not in residuals.channels]
-    return (*found, *(Coverage("", output, False, ABSENT.get(output, "not measured")) for output in absent))
+    return (*determined, *(Coverage("", output, False, ABSENT.get(output, "not measured")) for output in absent))
 
 
 def _of_force(residuals: Residuals, slip: str, channel: str) -> Iterator[Coverage]:
     """Yield peak friction, slip stiffness and combined slip of a force that was fitted."""
-    known = reaches(residuals, slip, channel)
-    if not known:
+    of_loads = reaches(residuals, slip, channel)
+    if not of_loads:
         return
-    furthest, smallest = max(known, key=lambda reach: reach.share), min(reach.smallest for reach in known)
+    furthest, smallest = max(of_loads, key=lambda reach: reach.share), min(reach.smallest for reach in of_loads)
     share = furthest.share
-    reason, short = lacking_peak(channel, share, furthest.flat), [reach for reach in known if reach.share < PEAK_SHARE]
+    reason = lacking_peak(channel, share, furthest.flat)
+    short = [reach for reach in of_loads if reach.share < PEAK_SHARE]
     if not reason and short:
         loads = ", ".join(f"{reach.load:.0f} N ({reach.share:.0%})" for reach in short)
         reason = f"the data do not reach it at {loads}"
@@ -124,7 +125,7 @@ def _reach(residuals: Residuals, rows: BoolArray, slip: str, channel: str) -> Re
     if len(size) < 2 * REACHED_BY:
         return None
     signed = residuals.table[slip].to_numpy(dtype=float)[rows]
-    found: list[tuple[float, float, float]] = []
+    sides: list[tuple[float, float, float]] = []
     for side in (-1.0, 1.0):
         reached = np.sort(side * signed[side * signed > 0.0])
         if len(reached) >= REACHED_BY and reached[-REACHED_BY] > 0.0:
@@ -134,12 +135,12 @@ def _reach(residuals: Residuals, rows: BoolArray, slip: str, channel: str) -> Re
             flat = flatness(x, force)
             share = share_of_peak(flat)
             least = float(np.interp(size[REACHED_BY - 1], x, force)) / max(float(force.max()), 1e-300)
-            found.append((flat, share, share * least))
-    if not found:
+            sides.append((flat, share, share * least))
+    if not sides:
         return None
     load = float(np.median(residuals.table["Fz"].to_numpy(dtype=float)[rows]))
-    flat, share, _ = max(found, key=lambda side: side[1])
-    return Reach(load, flat, share, max(min(least for *_, least in found), 0.0))
+    flat, share, _ = max(sides, key=lambda side: side[1])
+    return Reach(load, flat, share, max(min(least for *_, least in sides), 0.0))
 
 
 def _curve(residuals: Residuals, rows: BoolArray, slip: str, channel: str, slips: FloatArray) -> FloatArray:

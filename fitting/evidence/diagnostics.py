@@ -10,13 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...numerics.coverage import Coverage
 from ...numerics.ties import graded
 from .characteristics import Characteristic, characteristics
 from .clipping import Clipped, clipped_channels
 from .consistency import Disagreement, disagreeing_files, disagreeing_segments, sweep_differences
 from .continuity import Discontinuity, discontinuities
 from .coverage import coverage
+from .coverage_rule import Coverage
 from .residuals import Residuals
 from .ripple import Ripple, ripple
 from .slip_stiffness import SlipStiffness, slip_stiffnesses

@@ -40,8 +40,8 @@ def ellipse_values(tire: Tire, unknown: Collection[str]) -> dict[str, float]:
         return {}
     declared = tire.symbolic_model.coefficients
     live = tire.symbolic_model.live(tire.has).intersection(unknown)
-    known = ((name, generic(coefficient)) for name, coefficient in declared.items() if coefficient.fitted)
-    start = {name: value for name, value in known if name in live and value != 0.0}
+    generics = ((name, generic(coefficient)) for name, coefficient in declared.items() if coefficient.fitted)
+    start = {name: value for name, value in generics if name in live and value != 0.0}
     trial = _Forces(tire.with_values(**start))
     if not trial.peaks.min() > 0.0:
         return {}

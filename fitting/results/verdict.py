@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...numerics.coverage import coverage_texts
 from ...numerics.ties import graded
 from ..constraints.physical import chosen_constraints
 from ..data.fit_data import EXCITED_BY
 from ..evidence.characteristics import Characteristic
 from ..evidence.clipping import Clipped
 from ..evidence.continuity import Discontinuity
+from ..evidence.coverage_rule import coverage_texts
 from ..evidence.diagnostics import Findings
 from ..evidence.residuals import Residuals, condition_text
 from ..evidence.slip_stiffness import SlipStiffness
