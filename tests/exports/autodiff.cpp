@@ -15,37 +15,39 @@ static double slope_of(const Dual &x) { return x.v[0]; }
 #include <casadi/casadi.hpp>
 using casadi::SX;
 #else
-struct Dual {
-    double x, d;
-    explicit Dual(double value = 0.0, double slope = 0.0) : x(value), d(slope) {}
+template <class T>
+struct DualOf {
+    T x, d;
+    explicit DualOf(double value = 0.0, double slope = 0.0) : x(T(value)), d(T(slope)) {}
 };
+using Dual = DualOf<double>;
 static Dual dual(double x, double slope) { return Dual(x, slope); }
 static double slope_of(const Dual &x) { return x.d; }
-static Dual operator-(const Dual &a) { return Dual(-a.x, -a.d); }
-static Dual operator+(const Dual &a, const Dual &b) { return Dual(a.x + b.x, a.d + b.d); }
-static Dual operator-(const Dual &a, const Dual &b) { return Dual(a.x - b.x, a.d - b.d); }
-static Dual operator*(const Dual &a, const Dual &b) { return Dual(a.x*b.x, a.d*b.x + a.x*b.d); }
-static Dual operator/(const Dual &a, const Dual &b) { return Dual(a.x/b.x, (a.d - a.x/b.x*b.d)/b.x); }
-static bool operator<(const Dual &a, const Dual &b) { return a.x < b.x; }
-static bool operator>(const Dual &a, const Dual &b) { return a.x > b.x; }
-static bool operator<=(const Dual &a, const Dual &b) { return a.x <= b.x; }
-static bool operator>=(const Dual &a, const Dual &b) { return a.x >= b.x; }
-static bool operator==(const Dual &a, const Dual &b) { return a.x == b.x; }
-[[maybe_unused]] static Dual sin(const Dual &a) { return Dual(std::sin(a.x), std::cos(a.x)*a.d); }
-[[maybe_unused]] static Dual cos(const Dual &a) { return Dual(std::cos(a.x), -std::sin(a.x)*a.d); }
-[[maybe_unused]] static Dual tan(const Dual &a) { const double t = std::tan(a.x); return Dual(t, (1 + t*t)*a.d); }
-[[maybe_unused]] static Dual atan(const Dual &a) { return Dual(std::atan(a.x), a.d/(1 + a.x*a.x)); }
-[[maybe_unused]] static Dual acos(const Dual &a) { return Dual(std::acos(a.x), -a.d/std::sqrt(1 - a.x*a.x)); }
-[[maybe_unused]] static Dual exp(const Dual &a) { return Dual(std::exp(a.x), std::exp(a.x)*a.d); }
-[[maybe_unused]] static Dual log(const Dual &a) { return Dual(std::log(a.x), a.d/a.x); }
-[[maybe_unused]] static Dual sqrt(const Dual &a)
+template <class T> static DualOf<T> operator-(const DualOf<T> &a) { return DualOf<T>(-a.x, -a.d); }
+template <class T> static DualOf<T> operator+(const DualOf<T> &a, const DualOf<T> &b) { return DualOf<T>(a.x + b.x, a.d + b.d); }
+template <class T> static DualOf<T> operator-(const DualOf<T> &a, const DualOf<T> &b) { return DualOf<T>(a.x - b.x, a.d - b.d); }
+template <class T> static DualOf<T> operator*(const DualOf<T> &a, const DualOf<T> &b) { return DualOf<T>(a.x*b.x, a.d*b.x + a.x*b.d); }
+template <class T> static DualOf<T> operator/(const DualOf<T> &a, const DualOf<T> &b) { return DualOf<T>(a.x/b.x, (a.d - a.x/b.x*b.d)/b.x); }
+template <class T> static bool operator<(const DualOf<T> &a, const DualOf<T> &b) { return a.x < b.x; }
+template <class T> static bool operator>(const DualOf<T> &a, const DualOf<T> &b) { return a.x > b.x; }
+template <class T> static bool operator<=(const DualOf<T> &a, const DualOf<T> &b) { return a.x <= b.x; }
+template <class T> static bool operator>=(const DualOf<T> &a, const DualOf<T> &b) { return a.x >= b.x; }
+template <class T> static bool operator==(const DualOf<T> &a, const DualOf<T> &b) { return a.x == b.x; }
+template <class T> static DualOf<T> sin(const DualOf<T> &a) { return DualOf<T>(std::sin(a.x), std::cos(a.x)*a.d); }
+template <class T> static DualOf<T> cos(const DualOf<T> &a) { return DualOf<T>(std::cos(a.x), -std::sin(a.x)*a.d); }
+template <class T> static DualOf<T> tan(const DualOf<T> &a) { const T t = std::tan(a.x); return DualOf<T>(t, (1 + t*t)*a.d); }
+template <class T> static DualOf<T> atan(const DualOf<T> &a) { return DualOf<T>(std::atan(a.x), a.d/(1 + a.x*a.x)); }
+template <class T> static DualOf<T> acos(const DualOf<T> &a) { return DualOf<T>(std::acos(a.x), -a.d/std::sqrt(1 - a.x*a.x)); }
+template <class T> static DualOf<T> exp(const DualOf<T> &a) { return DualOf<T>(std::exp(a.x), std::exp(a.x)*a.d); }
+template <class T> static DualOf<T> log(const DualOf<T> &a) { return DualOf<T>(std::log(a.x), a.d/a.x); }
+template <class T> static DualOf<T> sqrt(const DualOf<T> &a)
 {
-    const double root = std::sqrt(a.x);
-    return Dual(root, a.d == 0.0 ? 0.0 : a.d/(2*root));
+    const T root = std::sqrt(a.x);
+    return DualOf<T>(root, a.d == 0.0 ? 0.0 : a.d/(2*root));
 }
-[[maybe_unused]] static Dual pow(const Dual &a, const Dual &b)
+template <class T> static DualOf<T> pow(const DualOf<T> &a, const DualOf<T> &b)
 {
-    return Dual(std::pow(a.x, b.x), a.d == 0.0 ? 0.0 : b.x*std::pow(a.x, b.x - 1)*a.d);
+    return DualOf<T>(std::pow(a.x, b.x), a.d == 0.0 ? 0.0 : b.x*std::pow(a.x, b.x - 1)*a.d);
 }
 #endif
 
@@ -127,6 +129,15 @@ int main()
             }
         }
 #ifndef JET
+        for (std::size_t k = 0; k < values.size(); k++) {
+            TIRE::Inputs<DualOf<float>> seeded;
+            const auto seeds = members(seeded);
+            for (std::size_t j = 0; j < values.size(); j++)
+                *seeds[j] = DualOf<float>(i < 2 && j < 2 ? 0.0 : *values[j], j == k ? 1.0 : 0.0);
+            for (const auto &force : members(TIRE::forces(seeded)))
+                if (!std::isfinite(force.d)) // without load, at zero slip
+                    largest_float = HUGE_VAL;
+        }
         TIRE::Inputs<float> single;
         const auto rounded = members(single);
         for (std::size_t j = 0; j < values.size(); j++)

@@ -44,7 +44,7 @@ int main(void)
 
 
 def exceptions(folder, sources, calls, table, level):
-    """Compile a program that calls functions of sources with each row of a table; return a line for each exception."""
+    """Compile a program that calls functions with each row of a table; return a line for each that raises."""
     header = sources[0].with_suffix(".h")
     calls = "\n        ".join(f'CALL("{name}", {call})' for name, call in calls.items())
     (folder / "main.c").write_text(PROGRAM.format(header=header.name, calls=calls, columns=len(table[0])))

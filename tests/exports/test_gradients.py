@@ -1,4 +1,4 @@
-"""JAX and PyTorch: gradients are finite wherever the forces are, equal to the printed Jacobians, traced and mapped.
+"""JAX and PyTorch: derivatives are finite wherever the forces are, equal to the printed Jacobians, traced and mapped.
 
 The rows have zero slip, no load, standstill, reverse and a locked wheel.
 """
@@ -14,6 +14,8 @@ import pytest
 
 from tirefmu.applications.exports.self_test import operating_conditions
 from tirefmu.symbolic.printers.languages.program import FUNCTIONS
+
+from .special_points import special_points, symmetric
 
 
 def module_of(folder, name):
@@ -61,3 +63,51 @@ def test_torch(trento, printout):
         np.testing.assert_allclose(column, np.broadcast_to(values, len(rows)), rtol=1e-12, atol=1e-12)
     mapped = torch.func.vmap(torch.func.grad(lambda row: moment(row[None])[0]))(inputs.detach())
     np.testing.assert_allclose(mapped, gradient, rtol=1e-12, atol=1e-12)
+
+
+def assert_hessians(tire, hessian, single):
+    """Check Hessians by all inputs, shape (rows, outputs, inputs, inputs): finite, and symmetric to the precision."""
+    sizes = np.array([{"Fz": tire.nominal("Fz"), "V": 10.0, "p": 2e5}.get(name, 0.1) for name in tire.inputs])
+    scaled = np.asarray(hessian) * sizes[:, None] * sizes
+    assert np.isfinite(scaled).all()
+    size = 1.0 + np.abs(scaled).max(axis=(2, 3), keepdims=True)
+    assert (np.abs(scaled - scaled.swapaxes(2, 3)) <= (1e-2 if single else 1e-9) * size).all()
+
+
+def second(tire):
+    """Return a symmetric tire with limits at 0, and special rows of it, shape (rows, inputs)."""
+    tire = symmetric(tire.in_signs("iso"))
+    return tire, special_points(tire).T[::8]
+
+
+@pytest.mark.filterwarnings("ignore:.*torch.jit.script:FutureWarning")  # of PyTorch itself, in its forward mode
+@pytest.mark.parametrize("single", [False, True])
+def test_torch_second_derivatives(mf61, printout, single):
+    """Forward over reverse, and reverse twice."""
+    torch, (tire, rows) = pytest.importorskip("torch"), second(mf61)
+    printed = module_of(printout(tire, "torch", f"second{single}", functions=FUNCTIONS[:1], rows=1), "mf61")
+    inputs = torch.tensor(rows, dtype=torch.float32 if single else torch.float64)
+
+    def forces(row):
+        return torch.stack(list(printed.forces(**dict(zip(printed.INPUTS, row, strict=True))).values()))
+
+    for derivative in (torch.func.jacfwd, torch.func.jacrev):
+        hessian = torch.func.vmap(derivative(torch.func.jacrev(forces)))(inputs)
+        assert hessian.dtype == inputs.dtype
+        assert_hessians(tire, hessian, single)
+
+
+@pytest.mark.skipif("TIREFMU_HOSTS" not in os.environ, reason="traces thousands of operations: make hosts")
+@pytest.mark.parametrize("single", [False, True])
+def test_jax_second_derivatives(mf61, printout, single):
+    """Forward twice, and reverse over forward."""
+    jax, (tire, rows) = pytest.importorskip("jax"), second(mf61)
+    printed = module_of(printout(tire, "jax", f"second{single}", functions=FUNCTIONS[:1], rows=1), "mf61")
+    with jax.enable_x64(not single):
+
+        def forces(row):
+            values = printed.forces(**dict(zip(printed.INPUTS, row, strict=True))).values()
+            return jax.numpy.stack(list(values))
+
+        for derivative in (jax.jacfwd, jax.jacrev):
+            assert_hessians(tire, jax.vmap(derivative(jax.jacfwd(forces)))(jax.numpy.asarray(rows)), single)
