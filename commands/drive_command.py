@@ -18,7 +18,7 @@ from .arguments import FILE, check_input_paths, check_output_paths, command_line
 @click.option("--rear", type=FILE, help="Tire of the rear axle.")
 @click.option("-o", "--output", type=FILE, help="Folder to write: drive.json, wheels.csv, tires, report.html.")
 @click.option("--columns", type=texts_by_channel, metavar="NAME=HEADER,...",
-              help="Headers of channels that have other names in the log.")  # fmt: skip
+              help="Columns with other names in the log: HEADER, -HEADER (other sign), HEADER [unit].")  # fmt: skip
 @click.option("--fmus", is_flag=True, help="Simulate the vehicle on four tire FMUs, and write those of the new tires.")
 @click.option("--example", type=FILE, is_flag=False, flag_value=Path("car.toml"),
               help="Write a commented car file (car.toml) and its JSON Schema, and stop.")  # fmt: skip
@@ -54,6 +54,8 @@ def drive(
     rms = answer.before.rms, answer.after.rms
     changes = ", ".join(f"{name} {rms[0][name]:.3g} -> {rms[1][name]:.3g}" for name in rms[0])
     terminal.print(f"rms error of the simulated vehicle: {changes}")
+    if answer.log.ignored:
+        terminal.print(f"not read: {answer.log.ignored}")
     if not answer.ok:
         terminal.print("no tire is written: these numbers cannot be used")
     terminal.print(*(f"{path}" for path in [*written, output / "drive.json", output / "report.html"]))

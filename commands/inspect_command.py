@@ -1,12 +1,13 @@
-"""``tirefmu inspect``: what recordings contain, lack and contradict."""
+"""``tirefmu inspect``: what recordings contain, lack and contradict; the columns of the log of a drive."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from ..boundary.errors import TirefmuError
+from ..boundary.errors import TirefmuError, writing
 from ..boundary.escaping import command_text, file_name
 from .arguments import (
     FILE,
@@ -19,13 +20,21 @@ from .arguments import (
     write_json,
 )
 
+if TYPE_CHECKING:
+    from ..measurements.files.content import Content
+
 #: Rows of a table in the terminal; page and JSON have all of them.
 MAX_ROWS = 14
 
 
 @click.command()
 @click.argument("tables", type=FILE, nargs=-1, required=True)
-@click.option("-o", "--output", type=FILE, help="HTML page with tables and figures.")
+@click.option(
+    "-o",
+    "--output",
+    type=FILE,
+    help="HTML page with tables and figures; for a log, the car file (.toml) with its [columns].",
+)
 @tables_read
 @click.option("--table", "selected", type=FILE,
               help="Write the selected rows of one table as CSV or Parquet, in SI units.")  # fmt: skip
@@ -38,12 +47,19 @@ def inspect(
     """Summarize TABLES, and what the data lack or contradict.
 
     Channels, sweeps, operating conditions, drifts. Exit code 1 if a finding is serious: a fit of these data would be
-    misleading.
+    misleading. For the log of a drive: its columns, and which channel each probably is.
     """
     check_output_paths(output, json_file, selected)
     check_input_paths(*tables)
     if selected and len(tables) > 1:
         raise TirefmuError("--table writes the rows of one table")
+    if len(tables) == 1 and not selection.arguments and (not output or output.suffix.lower() == ".toml"):
+        from ..applications.driving.inputs.survey import is_drive_log
+        from ..measurements.files.reading import read_content
+
+        content = read_content(tables[0])
+        if output or is_drive_log(content):
+            return _log(tables[0], content, output, quiet, json_file)
     from ..measurements import check_columns, recordings_from, write_table
     from ..measurements.checks.recordings.finding import verdict_on
     from ..measurements.inspection import tables as texts
@@ -77,8 +93,10 @@ def inspect(
     terminal.findings(findings)
     for inspection in inspections:
         terminal.heading(inspection.recording.source, texts.title(inspection))
-        for name, explanation, content in texts.all_tables(inspection):
-            terminal.table(name, content, most=10_000 if every else MAX_ROWS)
+        if ignored := inspection.recording.about.get("ignored"):
+            terminal.print(f"not read: {ignored}")
+        for name, explanation, table in texts.all_tables(inspection):
+            terminal.table(name, table, most=10_000 if every else MAX_ROWS)
             if every and explanation:
                 terminal.print(explanation)
         for note in inspection.exclusion.notes if every else ():
@@ -91,3 +109,37 @@ def inspect(
         written = ("-o", f"{name}.tir", "--report", f"{name}_fit.html")
         terminal.print(f"next: {command_text('fit', *tables, *selection.arguments, *written)}")
     return 0 if ok else 1
+
+
+def _log(path: Path, content: Content, output: Path | None, quiet: bool, json_file: Path | None) -> int:
+    """Print the columns of the log of a drive, and write the proposed section of a car file."""
+    from ..applications.driving.inputs.survey import survey
+    from .terminal import Terminal
+
+    if output and output.exists():
+        raise TirefmuError(f"{output} exists: its numbers would be lost; give another file")
+    found = survey(content, str(path))
+    if output:
+        with writing(output):
+            output.write_text(found.car_text(), encoding="utf-8")
+    columns = [vars(column) for column in found.columns]
+    write_json(json_file, {"ok": True, "log": str(path), "columns": columns, "proposal": found.proposal,
+                           "notes": found.notes, "ignored": content.ignored})  # fmt: skip
+    terminal = Terminal(quiet)
+    terminal.print(f"verdict: the log of a drive, {len(columns)} columns of numbers")
+    header = ["column", "unit", "samples", "Hz", "longest gap (s)", "lowest", "highest", "probably"]
+    rows = [
+        [
+            f"{column.group}/{column.header}" if column.group else column.header, column.unit, str(column.samples),
+            f"{column.rate:.4g}" if column.rate else "", f"{column.longest_gap:.3g}" if column.longest_gap else "",
+            f"{column.lowest:.4g}", f"{column.highest:.4g}", column.nearest,
+        ]
+        for column in found.columns
+    ]  # fmt: skip
+    terminal.table("Columns", (header, rows), most=10_000)
+    if content.ignored:
+        terminal.print(f"not read: {'; '.join(content.ignored)}")
+    terminal.print("proposal for the car file:", *found.section.splitlines())
+    if output:
+        terminal.print(f"car file: {output}")
+    return 0

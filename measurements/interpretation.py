@@ -6,12 +6,12 @@ The options ``--columns`` and ``--units`` are an interpretation, and so is each 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..boundary.errors import DataError, nearest
+from ..boundary.errors import DataError
 from ..numerics.arrays import FloatArray
 from .channels import CHANNELS, channel
 from .recording import Recording
@@ -28,8 +28,8 @@ class Interpretation:
     Parameters
     ----------
     columns : mapping of str to str
-        By channel, the column that has it: a header with or without its unit, or a channel. A leading minus reverses
-        the sign: ``{"alpha": "-SA"}``. ``none``: the column is not read.
+        By channel, the column that has it: a header with or without unit, or a channel. A leading minus reverses the
+        sign: ``{"alpha": "-SA"}``. ``none``: the column is not read.
     units : mapping of str to str
         By channel, the unit of its numbers in the file: ``{"Fz": "lbf"}``.
 
@@ -62,51 +62,16 @@ class Interpretation:
         """Return whether it changes anything."""
         return bool(self.columns or self.units)
 
-    @property
-    def renamed(self) -> dict[str, str]:
-        """The headers that are no channels, with the channel that each is."""
-        sources = {name: source.removeprefix("-") for name, source in self.columns.items()}
-        return {source: name for name, source in sources.items() if source not in CHANNELS and source != NOT_READ}
-
-    def headers(self, headers: Iterable[str], source: str) -> list[str]:
-        """Return the headers of a file with the names of channels; that of a replaced channel becomes no channel.
-
-        A unit in the header remains: ``FYC [lbf]`` is ``Fy [lbf]`` if Fy=FYC, or Fy=FYC [lbf]. Raises `DataError` if a
-        named column is missing.
-
-        >>> Interpretation({"Fy": "FYC"}).headers(["alpha", "Fy", "FYC [lbf]"], "a.csv")
-        ['alpha', 'Fy (not read)', 'Fy [lbf]']
-        """
-        given = list(headers)
-        names = [header.partition("[")[0].strip() if "[" in header else header.strip() for header in given]
-        renamed = self.renamed
-        for whole, name in zip([header.strip() for header in given], names, strict=True):
-            if whole in renamed:  # a header that is named with its unit
-                renamed[name] = renamed.pop(whole)
-        for wanted in renamed:
-            if wanted not in names:
-                raise DataError(f"{source}: no column {wanted!r} ({renamed[wanted]}){nearest(wanted, names)}")
-        replaced = set(renamed.values())
-        result = []
-        for header, name in zip(given, names, strict=True):
-            if name in renamed:
-                unit = header.strip()[len(name) :].strip()
-                result.append(f"{renamed[name]} {unit}".strip())
-            else:
-                result.append(f"{name} (not read)" if name in replaced else header)
-        return result
-
     def applied(self, recording: Recording) -> Recording:
-        """Return a recording in SI units read in this way; columns named in its file have their channels already.
+        """Return a recording in SI units read in this way; its columns name channels.
 
         Channels with a unit, or named as themselves (``alpha=alpha``), are those that the user asserts: no other
         reading of them is suggested (``about["asserted"]``). Raises `DataError` if a channel that is the
         source of another one is missing.
         """
         table, about = recording.table.copy(), dict(recording.about)
-        renamed = set(self.renamed.values())
         for name, text in self.columns.items():
-            source = name if name in renamed else text.removeprefix("-")
+            source = text.removeprefix("-")
             if source == NOT_READ:
                 table = table.drop(columns=name, errors="ignore")
                 continue

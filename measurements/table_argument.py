@@ -14,8 +14,9 @@ from .channels import CHANNELS
 from .checks.columns.limits import check_plausible
 from .checks.rows.incomplete_rows import without_incomplete_rows
 from .column_names import check_names
-from .files.columns import check_finite
+from .files.content import Content, frame_columns
 from .files.reading import read_recording
+from .files.table_recording import check_finite, recording_of
 from .interpretation import Interpretation
 from .recording import Recording
 
@@ -88,10 +89,8 @@ def recording_from(
             )
         recording = table
     elif isinstance(table, pd.DataFrame):
-        interpretation = Interpretation(**reading)
-        named = table.set_axis(interpretation.headers(map(str, table.columns), "table"), axis=1)
-        recording = Recording(_numeric(named), "iso" if signs is None else signs, "table")
-        recording = interpretation.applied(recording) if interpretation else recording
+        content = Content(tuple(frame_columns(table)))
+        recording = recording_of(content, "table", "table", signs, Interpretation(**reading))
     elif isinstance(table, (str, os.PathLike)):
         recording = read_recording(table, signs=signs, **reading)
     else:
@@ -151,22 +150,6 @@ def recordings_from(
     if not hasattr(tables, "__iter__") or isinstance(tables, (bytes, Mapping, np.ndarray)):
         raise WrongType("tables", tables, f"{ACCEPTED}, or a sequence of them")
     return [recording_from(table, **how, parameter=f"tables[{i}]") for i, table in enumerate(tables)]
-
-
-def _numeric(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the table with channels as columns of floats and rows counted from 0."""
-    repeated = [name for name in CHANNELS if list(table.columns).count(name) > 1]
-    if repeated:
-        raise DataError(f"table: {len(table.columns)} columns, {repeated[0]} more than once")
-    columns = {}
-    for name in CHANNELS:
-        if name in table and table[name].dtype != np.float64:
-            numbers = pd.to_numeric(table[name], errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
-            bad = np.flatnonzero(np.isnan(numbers) & table[name].notna().to_numpy())
-            if bad.size:
-                raise DataError(f"table: row {bad[0] + 1}: {name} is {table[name].iloc[bad[0]]!r}: not a number")
-            columns[name] = numbers
-    return table.assign(**columns).reset_index(drop=True)
 
 
 def _check_numbers(recording: Recording) -> None:

@@ -30,50 +30,51 @@ class Unit:
     offset: float = 0.0
 
 
-#: By normalized spelling: lower case, without blanks, dashes, dots, stars and degree signs.
+def _spelled(quantity: str, units: dict[str, float]) -> dict[str, Unit]:
+    """Return units by spelling; `units`: spellings separated by blanks, with their factor."""
+    return {name: Unit(quantity, factor) for names, factor in units.items() for name in names.split()}
+
+
+_DEGREE = np.pi / 180.0
+#: By normalized spelling (`_normalized`). docs/conventions.md lists them, which a test compares.
 UNITS: dict[str, Unit] = {
-    **dict.fromkeys(("s", "sec", "second", "seconds"), Unit("time")),
-    "ms": Unit("time", 1e-3),
-    "min": Unit("time", 60.0),
-    "rad": Unit("angle"),
-    **dict.fromkeys(("deg", "degree", "degrees"), Unit("angle", np.pi / 180.0)),
-    **dict.fromkeys(("", "none", "1", "fraction", "unitless"), Unit("ratio")),
-    **dict.fromkeys(("%", "percent", "pct"), Unit("ratio", 0.01)),
-    "n": Unit("force"),
-    "kn": Unit("force", 1e3),
-    "dan": Unit("force", 10.0),
-    **dict.fromkeys(("lb", "lbs", "lbf"), Unit("force", POUND)),
-    "kgf": Unit("force", GRAVITY),
-    "nm": Unit("moment"),
-    "knm": Unit("moment", 1e3),
-    "nmm": Unit("moment", 1e-3),
-    **dict.fromkeys(("ftlb", "lbft", "ftlbf", "lbfft", "ftlbs"), Unit("moment", POUND * FOOT)),
-    **dict.fromkeys(("inlb", "lbin", "inlbf", "lbfin"), Unit("moment", POUND * FOOT / 12.0)),
-    "pa": Unit("pressure"),
-    "kpa": Unit("pressure", 1e3),
-    "mpa": Unit("pressure", 1e6),
-    "bar": Unit("pressure", 1e5),
-    "psi": Unit("pressure", PSI),
-    **dict.fromkeys(("m/s", "mps"), Unit("speed")),
-    **dict.fromkeys(("kph", "km/h", "km/hr", "kmh", "kmph"), Unit("speed", 1.0 / 3.6)),
-    "mph": Unit("speed", 0.44704),
-    **dict.fromkeys(("degc", "c", "celsius"), Unit("temperature")),
+    "": Unit("ratio"),
+    **_spelled("time", {
+        "s sec second seconds": 1.0, "ms msec millisecond milliseconds": 1e-3, "min minute minutes": 60.0,
+        "us usec microsecond microseconds": 1e-6, "ns nsec nanosecond nanoseconds": 1e-9, "h hr hour hours": 3600.0,
+    }),
+    **_spelled("angle", {"rad radian radians": 1.0, "deg degree degrees": _DEGREE, "mrad": 1e-3}),
+    **_spelled("ratio", {"none 1 fraction unitless": 1.0, "% percent pct": 0.01}),
+    **_spelled("force", {
+        "n newton newtons": 1.0, "kn": 1e3, "dan": 10.0, "lb lbs lbf": POUND, "kgf kg kp": GRAVITY,
+    }),
+    **_spelled("moment", {
+        "nm": 1.0, "knm": 1e3, "nmm": 1e-3, "kgfm": GRAVITY, "ftlb lbft ftlbf lbfft ftlbs": POUND * FOOT,
+        "inlb lbin inlbf lbfin": POUND * FOOT / 12.0,
+    }),
+    **_spelled("pressure", {
+        "pa n/m2": 1.0, "hpa mbar": 1e2, "kpa kpag": 1e3, "mpa": 1e6, "bar barg": 1e5, "psi psig lbf/in2 lb/in2": PSI,
+        "kgf/cm2 kg/cm2": GRAVITY * 1e4,
+    }),
+    **_spelled("speed", {
+        "m/s mps ms1": 1.0, "kph km/h kmh kmph": 1.0 / 3.6, "mph mi/h": 0.44704, "ft/s fps": FOOT,
+        "kt kts knot knots": 1852.0 / 3600.0,
+    }),
+    **_spelled("temperature", {"degc c celsius": 1.0}),
     **dict.fromkeys(("degf", "f", "fahrenheit"), Unit("temperature", 5.0 / 9.0, -160.0 / 9.0)),
     **dict.fromkeys(("k", "kelvin"), Unit("temperature", 1.0, -273.15)),
-    "m": Unit("length"),
-    "cm": Unit("length", 1e-2),
-    "mm": Unit("length", 1e-3),
-    **dict.fromkeys(("in", "inch"), Unit("length", FOOT / 12.0)),
-    **dict.fromkeys(("1/m", "rad/m"), Unit("curvature")),
-    "rpm": Unit("rotation", np.pi / 30.0),
-    "rad/s": Unit("rotation"),
-    **dict.fromkeys(("deg/s", "dps"), Unit("rotation", np.pi / 180.0)),
-    **dict.fromkeys(("m/s2", "m/s^2"), Unit("acceleration")),
-    "g": Unit("acceleration", GRAVITY),
-}
+    **_spelled("length", {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "km": 1e3, "in inch": FOOT / 12.0, "ft": FOOT}),
+    **_spelled("curvature", {"1/m rad/m m1": 1.0, "1/km": 1e-3}),
+    **_spelled("rotation", {
+        "rad/s radians/s rads1": 1.0,
+        "deg/s degrees/s degree/s dps degs1": _DEGREE, "mrad/s": 1e-3, "rpm 1/min rev/min r/min min1": np.pi / 30.0,
+        "rev/s rps": 2.0 * np.pi,
+    }),
+    **_spelled("acceleration", {"m/s2 ms2 mps2": 1.0, "g": GRAVITY, "mg": 1e-3 * GRAVITY, "ft/s2": FOOT}),
+}  # fmt: skip
 #: The common units of tables by quantity, in the spelling of lists and messages, SI first.
 UNITS_OF_TABLES: dict[str, tuple[str, ...]] = {
-    "time": ("s", "ms", "min"),
+    "time": ("s", "ms", "us", "ns", "min"),
     "ratio": ("1", "%"),
     "angle": ("rad", "deg"),
     "force": ("N", "kN", "daN", "lbf", "kgf"),
@@ -87,23 +88,43 @@ UNITS_OF_TABLES: dict[str, tuple[str, ...]] = {
 #: The quantity of a temperature in kelvin, and 0 deg C in kelvin.
 ABSOLUTE, ZERO_CELSIUS = "absolute temperature", 273.15
 _SCALED = re.compile(r"(?P<factor>\d{1,6}(\.\d{1,6})?) ?(?P<unit>[A-Za-z%].*)")
-_IGNORED = str.maketrans("", "", " -.*_\u00b0\u00b7")
+#: Characters of instruments: degree signs, superscripts, micro signs; those without a meaning are dropped.
+_CHARACTERS = str.maketrans({
+    **dict.fromkeys(" -.*_^()[]\u00b7\u22c5\u207b\u2212"),
+    **dict.fromkeys("\u00b0\u00ba\u02da", "deg"),
+    **dict.fromkeys("\u00b5\u03bc", "u"),
+    **dict.fromkeys("\u2044\u00f7", "/"),
+    "\u00b9": "1", "\u00b2": "2", "\u00b3": "3",
+})  # fmt: skip
+_PER = re.compile(r"per(?=sec|s$|min|h|m)")
+_TIME = re.compile(r"/(?P<unit>s|h|min)(ec|econd|econds|r|our|ours|ute|utes)?(?![a-z])")
+
+
+def _normalized(spelling: str) -> str:
+    """Return a spelling in lower case without blanks, dashes, dots and powers, its rates as ``/s``, ``/h``, ``/min``.
+
+    >>> [_normalized(text) for text in ("m/s\u00b2", "deg per second", "m/s/s", "\u00b0/sec", "N\u00b7m")]
+    ['m/s2', 'deg/s', 'm/s2', 'deg/s', 'nm']
+    """
+    text = _PER.sub("/", spelling.casefold().translate(_CHARACTERS))
+    text = _TIME.sub(r"/\g<unit>", text)
+    return text.replace("/s/s", "/s2")
 
 
 def unit_named(spelling: str) -> Unit:
     """Return the unit for a spelling in a file.
 
-    `spelling`: "kph", "km/h", "N-m", "deg C", "none", ...; case, blanks and dashes are ignored. A number in front of a
+    `spelling`: "kph", "km/h", "N-m", "deg C", "none", ...; see `_normalized`. A number in front of a
     unit without an offset multiplies it: "0.1 N". Raises `UnknownName` if no unit has this spelling.
 
     >>> unit_named("0.1 N").factor
     0.1
     """
-    unit = UNITS.get(spelling.casefold().translate(_IGNORED))
+    unit = UNITS.get(_normalized(spelling))
     if unit is not None:
         return unit
     scaled = _SCALED.fullmatch(spelling.strip())
-    unit = UNITS.get(scaled["unit"].casefold().translate(_IGNORED)) if scaled else None
+    unit = UNITS.get(_normalized(scaled["unit"])) if scaled else None
     if scaled is None or unit is None or unit.offset or not float(scaled["factor"]) > 0.0:
         raise UnknownName("unit", spelling.strip(), UNITS)
     return Unit(unit.quantity, float(scaled["factor"]) * unit.factor)

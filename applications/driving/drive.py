@@ -20,7 +20,7 @@ from .factors import factors_of, scaled_tires
 from .inputs.car import Car, read_car
 from .inputs.grid import Grid, forward_speed, gridded, spinning, unwrapped
 from .inputs.log import Log, LogLike, read_log
-from .inputs.plausibility import check_log
+from .inputs.plausibility import check_load_class, check_log, check_wheel_speeds
 from .inputs.unknowns import Unknowns, check_factors, unknowns_of
 from .interval import BALANCE, POSE, interval_of
 from .result import Drive, wheel_table
@@ -91,7 +91,9 @@ def drive(
     front = tire_from(tire).in_signs("iso")
     tires = {"front": front, "rear": front if rear is None else tire_from(rear).in_signs("iso")}
     check_factors(tires)
+    check_load_class(car, tires)
     recorded = read_log(log, {**car.columns, **(columns or {})})
+    check_wheel_speeds(recorded, car)
     speed = forward_speed(recorded, car)
     grid = gridded(recorded, car, speed)
     check_log(recorded, car, grid, np.interp(grid.t, *speed))

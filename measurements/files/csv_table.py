@@ -1,71 +1,91 @@
-"""CSV tables: column names of the contract, SI units unless the header declares a unit."""
+"""CSV tables, of any program: titles above the names, units below them or in the headers."""
 
 from __future__ import annotations
 
 import csv
+import re
 import warnings
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import TextIO
 
+import numpy as np
 import pandas as pd
 
 from ...boundary.errors import DataError
-from ..channels import CHANNELS
-from ..interpretation import Interpretation
-from ..recording import Recording
-from .columns import parse_header
-from .table_recording import is_bench_table, table_recording
+from .content import Column, Content
+from .layout import SAMPLED, layout
 
 _SEPARATORS = ",;\t"
 #: Upper limits: characters of a line up to the header's end; cells that the rows of a table lack.
 LONGEST_LINE, MAX_ABSENT = 1_000_000, 10_000_000
+_DIGITS = re.compile(r" *-?\d*(e-?\d+)? *")
+#: A header of RaceCapture: name, unit, lowest and highest value, and rate.
+_RACECAPTURE = re.compile(r'"?(?P<name>[^"|]+)"?\|"?(?P<unit>[^"|]*)"?\|[^|]*\|[^|]*\|[^|]*')
 
 
-def read_csv_table(path: Path, signs: str, interpretation: Interpretation) -> Recording:
-    """Read a CSV table.
+def read_csv(path: Path) -> Content:
+    """Return the content of a CSV file.
 
-    Lines before the header that begin with ``#`` are skipped. Columns are separated by commas, semicolons or tabs.
-    Numbers are read exactly. Raises `DataError` with file, line and column of the first error.
+    Lines that begin with ``#`` above the names are skipped, and so are titles and blocks of information. Columns are
+    separated by commas, semicolons or tabs. Numbers are read exactly. Raises `DataError` with file and line of the
+    first row that is wider than the header.
     """
-    source = str(path)
     with _opened(path) as file:
-        skipped, header, separator = _header(file, path)
-    # Channels are read as text and converted later, exactly and with the location of a wrong cell.
-    channels = (
-        [] if is_bench_table(header) else [column.name for column in parse_header(header, source, interpretation)]
+        sample = _sample(file, path)
+    separator = max(_SEPARATORS, key=lambda mark: _agreeing([text for _, text in sample], mark))
+    rows = [(line, row) for line, text in sample for _, row in _rows([text], path, line - 1, separator)]
+    if not rows:
+        raise DataError(f"{path}: the file is empty")
+    found = layout([row for _, row in rows])
+    skipped = rows[found.first - 1][0]
+    names, units = rows[found.names][1], [] if found.units is None else rows[found.units][1]
+    if captured := [match for name in names if (match := _RACECAPTURE.fullmatch(name.strip()))]:
+        names, units = ([match[part] for match in captured] for part in ("name", "unit"))
+    table = _body(path, skipped, len(names), separator)
+    units = [*(unit.strip(" []()") for unit in units), *[""] * len(names)]
+    repeated = {name for name in names if names.count(name) > 1}
+    columns = tuple(
+        Column(name.strip(), _exact(table.iloc[:, i]), units[i], group=f"column {i + 1}" if name in repeated else "")
+        for i, name in enumerate(names)
+        # A separator at the end of each line makes a column without name and content.
+        if name.strip() or table.iloc[:, i].notna().any()
     )
-    as_text: dict[Hashable, str] = {number: "str" for number, name in enumerate(channels) if name in CHANNELS}
-    table = _body(path, skipped, len(header), separator, as_text)
-    # A separator at the end of each line makes a column without name and content.
-    kept = [number for number, name in enumerate(header) if name.strip() or table.iloc[:, number].notna().any()]
-    table = table.iloc[:, kept].set_axis([header[number] for number in kept], axis=1)
-    return table_recording(path, table, signs, interpretation, lambda row: f"line {_line(path, skipped, row)}")
+    titles = [" ".join(" ".join(row).split()) for _, row in rows[: found.names]]
+    ignored = (f"{len(titles)} lines above the names",) if titles else ()
+    return Content(columns, lambda row: f"line {_line(path, skipped, row)}", ignored=ignored)
 
 
-def csv_cells(path: Path) -> tuple[list[str], pd.DataFrame, Callable[[int], str]]:
-    """Return the headers of a CSV file, its columns, and a function from a row's number to "line 12" for messages.
-
-    Raises `DataError` if it is not a table.
-    """
-    with _opened(path) as file:
-        skipped, header, separator = _header(file, path)
-    return header, _body(path, skipped, len(header), separator, {}), lambda row: f"line {_line(path, skipped, row)}"
+def _exact(cells: pd.Series) -> pd.Series:
+    """Return the cells as floats, exactly as Python reads them; as texts if one is no number."""
+    try:
+        return pd.Series(cells.to_numpy(dtype=object, na_value=np.nan).astype(np.float64))
+    except ValueError:
+        return cells
 
 
-def _header(file: TextIO, path: Path) -> tuple[int, list[str], str]:
-    """Read up to the header's end; return the number of lines, the header's cells, and the separator."""
+def _sample(file: TextIO, path: Path) -> list[tuple[int, str]]:
+    """Return number and text of the first lines that are neither blank nor comments above the names."""
+    sample: list[tuple[int, str]] = []
     for number, line in enumerate(iter(partial(file.readline, LONGEST_LINE + 1), ""), start=1):
         if len(line) > LONGEST_LINE:
             raise DataError(f"{path}: line {number}: more than {LONGEST_LINE} characters")
         text = line.strip("\r\n")
-        if text.strip() and not text.startswith("#"):
-            separator = max(_SEPARATORS, key=text.count)
-            return number, next(_rows([text], path, number - 1, separator))[1], separator
-    raise DataError(f"{path}: the file is empty")
+        if text.strip() and not (text.startswith("#") and not sample):
+            sample.append((number, text))
+        if len(sample) >= SAMPLED:
+            break
+    return sample
+
+
+def _agreeing(lines: list[str], separator: str) -> tuple[int, int]:
+    """Return how many lines have the commonest number of a separator, and this number."""
+    counts = [line.count(separator) for line in lines]
+    most = max((count for count in set(counts) if count), key=lambda count: (counts.count(count), count), default=0)
+    return (counts.count(most), most) if most else (0, 0)
 
 
 def _rows(lines: Iterable[str], path: Path, before: int, separator: str) -> Iterator[tuple[int, list[str]]]:
@@ -79,19 +99,17 @@ def _rows(lines: Iterable[str], path: Path, before: int, separator: str) -> Iter
         raise DataError(f"{path}: line {before + reader.line_num}: {error}") from None
 
 
-def _body(path: Path, skipped: int, width: int, separator: str, as_text: Mapping[Hashable, str]) -> pd.DataFrame:
+def _body(path: Path, skipped: int, width: int, separator: str) -> pd.DataFrame:
     _check_size(path, width)
     # pandas reserves memory for the cells of the first row in every column.
     _check_cells(path, skipped, width, separator, most=1)
     with warnings.catch_warnings(), _opened(path, skipped) as file:
         # pandas only warns when it drops the surplus cells of a row.
         warnings.simplefilter("error", pd.errors.ParserWarning)
-        # Columns with cells of different types are reported below, with line and column.
-        warnings.simplefilter("ignore", pd.errors.DtypeWarning)
         try:
             return pd.read_csv(
-                file, header=None, names=list(range(width)), index_col=False, sep=separator, dtype=as_text,
-                skipinitialspace=True,
+                file, header=None, names=list(range(width)), index_col=False, sep=separator, skipinitialspace=True,
+                dtype=str,
             )  # fmt: skip
         except pd.errors.EmptyDataError:
             return pd.DataFrame(columns=list(range(width)))
@@ -123,7 +141,7 @@ def _check_cells(path: Path, skipped: int, width: int, separator: str, most: int
         for line, cells in islice(_rows(file, path, skipped, separator), most):
             if len(cells) > width:
                 # A number with a comma gives two cells.
-                comma = separator == "," and len(cells) <= 2 * width
+                comma = separator == "," and len(cells) <= 2 * width and all(map(_DIGITS.fullmatch, cells))
                 hint = ": decimal commas? write decimal points" if comma else ""
                 raise DataError(f"{path}: line {line}: more cells than the header's {width}{hint}")
 

@@ -1,26 +1,49 @@
-"""Excel workbooks, with columns as in CSV tables: the first sheet, its first row has the headers."""
+"""Excel workbooks, with columns as in CSV tables: the first visible sheet that has a table."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
+
 from ...boundary.errors import DataError
-from ..interpretation import Interpretation
-from ..recording import Recording
 from . import native_reader
-from .table_recording import table_recording
+from .cells import is_missing, is_number
+from .content import Column, Content, listed
+from .layout import layout
 
 EXTRA = "Excel needs openpyxl, which the extra 'excel' installs: pip install 'tirefmu[excel]'"
 
 
-def read_excel_table(path: Path, signs: str, interpretation: Interpretation) -> Recording:
-    """Read the first sheet of a workbook.
+def read_excel(path: Path) -> Content:
+    """Return the content of a workbook; other sheets are ignored.
 
-    `signs`: the convention of the table. Raises `DataError` if openpyxl is not installed, the file is not a workbook,
-    or a channel cannot be used. The message counts rows of the sheet.
+    Raises `DataError` if openpyxl is not installed, or the file is not a workbook. Messages count rows of the sheet.
     """
     try:
-        table = native_reader.load("excel", path)
+        sheets = native_reader.load("excel", path)
     except native_reader.MissingPackage:
         raise DataError(f"{path}: {EXTRA}") from None
-    return table_recording(path, table, signs, interpretation, lambda row: f"row {row + 2}")
+    visible = [(name, rows) for name, shown, rows in sheets if shown] or [(name, rows) for name, _, rows in sheets]
+    name, rows = next(((name, rows) for name, rows in visible if _numbers(rows) > 1), visible[0])
+    if not rows:
+        raise DataError(f"{path}: no rows")
+    found = layout([cells for _, cells in rows])
+    units = [] if found.units is None else rows[found.units][1]
+    body = rows[found.first :]
+    columns = []
+    for i, header in enumerate(rows[found.names][1]):
+        cells = [cells[i] for _, cells in body]
+        if header is not None or any(cell is not None for cell in cells):
+            unit = str(units[i]).strip(" []()") if units and units[i] is not None else ""
+            text = "" if header is None else str(header).strip()
+            columns.append(Column(text, pd.Series([np.nan if cell is None else cell for cell in cells]), unit))
+    others = [other for other, _, _ in sheets if other != name]
+    ignored = (f"sheets {listed(others)}",) if others else ()
+    return Content(tuple(columns), lambda row: f"row {body[row][0]}", ignored=ignored)
+
+
+def _numbers(rows: list[tuple[int, list[object]]]) -> int:
+    """Return the number of rows with two numbers at least."""
+    return sum(sum(is_number(cell) and not is_missing(cell) for cell in cells) > 1 for _, cells in rows)

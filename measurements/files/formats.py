@@ -1,10 +1,11 @@
-"""The formats of recordings: one declaration each, from which the readers and the help texts follow.
+"""The formats of recordings and logs: one declaration each, from which the readers and the help texts follow.
 
 Commands show help before they load pandas. This module therefore imports no reader.
 """
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import NamedTuple
 
 
@@ -12,17 +13,40 @@ class Format(NamedTuple):
     """A file format. `reader`: module and function in this folder. `signs`: default sign convention."""
 
     reader: str
-    signs: str
+    signs: str = "iso"
 
 
+_TYDEX = Format("tydex:read_tydex")
+_ROS = Format("logger:read_rosbag")
 #: By extension.
 FORMATS: dict[str, Format] = {
-    ".csv": Format("csv_table:read_csv_table", "iso"),
-    ".parquet": Format("parquet_table:read_parquet_table", "iso"),
-    ".xlsx": Format("excel_table:read_excel_table", "iso"),
-    ".mat": Format("ttc_mat:read_ttc_mat", "sae"),
+    ".csv": Format("csv_table:read_csv"),
+    ".parquet": Format("parquet_table:read_parquet"),
+    ".xlsx": Format("excel_table:read_excel"),
+    ".mat": Format("ttc_mat:read_mat", "sae"),
     ".dat": Format("ttc_dat:read_ttc_dat", "sae"),
-    ".tdx": Format("tydex:read_tydex", "iso"),
+    ".tdx": _TYDEX,
+    ".tda": _TYDEX,
+    ".tdb": _TYDEX,
+    ".tyd": _TYDEX,
+    ".mf4": Format("logger:read_mdf"),
+    ".mdf": Format("logger:read_mdf"),
+    ".tdms": Format("logger:read_tdms"),
+    ".ulg": Format("logger:read_ulog"),
+    ".bag": _ROS,
+    ".db3": _ROS,
+    ".mcap": _ROS,
+    ".vbo": Format("vbo:read_vbo"),
 }
+#: Formats that their first bytes show, whatever the extension is.
+MAGIC: dict[bytes, Format] = {b"MDF     ": FORMATS[".mf4"], b"UnFinMF ": FORMATS[".mf4"]}
 #: The default sign conventions, for the help text of ``--signs``.
 DEFAULT_SIGNS = f"sae for {' and '.join(name for name, kind in FORMATS.items() if kind.signs == 'sae')}, iso for tables"
+
+
+def reader_of(path: Path) -> str:
+    """Return the reader of a file by its first bytes, otherwise by its extension, which has to be known."""
+    with path.open("rb") as file:
+        start = file.read(max(map(len, MAGIC)))
+    shown = next((declared for magic, declared in MAGIC.items() if start.startswith(magic)), None)
+    return (shown or FORMATS[path.suffix.lower()]).reader

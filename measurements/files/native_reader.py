@@ -104,7 +104,9 @@ def load(wanted: str, path: Path, *arguments: Any) -> Any:
     if status == "missing":
         raise MissingPackage(content)
     if status == "refused":
-        kind = {"excel": "an Excel workbook", "matlab": "a MATLAB file", "mdf": "an MDF file"}.get(wanted, "Parquet")
+        kind = {"excel": "an Excel workbook", "matlab": "a MATLAB file", "log": f"a {path.suffix} log"}.get(
+            wanted, "Parquet"
+        )
         raise DataError(f"{path}: cannot be read as {kind}: {content}")
     return content
 

@@ -4,29 +4,21 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pandas as pd
-
 from ...boundary.errors import DataError
-from ..interpretation import Interpretation
-from ..recording import Recording
 from . import native_reader
-from .table_recording import table_recording
+from .content import Content, frame_columns
 
 EXTRA = "Parquet needs pyarrow, which the extra 'parquet' installs: pip install 'tirefmu[parquet]'"
 
 
-def read_parquet_table(path: Path, signs: str, interpretation: Interpretation) -> Recording:
-    """Read a Parquet table.
+def read_parquet(path: Path) -> Content:
+    """Return the content of a Parquet file; a named index is a column of it.
 
-    `signs`: the convention of the table. Raises `DataError` if pyarrow is not installed, the file is not a Parquet
-    file, or a channel cannot be used. The message counts rows from 1.
+    Units are those of the metadata of fields (``unit`` or ``units``). Raises `DataError` if pyarrow is not installed,
+    or the file is not a Parquet file. Messages count rows from 1.
     """
-    return table_recording(path, parquet_cells(path), signs, interpretation, lambda row: f"row {row + 1}")
-
-
-def parquet_cells(path: Path) -> pd.DataFrame:
-    """Return the table of a Parquet file; raises `DataError` if it is none or pyarrow is not installed."""
     try:
-        return native_reader.load("parquet", path)  # type: ignore[no-any-return]
+        table, units = native_reader.load("parquet", path)
     except native_reader.MissingPackage:
         raise DataError(f"{path}: {EXTRA}") from None
+    return Content(tuple(frame_columns(table, units)))

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import os
 import pickle
+import runpy
 import signal
 import sys
 import warnings
@@ -49,56 +50,72 @@ def _load_newer(path: str, kind: str) -> dict[str, Any]:
     return loaded
 
 
-def load_mdf(path: str) -> list[tuple[str, str, Any, Any]]:
-    """Return name, unit, times and samples of each channel of numbers of an MDF file."""
+def load_log(path: str, format_name: str) -> tuple[list[tuple[Any, ...]], list[str]]:
+    """Return the channels of a log by the loader of its format; see `loaders`."""
+    loader = runpy.run_path(os.path.join(os.path.dirname(os.path.abspath(__file__)), "loaders", f"{format_name}.py"))
     try:
-        from asammdf import MDF
+        return loader["load"](path)  # type: ignore[no-any-return]
     except ImportError:
-        raise MissingPackage("MDF") from None
-    with MDF(path) as file:
-        return [
-            (str(signal.name), str(signal.unit or ""), signal.timestamps, signal.samples.astype(float))
-            for signal in file.iter_channels()
-            if signal.samples.ndim == 1 and signal.samples.dtype.kind in "fiu"
-        ]
+        raise MissingPackage(format_name) from None
 
 
-def load_parquet(path: str) -> Any:
-    """Return the table of a Parquet file."""
+def load_parquet(path: str) -> tuple[Any, dict[str, str]]:
+    """Return the table of a Parquet file, and the units in the metadata of its fields."""
     import pandas as pd
 
     try:
-        return pd.read_parquet(path)
+        return pd.read_parquet(path), _units(_parquet_file(path).schema_arrow)
     except ImportError:
         raise MissingPackage("Parquet") from None
 
 
-def load_excel(path: str) -> Any:
-    """Return the first sheet of an Excel workbook without columns that have neither header nor cells."""
-    import pandas as pd
+def _units(schema: Any) -> dict[str, str]:
+    """Return the units of fields by name."""
+    units = {}
+    for field in schema:
+        for key in (b"unit", b"units"):
+            if field.metadata and key in field.metadata:
+                units[str(field.name)] = field.metadata[key].decode("utf-8", "replace")
+    return units
 
+
+def load_excel(path: str) -> list[tuple[str, bool, list[tuple[int, list[Any]]]]]:
+    """Return name, visibility, and numbers and cells of the rows that are not blank, of each sheet of a workbook."""
     try:
-        table = pd.read_excel(path, sheet_name=0, engine="openpyxl")
+        from openpyxl import load_workbook
     except ImportError:
         raise MissingPackage("Excel") from None
-    named = [not str(name).startswith("Unnamed: ") or table[name].notna().any() for name in table]
-    return table.loc[:, named]
+    sheets = []
+    for sheet in load_workbook(path, read_only=True, data_only=True).worksheets:
+        rows = []
+        for number, row in enumerate(sheet.iter_rows(values_only=True), start=1):
+            if any(cell is not None and cell != "" for cell in row):
+                rows.append((number, list(row)))
+        width = max((len(cells) for _, cells in rows), default=0)
+        for _, cells in rows:
+            cells.extend([None] * (width - len(cells)))
+        sheets.append((sheet.title, sheet.sheet_state == "visible", rows))
+    return sheets
 
 
 def _declared_size(path: str) -> int:
     """Return the bytes of the numbers that a Parquet file declares: constant columns are compressed without limit."""
+    metadata = _parquet_file(path).metadata
+    return 8 * int(metadata.num_rows) * int(metadata.num_columns)
+
+
+def _parquet_file(path: str) -> Any:
     try:
         from pyarrow.parquet import ParquetFile
     except ImportError:
         raise MissingPackage("Parquet") from None
-    metadata = ParquetFile(path).metadata
-    return 8 * int(metadata.num_rows) * int(metadata.num_columns)
+    return ParquetFile(path)
 
 
 LOADERS: dict[str, Callable[..., Any]] = {
     "excel": load_excel,
     "matlab": load_matlab,
-    "mdf": load_mdf,
+    "log": load_log,
     "parquet": load_parquet,
 }
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
-from functools import partial
+from collections.abc import Mapping
 from importlib import import_module
 from importlib.metadata import EntryPoint
 from os import PathLike
@@ -16,19 +14,44 @@ from ...tires.signs import reversed_columns
 from ..checks.rows.incomplete_rows import without_incomplete_rows
 from ..interpretation import Interpretation
 from ..recording import Recording
-from .formats import FORMATS
+from .content import Content, frame_columns
+from .formats import FORMATS, reader_of
+from .table_recording import recording_of
 
-#: Reads a file in a sign convention, with columns named by an interpretation.
-Reader = Callable[[Path, str, Interpretation], Recording]
+_PLUGINS: dict[str, EntryPoint] = {entry.name: entry for entry in plugins("readers") if entry.name not in FORMATS}
+#: By extension: the default sign convention of the format. Entry points of the group ``tirefmu.readers`` of other
+#: packages name further ones; they are imported at first use.
+READERS: dict[str, str] = {extension: declared.signs for extension, declared in FORMATS.items()} | dict.fromkeys(
+    _PLUGINS, "iso"
+)
 
 
-def _function(name: str) -> Reader:
-    module, _, function = name.partition(":")
-    return getattr(import_module(f".{module}", __package__), function)  # type: ignore[no-any-return]
+def read_content(path: str | PathLike[str], signs: str | None = None) -> Content:
+    """Return the columns of a file as it stores them.
+
+    `signs`: the convention that the user states, for readers of other packages. Raises `DataError` with one line for a
+    file that does not exist, has an unknown extension or cannot be read.
+    """
+    file = path_from(path)
+    if file.suffix.lower() not in READERS:
+        raise DataError(f"{file}: unknown kind of recording {file.suffix!r}{nearest(file.suffix, READERS)}")
+    try:
+        if not file.exists():
+            raise DataError(f"{file}: no such file")
+        if not (file.is_file() or file.is_dir()):  # reading a device may never end; the reader reports a folder
+            raise DataError(f"{file}: neither a file nor a folder")
+        if file.suffix.lower() in _PLUGINS:
+            return _from_plugin(_PLUGINS[file.suffix.lower()], file, signs or "iso")
+        module, _, function = reader_of(file).partition(":")
+        return getattr(import_module(f".{module}", __package__), function)(file)  # type: ignore[no-any-return]
+    except UnicodeDecodeError:
+        raise DataError(f"{file}: not a text file (UTF-8)") from None
+    except OSError as error:
+        raise DataError(f"{file}: {error.strerror or error}") from None
 
 
-def _installed(entry: EntryPoint, path: Path, signs: str, interpretation: Interpretation) -> Recording:
-    """Read a recording with the reader of another package, which is trusted code of the user's installation."""
+def _from_plugin(entry: EntryPoint, path: Path, signs: str) -> Content:
+    """Return the content of a recording of the reader of another package, trusted code of the user's installation."""
     reader = loaded(entry)
     try:
         recording = reader(path, signs)
@@ -38,15 +61,7 @@ def _installed(entry: EntryPoint, path: Path, signs: str, interpretation: Interp
         raise DataError(f"{path}: {described(entry)} failed ({type(error).__name__}: {error})") from error
     if not isinstance(recording, Recording):
         raise DataError(f"{path}: {described(entry)} returned no Recording")
-    headers = interpretation.headers(map(str, recording.table.columns), str(path))
-    return replace(recording, table=recording.table.set_axis(headers, axis=1))
-
-
-#: By extension: the reader and the default sign convention of the format. Entry points of the group
-#: ``tirefmu.readers`` of other packages name further ones, with ``iso`` as default; they are imported at first use.
-READERS: dict[str, tuple[Reader, str]] = {
-    entry.name: (partial(_installed, entry), "iso") for entry in plugins("readers")
-} | {extension: (_function(declared.reader), declared.signs) for extension, declared in FORMATS.items()}
+    return Content(tuple(frame_columns(recording.table)), signs=recording.signs, about=recording.about)
 
 
 def read_recording(
@@ -63,12 +78,13 @@ def read_recording(
     path : str or path-like
         ``.csv``, ``.parquet`` or ``.xlsx`` with the contract's columns in SI (a header may declare another unit:
         ``alpha [deg]``, ``Fz [kN]``, ``p [kPa]``) or with the columns of FSAE TTC files (``ET SA IA FZ FY``...), an
-        FSAE TTC file (``.mat``, ``.dat``), or TYDEX (``.tdx``).
+        FSAE TTC file (``.mat``, ``.dat``), TYDEX (``.tdx``), or another format of docs/files.md.
     signs : str, optional
         The convention of the file. Default: the convention stated in the file, otherwise ``sae`` for FSAE TTC files and
         ``iso`` for tables and TYDEX.
     columns : mapping of str to str, optional
-        By channel, the column that has it; ``-NAME`` reverses the sign, ``none`` omits the channel.
+        By channel, the column that has it, ``NAME`` or ``NAME [unit]``; ``-NAME`` reverses the sign, ``none`` omits the
+        channel.
     units : mapping of str to str, optional
         By channel, the unit of its numbers in the file, whatever the file declares.
 
@@ -97,21 +113,8 @@ def read_recording(
     ('iso', {'alpha': 0.0349, 'Fz': 1500.0, 'Fy': -900.0})
     """
     file = path_from(path)
-    if file.suffix.lower() not in READERS:
-        raise DataError(f"{file}: unknown kind of recording {file.suffix!r}{nearest(file.suffix, READERS)}")
-    reader, default_signs = READERS[file.suffix.lower()]
-    chosen = default_signs if signs is None else signs
-    reversed_columns(chosen, "iso")  # an unknown convention is an error before a long file is read
+    if signs is not None:
+        reversed_columns(signs, "iso")  # an unknown convention is an error before a long file is read
     interpretation = Interpretation(columns or {}, units or {})
-    try:
-        if not file.exists():
-            raise DataError(f"{file}: no such file")
-        if not (file.is_file() or file.is_dir()):  # reading a device may never end; the reader reports a folder
-            raise DataError(f"{file}: neither a file nor a folder")
-        recording = reader(file, chosen, interpretation)
-    except UnicodeDecodeError:
-        raise DataError(f"{file}: not a text file (UTF-8)") from None
-    except OSError as error:
-        raise DataError(f"{file}: {error.strerror or error}") from None
-    recording = without_incomplete_rows(interpretation.applied(recording) if interpretation else recording)
-    return recording if signs is not None else replace(recording, signs=recording.about.get("signs", chosen))
+    content = read_content(file, signs)
+    return without_incomplete_rows(recording_of(content, str(file), file.name, signs, interpretation))

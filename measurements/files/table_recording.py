@@ -1,50 +1,122 @@
-"""The recording of a table of any format, with the names of the contract or those of FSAE TTC files."""
+"""The recording of the content of a file, a DataFrame or a part of a large table."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
-from pathlib import Path
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import pandas as pd
 
-from ..channels import CHANNELS
-from ..interpretation import Interpretation
+from ...boundary.errors import DataError
+from ...numerics.arrays import FloatArray
+from ..channels import CHANNELS, INPUTS
+from ..column_names import check_names
+from ..interpretation import NOT_READ, Interpretation
 from ..recording import Recording
-from .columns import LONGEST_HEADER, channels_in_si, name_and_unit, numbers, parse_header
-from .ttc_channels import MANDATORY, bench_recording
+from ..thresholds import MAX_INCOMPLETE
+from .content import Content
+from .resolution import DEFINED, Choice, choices, common_clock, ignored_columns
+from .ttc_channels import as_bench_table, completed, missing_channel
 
 
-def is_bench_table(headers: Collection[str]) -> bool:
-    """Return whether the headers are those of an FSAE TTC file: it has ET, SA, IA and FZ, and no slip angle ``alpha``.
-
-    >>> is_bench_table(["ET", "SA", "IA", "FZ [N]", "FY"]), is_bench_table(["ET", "alpha", "FZ"])
-    (True, False)
-    """
-    names = {name_and_unit(header)[0] for header in headers if len(header) <= LONGEST_HEADER}
-    return set(MANDATORY) <= names and not {"alpha", "gamma", "Fz"} & names
-
-
-def table_recording(
-    path: Path, table: pd.DataFrame, signs: str, interpretation: Interpretation, location: Callable[[int], str]
+def recording_of(
+    content: Content, source: str, name: str, signs: str | None, interpretation: Interpretation
 ) -> Recording:
-    """Return the recording of a table whose columns are named by their headers.
+    """Return the recording of the content of a file, in SI units.
 
-    A table with the names of FSAE TTC files has their units (`assumed_units`, unless headers declare them) and signs.
-    `location`: as for `channels_in_si`. Raises what `parse_header`, `channels_in_si` and `bench_recording` raise.
+    `source`, `name`: of the file, in messages and in the recording. `signs`: those that the user states. Raises
+    `DataError` if no column is a channel, a name resembles a channel that the table lacks, a cell is not a number, a
+    unit is unknown or another quantity's, or too many values of an input are NaN.
     """
-    source, headers = str(path), [str(name) for name in table.columns]
-    if not is_bench_table(headers):
-        columns = parse_header(headers, source, interpretation)
-        converted, about = channels_in_si(table, columns, source, location)
-        return Recording(converted, signs, path.name, about)
-    named = [name_and_unit(header) for header in headers]
-    channels = {name for channel in CHANNELS.values() for name in channel.bench_names}
-    used = channels | {"RL", "N", *interpretation.renamed}
-    vectors = {
-        name: numbers(table.iloc[:, number].rename(name), source, location) if name in used else np.empty(0)
-        for number, (name, _) in enumerate(named)
-    }
-    units = {name: unit for name, unit in named if unit}
-    about = {"tireid": "", "testid": "", "credit": "", "signs": "sae"}
-    return bench_recording(path, vectors, units, signs, about, location, interpretation)
+    content = as_bench_table(content, name)
+    chosen = choices(content, CHANNELS, source, interpretation.columns, interpretation.units)
+    _check_present(content, chosen, source)
+    table = channel_table(content, chosen, source)
+    if not len(table):
+        raise DataError(f"{source}: no rows")
+    for channel in CHANNELS:
+        if channel in table:
+            header = f"{chosen[channel].column.header}: " if content.format in DEFINED and channel in chosen else ""
+            check_finite(table[channel].to_numpy(), channel, source, _placed(content, header))
+    declared = [channel for channel in table if channel in chosen and chosen[channel].declared]
+    about = {**content.about, "declared": " ".join(declared)}
+    about |= {f"unit of {channel}": choice.unit for channel, choice in chosen.items() if choice.unit}
+    asserted = [channel for channel, choice in chosen.items() if choice.stated]
+    about |= {"asserted": " ".join(asserted)} if asserted else {}
+    ignored = ignored_columns(content, chosen)
+    about |= {"ignored": ignored} if ignored else {}
+    if content.format == "ttc":
+        table, more = completed(content, chosen, table, source)
+        table = table.drop(
+            columns=[each for each, column in interpretation.columns.items() if column == NOT_READ and each in table]
+        )
+        about |= more
+    return Recording(table, signs or content.signs or "iso", name, about)
+
+
+def channel_table(content: Content, chosen: Mapping[str, Choice], source: str) -> pd.DataFrame:
+    """Return the channels in SI units, and in a table the other columns as they are.
+
+    Raises `DataError` if columns of channels have different lengths, or a cell is not a number.
+    """
+    clock = common_clock(chosen, source)
+    values = {name: choice.values(content, source) for name, choice in chosen.items()}
+    if clock is not None and "t" not in values:
+        values = {"t": clock, **values}
+    _check_lengths(values, chosen, source)
+    if content.format:
+        return pd.DataFrame({name: values[name] for name in CHANNELS if name in values})
+    rows = len(next(iter(values.values()), ()))
+    channels = {id(choice.column): name for name, choice in reversed(list(chosen.items()))}
+    ordered: dict[str, object] = {"t": values["t"]} if "t" in values and "t" not in chosen else {}
+    for number, column in enumerate(content.columns, start=1):
+        name = channels.get(id(column))
+        header = column.header.strip() or f"column {number}"
+        if name is not None:
+            ordered[name] = values[name]
+        elif len(column.cells) == rows and header not in ordered and header not in CHANNELS:
+            ordered[header] = pd.Series(column.cells)
+    return pd.DataFrame({**ordered, **{name: values[name] for name in values if name not in ordered}})
+
+
+def check_finite(values: FloatArray, name: str, source: str, location: Callable[[int], str]) -> None:
+    """Check that a channel has no infinities, and an input few NaN.
+
+    Rows without an input are excluded later (`without_incomplete_rows`). `location`: as of `Content`.
+    Raises `DataError` with the first location, the channel and the number of rows.
+    """
+    infinite, unknown = np.isinf(values), np.isnan(values) & (name in INPUTS)
+    for bad, kind, most in ((infinite, "infinite", 0.0), (unknown, "NaN", MAX_INCOMPLETE)):
+        if bad.mean() > most:
+            first = location(int(np.flatnonzero(bad)[0]))
+            limit = f": up to {100.0 * most:g} % are excluded" if most else ""
+            raise DataError(f"{source}: {first}: {name} is {kind} ({bad.sum()} of {len(values)} rows){limit}")
+
+
+def _placed(content: Content, header: str) -> Callable[[int], str]:
+    return lambda row: f"{content.location(row)}: {header}".removesuffix(": ")
+
+
+def _check_lengths(values: Mapping[str, FloatArray], chosen: Mapping[str, Choice], source: str) -> None:
+    first = "t" if "t" in values else next(iter(values), "")
+    for name, column in values.items():
+        if len(column) != len(values[first]):
+            headers = [chosen[each].column.header if each in chosen else each for each in (name, first)]
+            raise DataError(
+                f"{source}: channel {headers[0]} has {len(column)} rows, {headers[1]} has {len(values[first])}"
+            )
+
+
+def _check_present(content: Content, chosen: Mapping[str, Choice], source: str) -> None:
+    """Raise if no column is a channel, or one of another name probably is."""
+    if content.format == "ttc":
+        missing_channel(content, chosen, source)
+    for name, reason in content.lacking.items():
+        if name not in chosen:
+            raise DataError(f"{source}: {reason}")
+    if content.format in DEFINED:
+        return
+    channels = {id(choice.column): name for name, choice in chosen.items()}
+    check_names([channels.get(id(column), column.header.strip()) for column in content.columns], source)
+    if not chosen:
+        raise DataError(f"{source}: no column is a channel: known are {', '.join(CHANNELS)}")

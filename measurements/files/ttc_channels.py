@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Mapping
-from pathlib import Path
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
 from ...boundary.errors import DataError, TirefmuError, nearest
 from ...numerics.arrays import FloatArray
-from ..channels import CHANNELS, OUTPUTS, Channel
+from ..channels import CHANNELS, OUTPUTS
 from ..checks.columns.radii import median_radius
 from ..column_names import intended_channel
-from ..interpretation import Interpretation
-from ..recording import Recording
 from ..thresholds import FREE_ROLLING_FORCE, LOWEST_KPA
 from ..units import POUND, to_si, unit_named
-from .columns import check_finite, in_si
+from .cells import numbers
+from .content import Column, Content, name_and_unit
+
+if TYPE_CHECKING:
+    from .resolution import Choice
 
 #: kappa is read from SL, the slip that is zero at zero FX, and never from SR. N is unusable in many runs and ignored.
 MANDATORY = ("ET", "SA", "IA", "FZ")
@@ -35,95 +38,83 @@ _USCS = _SI | {
     "moment": "lb-ft",
 }
 _BENCH_NAMES = {name: channel for channel in CHANNELS.values() for name in channel.bench_names}
+#: What shows the units of a file that declares none: channel, largest median in USCS, smallest in SI, and why. The
+#: loaded radius of these tires is 7 to 12 in (18 to 30 cm); the air is at 60 to 100 deg F (15 to 38 deg C); the belt
+#: runs at 25 mph (40 km/h) or slower.
+_EVIDENCE = (
+    ("p", LOWEST_KPA, LOWEST_KPA, "too small for kPa", "too large for psi"),
+    ("rl", 13.0, 17.0, "a radius in inches", "a radius in cm"),
+)
 
 
-def bench_recording(
-    path: Path,
-    vectors: Mapping[str, FloatArray],
-    units: Mapping[str, str],
-    signs: str,
-    about: Mapping[str, str],
-    location: Callable[[int], str],
-    interpretation: Interpretation,
-) -> Recording:
-    """Return the recording of the channels of a bench file.
+def as_bench_table(content: Content, name: str) -> Content:
+    """Return the content of a table that has the columns of an FSAE TTC file with their meaning; others unchanged.
 
-    `vectors`, shape (n,): by the name in the file; the case is ignored. `units`: the units that the file declares, by
-    name. If there are none, `assumed_units` are used. `location`: as for `channels_in_si`. `interpretation`: names of
-    columns that replace those of the format. Raises `DataError` if a
-    mandatory channel or every output is missing, a name resembles a missing channel, lengths differ, a unit is unknown,
-    or too many values of an input are NaN.
+    Such a table has ET, SA, IA and FZ, and none of alpha, gamma and Fz. `name`: of the file.
     """
-    source = str(path)
-    folded = {name.casefold(): values for name, values in vectors.items()}
-    replaced = {channel: name for name, channel in interpretation.renamed.items()}
-    for channel_name, name in replaced.items():
-        if name.casefold() not in folded:
-            raise DataError(f"{source}: no channel {name} ({channel_name}){nearest(name, vectors)}")
-    _check_present(folded, list(vectors), source, replaced)
-    by_name = {name.casefold(): unit for name, unit in units.items()}
-    metadata = dict(about)
-    if by_name:
-        declared = [_BENCH_NAMES[name].name for name in _BENCH_NAMES if name.casefold() in by_name]
-        metadata |= {"units": "declared in the file", "declared": " ".join(declared)}
-    else:
-        by_name, reason = assumed_units(path, folded)
-        metadata |= {"units": reason, "declared": ""}
-    columns: dict[str, FloatArray] = {}
+    names = {name_and_unit(column.header)[0] for column in content.columns}
+    if content.format or not set(MANDATORY) <= names or {"alpha", "gamma", "Fz"} & names:
+        return content
+    about = {"tireid": "", "testid": "", "credit": ""}
+    return bench_content(replace(content, about=about | dict(content.about), signs=content.signs or "sae"), name)
+
+
+def bench_content(content: Content, name: str) -> Content:
+    """Return the content of a bench file with channels for its names, in any case, and units for those that lack one.
+
+    Without any declared unit `assumed_units` are used. `name`: of the file.
+    """
+    folded = {name_and_unit(column.header)[0].casefold(): column for column in reversed(content.columns)}
+    meant = {}
     for channel in CHANNELS.values():
-        names = (replaced[channel.name],) if channel.name in replaced else channel.bench_names
-        bench_name = next((name for name in names if name.casefold() in folded), None)
-        if bench_name is not None:
-            unit = by_name.get(bench_name.casefold(), _SI[channel.quantity])
-            columns[channel.name] = _channel(channel, bench_name, folded, unit, source, location)
-            metadata[f"unit of {channel.name}"] = unit
-    if "kappa" not in columns:
-        columns["kappa"] = _free_rolling(columns, vectors, source)
-        metadata["kappa"] = "no channel SL: FX stays near 0, the wheel rolls freely, kappa is 0"
-    metadata |= _radii(folded, by_name, columns.get("V"))
-    ordered = {name: columns[name] for name in CHANNELS if name in columns}
-    return Recording(pd.DataFrame(ordered), signs, path.name, metadata)
+        first = next((bench.casefold() for bench in channel.bench_names if bench.casefold() in folded), None)
+        if first is not None:
+            meant[id(folded[first])] = channel.name
+    columns = tuple(
+        replace(column, meant=meant.get(id(column), ""), place=f"channel {name_and_unit(column.header)[0]}")
+        for column in content.columns
+    )
+    assumed: Mapping[str, str]
+    if any(column.declared_unit for column in columns if column.meant):
+        assumed, reason = _SI, "declared in the file"
+    else:
+        assumed, reason = assumed_units(name, folded)
+    units = {channel.name: assumed[channel.quantity] for channel in _BENCH_NAMES.values()}
+    return replace(content, columns=columns, format="ttc", units=units, about={**content.about, "units": reason})
 
 
-def _radii(folded: Mapping[str, FloatArray], units: Mapping[str, str], speed: FloatArray | None) -> dict[str, str]:
-    """Return the medians of the loaded radius and of speed over wheel speed, m; what is unusable is missing."""
-    radii: dict[str, FloatArray] = {}
-    try:
-        if "rl" in folded:
-            length = "in" if unit_named(units.get("fz", "N")).factor == POUND else "cm"
-            radii["loaded radius"] = to_si(folded["rl"], units.get("rl", length), "length")
-        if speed is not None and len(folded.get("n", ())) == len(speed):
-            rotation = to_si(folded["n"], units.get("n", "rpm"), "rotation")
-            with np.errstate(divide="ignore", invalid="ignore"):
-                radii["wheel speed"] = np.abs(speed / rotation)
-    except TirefmuError:  # in a unit that is not known: no channel of the contract depends on it
-        return {}
-    return {name: text for name, values in radii.items() if (text := median_radius(values)) is not None}
+def assumed_units(name: str, columns: Mapping[str, Column]) -> tuple[Mapping[str, str], str]:
+    """Return the units by quantity of a file that declares none, and the reason for them.
 
+    `name`: names like ``A1464run30`` mean US customary units, ``B1464run30`` SI. `columns`: by name in lower case. A
+    pressure or a loaded radius that is possible in one system only decides.
 
-def assumed_units(path: Path, vectors: Mapping[str, FloatArray]) -> tuple[dict[str, str], str]:
-    """Return the units of a file that declares none, and the reason for them.
-
-    `path`: names like ``A1464run30`` mean US customary units, ``B1464run30`` SI. `vectors`: by name in lower case. A
-    pressure that is too small for kPa is in psi. Returns `units`: by name in lower case.
-
-    >>> assumed_units(Path("A1464run30.mat"), {})[1]
+    >>> assumed_units("A1464run30.mat", {})[1]
     "assumed USCS: the file's name begins with A"
-    >>> assumed_units(Path("run.mat"), {"p": np.full(9, 12.0)})[1]
+    >>> assumed_units("run.mat", {"p": Column("P", np.full(9, 12.0))})[1]
     'assumed USCS: the file declares none, and P is about 12, too small for kPa'
     """
-    pressure = vectors.get("p", np.empty(0))
-    median = float(np.nanmedian(pressure)) if np.isfinite(pressure).any() else np.inf
-    letter = re.match(r"[AaBb](?=\d)", path.name)
+    letter = re.match(r"[AaBb](?=\d)", name)
     if letter is not None:
         uscs, reason = letter[0] in "Aa", f"the file's name begins with {letter[0]}"
-    elif 0.0 < median < LOWEST_KPA:
-        uscs, reason = True, f"the file declares none, and P is about {median:.3g}, too small for kPa"
     else:
         uscs, reason = False, "the file declares none"
-    assumed = _USCS if uscs else _SI
-    units = {name.casefold(): assumed[channel.quantity] for name, channel in _BENCH_NAMES.items()}
-    return units, f"assumed {'USCS' if uscs else 'SI'}: {reason}"
+        for channel, largest, smallest, small, large in _EVIDENCE:
+            median = _median(columns.get(channel))
+            if 0.0 < median < largest or median >= smallest:
+                uscs = median < largest
+                evidence = f"{channel.upper()} is about {median:.3g}, {small if uscs else large}"
+                reason += f", and {evidence}" if uscs or channel != "p" else ""
+                break
+    return _USCS if uscs else _SI, f"assumed {'USCS' if uscs else 'SI'}: {reason}"
+
+
+def _median(column: Column | None) -> float:
+    try:
+        values = np.empty(0) if column is None else numbers(column.cells, "", "", str)[0]
+    except DataError:  # only a column that is used has to be readable
+        return np.nan
+    return float(np.nanmedian(values)) if np.isfinite(values).any() else np.nan
 
 
 def has_bench_names(names: Collection[str]) -> bool:
@@ -132,46 +123,60 @@ def has_bench_names(names: Collection[str]) -> bool:
     return len(folded & {name.casefold() for name in MANDATORY}) >= 2
 
 
-def _check_present(folded: Collection[str], fields: list[str], source: str, replaced: Collection[str]) -> None:
+def missing_channel(content: Content, chosen: Collection[str], source: str) -> None:
+    """Raise `DataError` if a mandatory channel or every output is missing, or a name resembles a missing channel."""
+    fields = [name_and_unit(column.header)[0] for column in content.columns]
     for name in MANDATORY:
-        if name.casefold() not in folded and _BENCH_NAMES[name].name not in replaced:
+        if _BENCH_NAMES[name].name not in chosen:
             # A channel that was recognized is not a misspelling of the missing one.
             others = [field for field in fields if field.upper() not in _BENCH_NAMES]
             raise DataError(f"{source}: no channel {name} ({_BENCH_NAMES[name].name}){nearest(name, others)}")
-    outputs = (name for output in OUTPUTS for name in CHANNELS[output].bench_names)
-    if not (set(replaced) & set(OUTPUTS) or any(name.casefold() in folded for name in outputs)):
+    if not set(chosen) & set(OUTPUTS):
         raise DataError(f"{source}: no channel FX, FY, MZ, MX or MY: nothing was measured")
     for field in fields:
         intended = None if field.upper() in _BENCH_NAMES else intended_channel(field)
-        names = CHANNELS[intended].bench_names if intended else ()
-        if names and intended not in replaced and not any(name.casefold() in folded for name in names):
-            hint = f"did you mean {names[0]}? Channels of one are {', '.join(sorted(_BENCH_NAMES))}"
+        if intended and intended not in chosen and CHANNELS[intended].bench_names:
+            known = ", ".join(sorted(_BENCH_NAMES))
+            hint = f"did you mean {CHANNELS[intended].bench_names[0]}? Channels of one are {known}"
             raise DataError(f"{source}: channel {field!r} is not one of a bench file: {hint}")
 
 
-def _channel(
-    channel: Channel,
-    bench_name: str,
-    folded: Mapping[str, FloatArray],
-    unit: str,
-    source: str,
-    location: Callable[[int], str],
-) -> FloatArray:
-    clock = "et" if "et" in folded else bench_name.casefold()
-    values, rows = folded[bench_name.casefold()], len(folded[clock])
-    if len(values) != rows:
-        raise DataError(f"{source}: channel {bench_name} has {len(values)} rows, ET has {rows}")
-    if not rows:
-        raise DataError(f"{source}: no rows")
-    check_finite(values, channel.name, source, lambda row: f"{location(row)}: {bench_name}")
-    return in_si(values, unit, channel.quantity, f"{source}: channel {bench_name}")
+def completed(
+    content: Content, chosen: Mapping[str, Choice], table: pd.DataFrame, source: str
+) -> tuple[pd.DataFrame, dict[str, str]]:
+    """Return the table with kappa = 0 for a file without SL, such as a warm-up run, and metadata: why, and the radii.
 
-
-def _free_rolling(columns: Mapping[str, FloatArray], vectors: Collection[str], source: str) -> FloatArray:
-    """Return kappa = 0 for a file without SL, such as a warm-up run, unless FX is that of a driven wheel."""
-    load = np.abs(columns["Fz"])
-    driven = "Fx" in columns and np.nanquantile(np.abs(columns["Fx"]), 0.99) > FREE_ROLLING_FORCE * np.median(load)
-    if driven:
-        hint = " (SR is another slip, not zero at zero FX)" if "SR" in {name.upper() for name in vectors} else ""
+    Raises `DataError` if FX is that of a driven wheel.
+    """
+    about = _radii(content.columns, chosen, table)
+    if "kappa" in table:
+        return table, about
+    load = table["Fz"].abs().to_numpy()
+    if "Fx" in table and np.nanquantile(np.abs(table["Fx"]), 0.99) > FREE_ROLLING_FORCE * np.nanmedian(load):
+        slip = any(column.header.upper() == "SR" for column in content.columns)
+        hint = " (SR is another slip, not zero at zero FX)" if slip else ""
         raise DataError(f"{source}: no channel SL (kappa), and FX is that of a driven wheel{hint}")
-    return np.zeros(len(load))
+    about["kappa"] = "no channel SL: FX stays near 0, the wheel rolls freely, kappa is 0"
+    table = table.assign(kappa=np.zeros(len(table)))
+    return table[[name for name in CHANNELS if name in table]], about
+
+
+def _radii(columns: Sequence[Column], chosen: Mapping[str, Choice], table: pd.DataFrame) -> dict[str, str]:
+    """Return the medians of the loaded radius and of speed over wheel speed, m; what is unusable is missing."""
+    found = {name_and_unit(column.header)[0].casefold(): column for column in columns}
+    radii: dict[str, FloatArray] = {}
+    try:
+        if "rl" in found:
+            length = "in" if unit_named(chosen["Fz"].unit).factor == POUND else "cm"
+            radii["loaded radius"] = to_si(_numbers(found["rl"]), found["rl"].declared_unit or length, "length")
+        if "V" in table and "n" in found and len(found["n"].cells) == len(table):
+            rotation = to_si(_numbers(found["n"]), found["n"].declared_unit or "rpm", "rotation")
+            with np.errstate(divide="ignore", invalid="ignore"):
+                radii["wheel speed"] = np.abs(table["V"].to_numpy() / rotation)
+    except TirefmuError:  # in a unit that is not known: no channel of the contract depends on it
+        return {}
+    return {name: text for name, values in radii.items() if (text := median_radius(values)) is not None}
+
+
+def _numbers(column: Column) -> FloatArray:
+    return numbers(column.cells, "", "", str)[0]

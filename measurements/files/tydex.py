@@ -3,37 +3,36 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-import pandas as pd
 
-from ...boundary.errors import DataError, UnknownName, nearest
+from ...boundary.errors import DataError
 from ...numerics.arrays import FloatArray
-from ..channels import CHANNELS
-from ..interpretation import Interpretation
-from ..recording import Recording
-from ..units import unit_named
-from .columns import check_finite, in_si, is_number, rows_of_numbers
+from .cells import is_number, numbers, rows_of_cells
+from .content import Column, Content, is_unit
 
-#: TYDEX names by contract name, the preferred one first. Only forces in the W axes (contact point) are read.
+#: TYDEX names by contract name, the preferred one first. H axes are parallel to the W axes (contact point) on a flat
+#: road: their forces are equal. Their moments need the loaded radius and are not read.
 NAMES: Mapping[str, tuple[str, ...]] = {
     "t": ("RUNTIME",),
     "kappa": ("LONGSLIP",),
     "alpha": ("SLIPANGL",),
     "gamma": ("INCLANGL",),
-    "Fz": ("FZW",),
+    "Fz": ("FZW", "FZH"),
     "p": ("INFLPRES",),
     "V": ("TRAJVELW", "TRAJVELH", "LONGVEL"),
-    "Fx": ("FXW",),
-    "Fy": ("FYW",),
+    "Fx": ("FXW", "FXH"),
+    "Fy": ("FYW", "FYH"),
     "Mz": ("MZW",),
     "Mx": ("MXW",),
     "My": ("MYW",),
 }
-_OTHER_AXES = {"FZH": "H", "FZC": "C"}
+#: Characters of a field: its keyword and each number; where the unit of a quantity is, by the definition of the format.
+FIELD, UNIT = 10, slice(40, 50)
 
 
 @dataclass(frozen=True)
@@ -52,89 +51,105 @@ class _Quantity:
             return (raw + offset) * factor + shift
 
 
-def read_tydex(path: Path, signs: str, interpretation: Interpretation) -> Recording:
-    """Read a TYDEX file.
+def read_tydex(path: Path) -> Content:
+    """Return the content of a TYDEX file; a constant of the file is a channel with the same value in every row.
 
-    TYDEX defines its W axes as iso. A constant of the file is a channel with the same value in every row. Raises
-    `DataError` if a section or the load in the W axes is missing, a channel occurs twice, a row has more or fewer cells
-    than there are channels, a cell is not a number, or a unit is unknown (with the line).
+    TYDEX defines its axes as iso. Raises `DataError` if a section is missing, a channel occurs twice, or a row has more
+    or fewer cells than there are channels (with the line).
     """
     source = str(path)
     with path.open(encoding="latin-1") as file:
-        sections = _sections(file.read().splitlines())
+        sections, count = _sections(file.read().splitlines())
     for name in ("MEASURCHANNELS", "MEASURDATA"):
         if name not in sections:
             raise DataError(f"{source}: no section **{name}: not a TYDEX file")
     channels = [_quantity(number, text, 3) for number, text in sections["MEASURCHANNELS"]]
     constants = [_quantity(number, text, 1) for number, text in sections.get("CONSTANTS", ())]
     for given in (channels, constants):
-        for name, count in Counter(quantity.name for quantity in given).items():
-            if count > 1 and any(name in spelled for spelled in NAMES.values()):
-                raise DataError(f"{source}: {name} occurs {count} times")
+        for name, occurrences in Counter(quantity.name for quantity in given).items():
+            if occurrences > 1 and any(name in spelled for spelled in NAMES.values()):
+                raise DataError(f"{source}: {name} occurs {occurrences} times")
     rows = sections["MEASURDATA"]
-    cells = ((line, text.split()) for line, text in rows)
-    table = rows_of_numbers(cells, [quantity.name for quantity in channels], source)
-    measured = {quantity.name: (quantity, column) for quantity, column in zip(channels, table.T, strict=True)}
-    held = {quantity.name: quantity for quantity in constants if quantity.numbers}
-    columns: dict[str, FloatArray] = {}
-    about: dict[str, str] = {}
-    replaced = {channel: (name,) for name, channel in interpretation.renamed.items()}
-    for name, spelled in {**NAMES, **replaced}.items():
-        spelling = next((spelling for given in (measured, held) for spelling in spelled if spelling in given), "")
-        if spelling:
-            about[f"unit of {name}"] = (measured[spelling][0] if spelling in measured else held[spelling]).unit
-        if spelling in measured:
-            quantity, raw = measured[spelling]
-            columns[name] = _converted(name, quantity, quantity.physical(raw), rows, source)
-        elif spelling:
-            quantity = held[spelling]
-            columns[name] = _converted(name, quantity, np.full(len(rows), quantity.numbers[0]), rows, source)
-        elif name in replaced:
-            raise DataError(f"{source}: no channel {spelled[0]} ({name}){nearest(spelled[0], [*measured, *held])}")
-    if "Fz" not in columns:
-        axes = next((axes for name, axes in _OTHER_AXES.items() if name in measured or name in held), None)
-        raise DataError(f"{source}: no channel FZW (Fz){f': forces in the axes {axes} are not read' if axes else ''}")
+    names = [quantity.name for quantity in channels]
+    cells = rows_of_cells(((line, _cells(text, len(names))) for line, text in rows), names, source)
+
+    def location(row: int) -> str:
+        return f"line {rows[row][0]}"
+
+    columns = list(_columns(channels, constants, cells, source, location))
+    present = {column.header for column in columns}
+    axes = "; forces in the axes C are not read" if "FZC" in present else ""
+    moments = sorted(present & {"MXH", "MYH", "MZH", "MXC", "MYC", "MZC"})
+    ignored = [f"moments {', '.join(moments)}, of other axes than W"] if moments else []
+    if count not in (None, len(rows)):
+        ignored.append(f"the number of rows {count} behind **MEASURDATA: the file has {len(rows)}")
     header = dict(text.split(maxsplit=1) for _, text in sections.get("HEADER", ()) if len(text.split()) > 1)
-    about |= {"units": "declared in the file", "declared": " ".join(columns), "tireid": "", "credit": ""}
-    return Recording(pd.DataFrame(columns), signs, path.name, {**about, "testid": header.get("MEASID", "").strip()})
+    about = {"units": "declared in the file", "tireid": "", "credit": "", "testid": header.get("MEASID", "").strip()}
+    lacking = {"Fz": f"no channel FZW (Fz){axes}"}
+    return Content(tuple(columns), location, "tydex", "iso", about=about, lacking=lacking, ignored=tuple(ignored))
 
 
-def _sections(lines: Sequence[str]) -> dict[str, list[tuple[int, str]]]:
-    """Return line numbers and texts by section, without comments and blank lines."""
+def _columns(
+    channels: Sequence[_Quantity], constants: Sequence[_Quantity], cells: Any, source: str, location: Any
+) -> Iterator[Column]:
+    """Yield the measured channels, and the constants that no channel measures."""
+    held = {quantity.name: quantity for quantity in constants if quantity.numbers}
+    measured = {quantity.name for quantity in channels}
+    meant: dict[str, str] = {}
+    for name, spelled in NAMES.items():
+        for given in (measured, held):
+            for spelling in spelled:
+                if spelling in given and name not in meant.values():
+                    meant[spelling] = name
+    for i, quantity in enumerate(channels):
+        label = f"channel {quantity.name}"
+        column = cells[:, i]
+        if quantity.numbers not in ((), (1.0,), (1.0, 0.0), (1.0, 0.0, 0.0)) and quantity.name in meant:
+            column = quantity.physical(numbers(column, source, label, location)[0])
+        place = f"line {quantity.line}: {label}"
+        yield Column(quantity.name, column, quantity.unit, meant.get(quantity.name, ""), place=place)
+    for name, quantity in held.items():
+        if name not in measured:
+            column, place = np.full(len(cells), quantity.numbers[0]), f"line {quantity.line}: channel {name}"
+            yield Column(name, column, quantity.unit, meant.get(name, ""), place=place)
+
+
+def _sections(lines: Sequence[str]) -> tuple[dict[str, list[tuple[int, str]]], int | None]:
+    """Return line numbers and texts by section without comments and blank lines, and the declared number of rows."""
     sections: dict[str, list[tuple[int, str]]] = {}
     current: list[tuple[int, str]] = []
+    count = None
     for number, line in enumerate(lines, start=1):
-        text = line.strip()
-        if text.startswith("**"):
-            current = sections.setdefault(text.strip("* ").upper(), [])
-        elif text and not text.startswith("!"):
-            current.append((number, text))
-    return sections
+        if line.startswith("**"):
+            name, *rest = line.strip("* ").upper().split() or [""]
+            current = sections.setdefault(name, [])
+            if name == "MEASURDATA" and rest and rest[0].isdigit():
+                count = int(rest[0])
+        elif line.strip() and not line.startswith("!"):
+            current.append((number, line.rstrip()))
+    return sections, count
+
+
+def _cells(text: str, count: int) -> list[str]:
+    """Return the cells of a row: separated by blanks, or in fields of ten characters, which may touch or be blank."""
+    cells = text.split()
+    if len(cells) != count and FIELD * (count - 1) < len(text) <= FIELD * count:
+        cells = [text[i : i + FIELD].strip() for i in range(0, FIELD * count, FIELD)]
+    return cells
 
 
 def _quantity(line: int, text: str, most: int) -> _Quantity:
-    """Read name, description, unit and up to ``most`` numbers. The unit follows the description."""
+    """Read name, description, unit and up to ``most`` numbers. The unit is in its field, or follows the description."""
+    fixed = text[UNIT].strip()
+    if len(text) > UNIT.start and text[FIELD - 1 : FIELD].isspace() and (not fixed or fixed == "-" or is_unit(fixed)):
+        behind = text[UNIT.stop :].split()
+        if behind and all(map(is_number, behind)) and np.isfinite(list(map(float, behind))).all():
+            return _Quantity(text[:FIELD].strip(), fixed, tuple(map(float, behind[:most])), line)
     name, *words = text.split()
-    numbers: list[float] = []
-    while words and len(numbers) < most and is_number(words[-1]) and np.isfinite(float(words[-1])):
-        numbers.insert(0, float(words.pop()))
+    given: list[float] = []
+    while words and len(given) < most and is_number(words[-1]) and np.isfinite(float(words[-1])):
+        given.insert(0, float(words.pop()))
     # A description may end in a word like "N". Only units of temperature have two words.
     two = " ".join(words[-2:])
-    unit = two if len(words) > 1 and words[-2].casefold() == "deg" and _is_unit(two) else words[-1] if words else "-"
-    return _Quantity(name, unit, tuple(numbers), line)
-
-
-def _converted(
-    name: str, quantity: _Quantity, values: FloatArray, rows: Sequence[tuple[int, str]], source: str
-) -> FloatArray:
-    check_finite(values, name, source, lambda row: f"line {rows[row][0]}: {quantity.name}")
-    place = f"{source}: line {quantity.line}: channel {quantity.name}"
-    return in_si(values, quantity.unit, CHANNELS[name].quantity, place)
-
-
-def _is_unit(spelling: str) -> bool:
-    try:
-        unit_named(spelling)
-    except UnknownName:
-        return False
-    return True
+    unit = two if len(words) > 1 and words[-2].casefold() == "deg" and is_unit(two) else words[-1] if words else "-"
+    return _Quantity(name, unit, tuple(given), line)

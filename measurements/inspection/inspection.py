@@ -117,6 +117,7 @@ class Inspection:
             "rows": len(recording),
             "signs": recording.signs,
             "units": recording.about.get("units", ""),
+            "ignored": recording.about.get("ignored", ""),
             "tire": recording.about.get("tireid", ""),
             "selected": recording.about.get("selected", ""),
             "sample_interval": self.interval,

@@ -18,7 +18,7 @@ from tirefmu.applications.driving import simulation
 from tirefmu.applications.driving.effects import motion_of
 from tirefmu.applications.driving.inputs.car import Car
 from tirefmu.applications.driving.report import write_drive
-from tirefmu.boundary.errors import DataError
+from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.commands.cli import main
 from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.tires import read_tir
@@ -192,8 +192,16 @@ REFUSED = {
     "no channel": (lambda log: log.drop(columns="steer"), "no channel steer"),
     "wrong sign": (lambda log: log.assign(steer=-log["steer"]), "opposite signs"),
     "degrees called radians": (lambda log: log.assign(yaw_rate=np.degrees(log["yaw_rate"])), "yaw_rate"),
-    "radians called degrees": (lambda log: log.rename(columns={"steer": "steer [deg]"}), "radians and degrees"),
-    "in g": (lambda log: log.assign(ay=log["ay"] / 9.81), "ay is"),
+    "radians called degrees": (lambda log: log.rename(columns={"steer": "steer [deg]"}), "steer in rad"),
+    "steering in degrees": (lambda log: log.assign(steer=np.degrees(0.3 * log["steer"])), "steer"),
+    "in g": (lambda log: log.assign(ay=log["ay"] / 9.81), "ay in g (--columns 'ay=HEADER [g]')"),
+    "in km/h": (lambda log: log.assign(speed=3.6 * log["speed"]), "speed in km/h (--columns 'speed=HEADER [km/h]')"),
+    "in g and km/h": (
+        lambda log: log.filter(regex="^(?!omega)").assign(ay=log["ay"] / 9.81, speed=3.6 * log["speed"]),
+        "speed in km/h and ay in g",
+    ),
+    "a bank": (lambda log: log.assign(ay=log["ay"] + 6.0), "a banked road"),
+    "microseconds": (lambda log: log.assign(t=1e6 * log["t"]), "in us? --columns 't=t [us]'"),
     "speed 0": (lambda log: log.assign(speed=0.0), "does not move"),
     "another log": (lambda log: log.assign(yaw_rate=np.roll(log["yaw_rate"], 300)), "car.toml"),
     "time": (lambda log: log.assign(t=log["t"].to_numpy()[::-1]), "time decreases"),
@@ -205,6 +213,12 @@ def test_a_log_that_contradicts_the_car_is_refused(change, message, log, car, ti
     with pytest.raises(DataError, match=re.escape(message)) as refusal:
         tirefmu.drive(change(log), vehicle=car, tire=tire)
     assert len(str(refusal.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize(("nominal", "message"), [(2e5, "another load class (--tire)"), (40.0, "mass not in kg?")])
+def test_a_tire_of_another_load_class_is_refused(nominal, message, log, car, tire):
+    with pytest.raises(TirefmuError, match=re.escape(message)):
+        tirefmu.drive(log, vehicle=car, tire=replace(tire, values={**tire.values, "FNOMIN": nominal}))
 
 
 def test_the_command_writes_the_answer(log, tire, tmp_path, capsys):

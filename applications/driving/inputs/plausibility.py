@@ -1,22 +1,73 @@
-"""Checks of a log against a car before any estimate: signs and units of steering, yaw rate and lateral acceleration."""
+"""Checks of a log against a car and its tires before any estimate: signs, units, a bank, another load class."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import combinations
 
 import numpy as np
 import numpy.typing as npt
 
-from ....boundary.errors import DataError
+from ....boundary.errors import DataError, TirefmuError
+from ....measurements.units import GRAVITY, to_si
+from ....tires import Tire
 from .car import Car
-from .grid import MEASURED, Grid
+from .grid import MEASURED, Grid, spinning
 from .log import Log
 
 FloatArray = npt.NDArray[np.float64]
 
 #: Limits of the measured yaw rate over that of a car without slip, v delta / l, and of ay over v times yaw rate. An
 #: understeering car has 0.3 at high speed; another unit of an angle has 57 or 1/57, one of acceleration 9.8 or 0.1.
-YAW_GAIN, LATERAL_GAIN = (0.15, 3.0), (0.5, 2.0)
+YAW_GAIN, LATERAL_GAIN, TYPICAL_GAIN = (0.15, 3.0), (0.5, 2.0), 0.7
 #: Smallest correlation of yaw rate with v delta / l, and smallest angle of the front wheels with a turn, rad.
 MIN_CORRELATION, MIN_STEER = 0.5, 0.002
+
+#: Units that logs have, SI first.
+UNITS = {
+    "steer": ("rad", "deg"), "speed": ("m/s", "km/h", "mph"), "yaw_rate": ("rad/s", "deg/s"), "ay": ("m/s^2", "g"),
+}  # fmt: skip
+#: Limits of the logged speed over that of the wheels.
+RIM_RATIO = (0.75, 1.35)
+#: Limits of the static load of a wheel over the nominal load of its tire. A model is used between 0.2 and 2.
+LOAD_CLASS = (0.05, 10.0)
+#: Standard deviations of the offset of ay from which its mean is that of a bank or of a tilted sensor.
+BANKED = 5.0
+
+
+def check_load_class(car: Car, tires: Mapping[str, Tire]) -> None:
+    """Raise `TirefmuError` if the car is far too light or too heavy for its tires.
+
+    `tires`: by axle.
+    """
+    for (axle, tire), load in zip(tires.items(), car.axle_loads, strict=True):
+        share = 0.5 * load / tire.values["FNOMIN"]
+        if not LOAD_CLASS[0] < share < LOAD_CLASS[1]:
+            option = "--tire" if axle == "front" else "--rear"
+            raise TirefmuError(
+                f"{car.source}: a {axle} wheel carries {0.5 * load:.3g} N, {100.0 * share:.2g} % of FNOMIN = "
+                f"{tire.values['FNOMIN']:g} N of its tire: a tire of another load class ({option}), or mass not in kg?"
+            )
+
+
+def check_wheel_speeds(log: Log, car: Car) -> None:
+    """Raise `DataError` if the logged speed is far from that of the wheels: another unit of one, or other radii."""
+    wheels = spinning(log, car)
+    t, speed = log.channels.get("speed", (np.empty(0), np.empty(0)))
+    if not wheels or not speed.any():
+        return
+    radii = [car.values["radius_front" if corner[0] == "f" else "radius_rear"] for corner in wheels]
+    spins = [np.interp(t, *log.channels[f"omega_{corner}"]) for corner in wheels]
+    rims = np.mean([radius * spin for radius, spin in zip(radii, spins, strict=True)], axis=0)
+    moving = rims > 0.5 * np.quantile(rims, 0.95)
+    ratio = float(np.median(speed[moving] / rims[moving])) if moving.any() else 1.0
+    if _within(ratio, RIM_RATIO):
+        return
+    factor = float(to_si(1.0, log.units.get("speed") or "m/s"))
+    units = [unit for unit in UNITS["speed"] if _within(ratio * float(to_si(1.0, unit)) / factor, RIM_RATIO)]
+    means = [f"speed in {unit} (--columns 'speed=HEADER [{unit}]')" for unit in units]
+    remedy = " or ".join([*means, "wheel speeds in another unit, or other radii"])
+    raise DataError(f"{log.source}: the speed is {ratio:.3g} times that of the wheels of {car.source}: {remedy}?")
 
 
 def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
@@ -36,23 +87,61 @@ def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
             "steering no tire can be judged (is the ratio of the car right, is steer in rad?)"
         )
     if correlation < -MIN_CORRELATION:
-        raise DataError(f"{source}: yaw rate and steer have opposite signs: both are positive to the left")
+        raise DataError(
+            f"{source}: yaw rate and steer have opposite signs: both are positive to the left (--columns steer=-HEADER)"
+        )
     if correlation < MIN_CORRELATION:
         raise DataError(
             f"{source}: the steering does not explain the yaw rate (correlation {correlation:.2f}): is this the log of "
             f"{car.source}?"
         )
-    if not YAW_GAIN[0] < gain < YAW_GAIN[1]:
-        hint = "radians and degrees confused, or another ratio" if gain > 20 or gain < 0.06 else "another car or ratio"
-        raise DataError(f"{source}: the yaw rate is {gain:.3g} times v delta / wheelbase of {car.source}: {hint}?")
+    lateral_gain, offset = 1.0, 0.0
     ay = grid.means[MEASURED.index("ay")]
     if np.isfinite(ay).any():
         lateral = speed * yaw_rate
-        gain, correlation = _slope(lateral - np.nanmean(lateral), ay - np.nanmean(ay))
-        if correlation < 0.0:
-            raise DataError(f"{source}: ay and yaw rate have opposite signs: both are positive to the left")
-        if not LATERAL_GAIN[0] < gain < LATERAL_GAIN[1]:
-            raise DataError(f"{source}: ay is {gain:.3g} times speed times yaw rate: is it in m/s^2, the speed in m/s?")
+        lateral_gain, sign = _slope(lateral - np.nanmean(lateral), ay - np.nanmean(ay))
+        if sign < 0.0:
+            raise DataError(
+                f"{source}: ay and yaw rate have opposite signs: both are positive to the left (--columns ay=-HEADER)"
+            )
+        offset = (
+            float(np.nanmean(ay - lateral * (1.0 + GRAVITY * car.values["roll_gradient"]))) - car.values["ay_offset"]
+        )
+    if not (_within(gain, YAW_GAIN) and _within(lateral_gain, LATERAL_GAIN)):
+        facts = [f"the yaw rate is {gain:.3g} times v delta / wheelbase of {car.source}"]
+        facts += [f"ay is {lateral_gain:.3g} times speed times yaw rate"] if lateral_gain != 1.0 else []
+        raise DataError(f"{source}: {', '.join(facts)}: {_remedy(gain, lateral_gain, log.units)}")
+    largest = car.uncertainties["ay_offset"] + 0.1 * float(np.mean(np.abs(speed * yaw_rate)))
+    if abs(offset) > BANKED * largest:
+        raise DataError(
+            f"{source}: ay is {offset:+.3g} m/s^2 from speed times yaw rate on average: a banked road, or a tilted "
+            f"sensor: state it: ay_offset = {offset:.3g} in [sensors] of {car.source} (a bank of 1 rad adds 9.81)"
+        )
+
+
+def _within(gain: float, limits: tuple[float, float]) -> bool:
+    return limits[0] < gain < limits[1]
+
+
+def _remedy(gain: float, lateral: float, read_as: Mapping[str, str]) -> str:
+    """Return the units that make both gains plausible, the fewest changes first, with the option that states them."""
+    factor = {name: float(to_si(1.0, read_as.get(name) or units[0])) for name, units in UNITS.items()}
+    candidates = [(name, unit) for name, units in UNITS.items() for unit in units if to_si(1.0, unit) != factor[name]]
+    fitting: list[tuple[float, str]] = []
+    for count in (1, 2, 3):
+        for changed in combinations(candidates, count):
+            factors = {name: float(to_si(1.0, unit)) / factor[name] for name, unit in changed}
+            if len(factors) < count:
+                continue
+            steer, speed, rate, ay = (factors.get(name, 1.0) for name in UNITS)
+            turned, pulled = gain * rate / (speed * steer), lateral * ay / (speed * rate)
+            if _within(turned, YAW_GAIN) and _within(pulled, LATERAL_GAIN):
+                options = ",".join(f"{name}=HEADER [{unit}]" for name, unit in changed)
+                text = f"{' and '.join(f'{name} in {unit}' for name, unit in changed)} (--columns '{options}')"
+                fitting.append((abs(np.log(turned / TYPICAL_GAIN)) + abs(np.log(pulled)), text))
+        if fitting:
+            return f"{' or '.join(text for _, text in sorted(fitting)[:2])}?"
+    return "another car, or another ratio of the steering?"
 
 
 def _yaw_rate(grid: Grid) -> FloatArray:

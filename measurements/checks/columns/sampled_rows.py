@@ -24,6 +24,8 @@ from ...thresholds import (
     SPIKE_QUANTILE,
 )
 
+#: Shares of the largest slip: up to which a change from row to row is noise; over which a memory fades.
+HELD_SHARE, FADING_SHARE = 1e-3, 0.1
 #: The channels that are read.
 _READ = tuple(name for name in CHANNELS if name not in ("t", "T", "T_ambient", "T_road", "phit"))
 
@@ -82,6 +84,22 @@ class SampledRows:
     def far(self, slip: str) -> BoolArray:
         """Return the rows at which a slip is a large share of its largest value."""
         return np.asarray(np.abs(self[slip]) >= FAR_SLIP * self.largest(slip))
+
+    def memory(self, slip: str) -> FloatArray:
+        """Return what a force with memory depends on, shape (n, 2).
+
+        The direction of the last change of a slip, and the same fading with the distance since the slip turned. Noise
+        of a held slip is no change.
+        """
+        largest = self.largest(slip) or 1.0
+        steps = np.diff(self[slip], prepend=self[slip][:1])
+        steps = np.where(np.abs(steps) > HELD_SHARE * largest, steps, 0.0)
+        rows = np.arange(self.count)
+        direction = np.sign(steps[np.maximum.accumulate(np.where(steps != 0.0, rows, 0))])
+        turned = np.maximum.accumulate(np.where(np.diff(direction, prepend=0.0) != 0.0, rows, 0))
+        path = np.cumsum(np.abs(steps))
+        fading = np.exp(-(path - path[turned]) / (FADING_SHARE * largest))
+        return np.column_stack([direction, direction * fading])
 
     def slope(self, name: str, over: str, rows: BoolArray, divisor: FloatArray | None = None) -> float:
         """Return the slope of a channel over another one, both about their means; NaN without enough rows.

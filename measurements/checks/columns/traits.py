@@ -30,6 +30,8 @@ WRONG_SIGN, WRONG_THRUST = 12.0, 8.0
 #: Penalty of a trait that the claimed table has and another reading has not, and traits that a table may lack because
 #: they are within the range: a force that does not saturate is no friction.
 VANISHED, ONE_SIDED = 3.0, frozenset(("mu_x", "mu_y", "mu_xy", "mu_x/mu_y", "Mz/Fz", "Mx/Fz"))
+#: Share of a column that others do not contain, below which it cannot be separated from them.
+SINGULAR = 1e-6
 #: Standard deviations from which the penalty of a size is linear, and from which a size is mentioned.
 FAR, NOTABLE = 3.0, 1.5
 
@@ -185,23 +187,34 @@ def _moment_sizes(rows: SampledRows, side: float) -> Iterator[tuple[str, float]]
 
 
 def _thrust(rows: SampledRows) -> float:
-    """Return the slope of Fy/Fz over gamma at small slip angles; NaN if the camber does not act."""
+    """Return the slope of Fy/Fz over gamma at small slip angles; NaN if the camber does not act.
+
+    What else may have changed with the camber is estimated with it: a memory of the last change of the slip angle, and
+    a drift over the recording. Where the order of the program does not separate them, the slope has no sign.
+    """
     if not {"alpha", "gamma", "Fy", "Fz"} <= rows.columns.keys():
         return np.nan
     small = rows.near_zero("alpha") & rows.near_zero("kappa") & np.isfinite(rows["Fy"])
-    design = np.column_stack([np.ones(rows.count), rows["alpha"], rows["gamma"]])[small]
-    if len(design) < 3 * design.shape[1] or np.ptp(design[:, 2]) == 0.0:
+    order = np.linspace(-1.0, 1.0, rows.count)
+    rivals = np.column_stack([np.ones(rows.count), rows["alpha"], rows.memory("alpha"), order])[small]
+    camber, force = rows["gamma"][small], (rows["Fy"] / rows.load)[small]
+    if len(rivals) < 3 * (rivals.shape[1] + 1) or np.ptp(camber) == 0.0:
         return np.nan
-    scaled = design / np.maximum(np.abs(design).max(axis=0), 1e-300)
-    force = (rows["Fy"] / rows.load)[small]
-    solution, _, rank, _ = np.linalg.lstsq(scaled, force, rcond=None)
-    residual = force - scaled @ solution
-    if rank < 3:
+    scaled = rivals / np.maximum(np.abs(rivals).max(axis=0), 1e-300)
+    coefficients = np.linalg.lstsq(scaled, np.column_stack([camber, force]), rcond=SINGULAR)[0]
+    camber_alone, force = (np.column_stack([camber, force]) - scaled @ coefficients).T
+    if camber_alone @ camber_alone < SINGULAR * (camber @ camber):
         return np.nan
-    error = np.sqrt(np.linalg.inv(scaled.T @ scaled)[2, 2] * np.mean(residual**2))
-    # Neighboring rows of a sweep are correlated: the error is that of a tenth of them.
-    significant = abs(solution[2]) > max(MIN_CAMBER_RESPONSE, 3.0 * np.sqrt(10.0) * error)
-    return float(solution[2] / np.abs(design[:, 2]).max()) if significant else np.nan
+    slope = float(camber_alone @ force / (camber_alone @ camber_alone))
+    residual = force - slope * camber_alone
+    # Neighboring rows of a sweep are correlated: the error is that of a tenth of them, or of the passes through zero.
+    error = np.sqrt(10.0 * np.mean(residual**2) / (camber_alone @ camber_alone))
+    passes = np.cumsum(np.diff(np.flatnonzero(small), prepend=-1) > 1)
+    scores = np.bincount(passes, camber_alone * residual)
+    free = max(np.count_nonzero(scores) - rivals.shape[1], 1)
+    of_passes = np.sqrt(scores @ scores * len(scores) / free) / (camber_alone @ camber_alone)
+    significant = abs(slope) > max(MIN_CAMBER_RESPONSE / np.abs(camber).max(), 3.0 * error, 3.0 * of_passes)
+    return slope if significant else np.nan
 
 
 def _camber_sizes(rows: SampledRows, thrust: float, stiffness: float) -> dict[str, float]:

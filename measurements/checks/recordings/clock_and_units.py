@@ -1,4 +1,4 @@
-"""Jumps of the clock, mixed units, and a speed that may be in km/h."""
+"""Jumps and the unit of the clock, mixed and assumed units, and a speed that may be in km/h."""
 
 from __future__ import annotations
 
@@ -22,9 +22,11 @@ from ...thresholds import (
     MAX_BACKWARD_STEPS,
     RATIO_TOLERANCE,
 )
-from ...units import PSI
+from ...units import PSI, to_si
 from .finding import Finding
 
+#: s: a median step of a clock that no bench has, and steps that benches have.
+LONGEST_CLOCK_STEP, CLOCK_STEPS = 60.0, (1e-4, 1.0)
 #: Ratios of two units in which a bench writes a channel.
 RATIOS: Mapping[str, Mapping[float, str]] = {
     "V": {3.6: "m/s and km/h"},
@@ -34,10 +36,27 @@ RATIOS: Mapping[str, Mapping[float, str]] = {
 
 
 def clock_and_units(recording: Recording) -> Iterator[Finding]:
-    """Yield findings on jumps of the clock, on channels in two units, and on a speed that may be in km/h."""
+    """Yield findings on the clock, on channels in two units, on assumed units, and on a speed that may be in km/h."""
+    yield from _clock_unit(recording)
     yield from _clock_jumps(recording)
     yield from _mixed_units(recording)
     yield from _unlabelled_speed(recording)
+    if (units := recording.about.get("units", "")).startswith("assumed"):
+        yield Finding("unit", f"{recording.source}: units {units}", command="others: --units Fz=N,alpha=deg,...")
+
+
+def _clock_unit(recording: Recording) -> Iterator[Finding]:
+    """Yield a finding if the steps of the clock are longer than those of a bench, and another unit makes them usual."""
+    if "t" not in recording.table or "t" in recording.about.get("declared", "").split():
+        return
+    steps = np.diff(recording.table["t"].to_numpy(dtype=np.float64))
+    step = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
+    units = [unit for unit in ("ms", "us", "ns") if CLOCK_STEPS[0] <= step * to_si(1.0, unit) <= CLOCK_STEPS[1]]
+    if step > LONGEST_CLOCK_STEP and units:
+        yield Finding(
+            "clock", f"{recording.source}: t steps by {step:.4g} s: in {' or '.join(units)}?", serious=True,
+            command=f"--units t={units[0]}, or the header 't [{units[0]}]'",
+        )  # fmt: skip
 
 
 def _clock_jumps(recording: Recording) -> Iterator[Finding]:

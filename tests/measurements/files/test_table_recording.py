@@ -47,7 +47,7 @@ def test_headers_and_options_declare_other_units(written):
     first = read.table.iloc[0]
     assert first[["Fz", "p"]].tolist() == pytest.approx([-4003.4, 551581.0], rel=1e-4)
     assert first[["Fy", "alpha", "gamma"]].tolist() == pytest.approx([1000.0, -np.radians(2.0), 4.0])
-    with pytest.raises(DataError, match="no channel FYD"):
+    with pytest.raises(DataError, match=r"no column 'FYD' \(Fy\): did you mean FY"):
         read_recording(written(pounds), columns={"Fy": "FYD"})
 
 

@@ -59,8 +59,8 @@ def test_a_measured_channel_takes_precedence_over_a_constant(written):
         ({"rows": []}, "no rows"),
         ({"channels": [line.replace("deg ", "stone ") for line in CHANNELS]}, r"line 15: .*unknown unit 'stone'"),
         (
-            {"channels": [line.replace("FZW", "FZH") for line in CHANNELS]},
-            r"no channel FZW \(Fz\): forces in the axes H",
+            {"channels": [line.replace("FZW", "FZC") for line in CHANNELS]},
+            r"no channel FZW \(Fz\); forces in the axes C",
         ),
     ],
 )

@@ -1,0 +1,254 @@
+"""What the log of a drive contains, and a proposal of which column is which channel, with units and axes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ....boundary.errors import TirefmuError
+from ....boundary.escaping import toml_string
+from ....measurements.channels import OUTPUTS
+from ....measurements.column_names import intended_channel
+from ....measurements.files.cells import numbers
+from ....measurements.files.content import Column, Content, is_unit, name_and_unit
+from ....measurements.files.resolution import choices
+from ....measurements.units import GRAVITY, to_si, unit_named
+from .car_entries import example_text
+from .clock import TRIED, clock_problem
+from .log_channels import LOG_CHANNELS, TURNED, VERTICAL
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Steps between samples, in median steps, from which they are a gap.
+GAP = 5.0
+#: Characters of a name that the name of a column may contain among others.
+SHORTEST_CONTAINED = 8
+#: Share by which a mean may differ from gravity, correlations that show a sign and a cause.
+GRAVITY_SHARE, CLEAR, STRONG = 0.2, 0.3, 0.7
+_WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+
+
+@dataclass(frozen=True)
+class SurveyedColumn:
+    """One column of a log.
+
+    - `header`, `group`, `unit`: of the file; the unit is empty if it declares none.
+    - `samples`: number of values; NaN and invalid ones are none. `rate`: Hz. `longest_gap`: s; 0 without one.
+    - `lowest`, `highest`: in the unit of the file. `nearest`: the channel that its name suggests; empty without one.
+    """
+
+    header: str
+    group: str
+    unit: str
+    samples: int
+    rate: float
+    longest_gap: float
+    lowest: float
+    highest: float
+    nearest: str
+
+
+@dataclass(frozen=True)
+class Survey:
+    """The columns of a log, the proposed section [columns] of a car file, and how it was decided."""
+
+    columns: tuple[SurveyedColumn, ...]
+    proposal: Mapping[str, str]
+    notes: tuple[str, ...]
+
+    @property
+    def section(self) -> str:
+        """The section [columns] of a car file.
+
+        >>> print(Survey((), {"yaw_rate": "-gz [deg/s]"}, ("z points down",)).section)
+        [columns]
+        # z points down
+        yaw_rate = "-gz [deg/s]"
+        """
+        lines = [f"{name} = {toml_string(text)}" for name, text in self.proposal.items()]
+        return "\n".join(["[columns]", *(f"# {note}" for note in self.notes), *lines])
+
+    def car_text(self) -> str:
+        """Return a car file with this section; its numbers are examples and comments."""
+        body = example_text().partition("[columns]")[0]
+        lines = [f"# {line}" if line and line[0] not in "#[" else line for line in body.splitlines()]
+        return "\n".join([*lines, self.section, ""])
+
+
+def is_drive_log(content: Content) -> bool:
+    """Return whether a file is the log of a drive: no force of a tire, and two channels of a drive at least."""
+    names = [name_and_unit(column.header)[0] for column in content.columns]
+    if content.format in ("ttc", "tydex") or any(
+        name in OUTPUTS or intended_channel(name) in OUTPUTS for name in names
+    ):
+        return False
+    near = {nearest_channel(column) for column in content.columns} - {"", "t", "speed"}
+    return len(near) >= 2
+
+
+def nearest_channel(column: Column) -> str:
+    """Return the channel of a drive that the name of a column suggests and its unit allows; empty without one.
+
+    >>> [nearest_channel(Column("Yaw", [], unit)) for unit in ("deg/s", "deg", "bar")]
+    ['yaw_rate', 'heading', '']
+    """
+    return _nearest(column)[1]
+
+
+def _nearest(column: Column) -> tuple[int, str]:
+    """Return the nearest channel and 0 if the name is one of its names, 1 if it contains one."""
+    written = _words(name_and_unit(column.header)[0])
+    unit = column.declared_unit
+    quantity = unit_named(unit).quantity if is_unit(unit) else ""
+    ranked = []
+    for name, declared in LOG_CHANNELS.items():
+        if quantity in ("", declared.quantity):
+            aliases = [_words(alias) for alias in (name, *declared.aliases)]
+            contained = any(len(alias) >= SHORTEST_CONTAINED and f"_{alias}_" in f"_{written}_" for alias in aliases)
+            ranked += [(0 if written in aliases else 1, name)] if written in aliases or contained else []
+    return min(ranked, default=(2, ""))
+
+
+def nearest_column(name: str, content: Content) -> str:
+    """Return the header of the first column whose nearest channel is a given one; empty without one."""
+    return next((column.header for column in content.columns if nearest_channel(column) == name), "")
+
+
+def survey(content: Content, source: str) -> Survey:
+    """Return what a log contains; raises `DataError` if the column of time is not one."""
+    notes: list[str] = []
+    clock, clock_text = _clock(content, source)
+    rows: list[SurveyedColumn] = []
+    values: dict[str, tuple[Column, FloatArray, FloatArray | None]] = {}
+    best: dict[str, tuple[int, int]] = {}
+    for column in content.columns:
+        times = column.times if column.times is not None else clock
+        found = _numbers(column, content, source)
+        if found is None or (times is not None and len(found) != len(times)):
+            continue
+        rank, near = _nearest(column)
+        rows.append(_surveyed(column, found, times, near))
+        present = found[np.isfinite(found)]
+        fit = rank + (len(present) == 0 or np.ptp(present) == 0.0), -len(present)
+        if near not in ("", "t") and fit < best.get(near, (2, 0)):
+            best[near], values[near] = fit, (column, found, times)
+    down = content.down or _points_down(content, source)
+    if down:
+        why = "by the definition of the format" if content.down else "the vertical acceleration is -g"
+        notes.append(f"axes forward, right, down ({why}): channels of turning get a minus")
+    proposal = {"t": clock_text} if clock_text else {}
+    for name in LOG_CHANNELS:
+        if name in values:
+            column, found, _ = values[name]
+            sign = "-" if down and name in TURNED else ""
+            proposal[name] = f"{sign}{_text(column, name, found)}"
+    notes += _agreed(proposal, values)
+    changed = {name: text for name, text in proposal.items() if text != name}
+    return Survey(tuple(rows), changed, tuple(notes))
+
+
+def _surveyed(column: Column, values: FloatArray, times: FloatArray | None, near: str) -> SurveyedColumn:
+    present = values[np.isfinite(values)]
+    steps = np.diff(times[np.isfinite(values)]) if times is not None else np.empty(0)
+    forward = steps[steps > 0.0]
+    step = float(np.median(forward)) if len(forward) else 0.0
+    gap = float(forward.max()) if len(forward) and forward.max() > GAP * step else 0.0
+    low, high = (float(present.min()), float(present.max())) if len(present) else (0.0, 0.0)
+    rate = 1.0 / step if step else 0.0
+    return SurveyedColumn(column.header, column.group, column.declared_unit, len(present), rate, gap, low, high, near)
+
+
+def _numbers(column: Column, content: Content, source: str) -> FloatArray | None:
+    try:
+        return numbers(column.cells, source, column.header, content.location)[0]
+    except TirefmuError:  # a column of texts
+        return None
+
+
+def _clock(content: Content, source: str) -> tuple[FloatArray | None, str]:
+    """Return the times in s and how the car file names their column; nothing if each channel has its own."""
+    if any(column.times is not None for column in content.columns):
+        return None, ""
+    header = next((column.header for column in content.columns if column.meant == "t" or "t" in column.names), "")
+    header = header or nearest_column("t", content)
+    if not header:
+        return None, ""
+    chosen = choices(content, LOG_CHANNELS, source, {"t": header})["t"]
+    times = chosen.values(content, source)
+    finite = times[np.isfinite(times)]
+    if not chosen.declared and clock_problem(finite, header):
+        for unit in TRIED:
+            if not clock_problem(np.asarray(to_si(finite, unit)), header):
+                return np.asarray(to_si(times, unit)), f"{header} [{unit}]"
+    return times, header
+
+
+def _points_down(content: Content, source: str) -> bool:
+    """Return whether a vertical acceleration has the mean -g: z points down."""
+    for column in content.columns:
+        values = _numbers(column, content, source) if _words(name_and_unit(column.header)[0]) in VERTICAL else None
+        if values is not None and np.isfinite(values).any():
+            mean = float(np.nanmean(values))
+            return any(abs(mean / size + 1.0) < GRAVITY_SHARE for size in (1.0, GRAVITY))
+    return False
+
+
+def _text(column: Column, name: str, values: FloatArray) -> str:
+    """Return how a car file names a column, with the unit that its numbers suggest if the file declares none."""
+    header = f"{column.group}/{column.header}" if column.group and "/" not in column.header else column.header
+    if is_unit(column.declared_unit) or not len(values):
+        return header
+    size = float(np.nanquantile(np.abs(values), 0.99))
+    if LOG_CHANNELS[name].quantity == "acceleration" and 0.0 < size < 0.25 * GRAVITY and name in ("ax", "ay"):
+        return header  # g and a gentle drive in m/s^2 look alike
+    degrees = {"angle": ("deg", 3.5 if name == "steer" else 1.6), "rotation": ("deg/s", LOG_CHANNELS[name].limit)}
+    unit, most = degrees.get(LOG_CHANNELS[name].quantity, ("", np.inf))
+    return f"{header} [{unit}]" if size > most and name != "heading" else header
+
+
+def _agreed(proposal: dict[str, str], values: dict[str, tuple[Column, FloatArray, Any]]) -> Sequence[str]:
+    """Exchange ax and ay, and turn signs, so that steering, yaw rate and lateral acceleration agree.
+
+    In a turn of a car that moves forward all three have one sign: the one that differs from the two others is turned.
+    """
+    if "yaw_rate" not in values:
+        return ["no yaw rate: signs are not compared"]
+    notes = []
+    common = {name: _correlation(values["yaw_rate"], values[name]) for name in ("steer", "ax", "ay") if name in values}
+    if abs(common.get("ax", 0.0)) > STRONG and abs(common.get("ay", 1.0)) < CLEAR:
+        proposal["ax"], proposal["ay"] = proposal["ay"], proposal["ax"]
+        common["ax"], common["ay"] = common["ay"], common["ax"]
+        notes.append("ax follows the yaw rate and ay does not: they are exchanged")
+    signs = {name: -1.0 if proposal[name].startswith("-") else 1.0 for name in ("yaw_rate", *common)}
+    agree = {name: np.sign(common[name] * signs[name] * signs["yaw_rate"]) for name in ("steer", "ay")
+             if abs(common.get(name, 0.0)) > CLEAR}  # fmt: skip
+    wrong = [name for name, sign in agree.items() if sign < 0.0]
+    for name in ["yaw_rate"] if len(wrong) == 2 else wrong:
+        proposal[name] = proposal[name][1:] if signs[name] < 0.0 else f"-{proposal[name]}"
+        notes.append(f"{name} has the other sign than the rest: it is turned")
+    return notes
+
+
+def _correlation(
+    first: tuple[Column, FloatArray, FloatArray | None], second: tuple[Column, FloatArray, FloatArray | None]
+) -> float:
+    """Return the correlation of two channels about zero; 0 if their samples cannot be compared."""
+    (_, x, x_times), (_, y, y_times) = first, second
+    usable = np.isfinite(y)
+    if x_times is not None and y_times is not None and usable.any():
+        y = np.interp(x_times, y_times[usable], y[usable])
+    if len(x) != len(y):
+        return 0.0
+    usable = np.isfinite(x) & np.isfinite(y)
+    x, y = x[usable], y[usable]
+    size = float(np.sqrt((x @ x) * (y @ y)))
+    return float(x @ y) / size if size else 0.0
+
+
+def _words(name: str) -> str:
+    return "_".join(word.casefold() for word in _WORDS.findall(name))

@@ -1,0 +1,166 @@
+"""Cells of a column as numbers: dates, durations and elapsed times as seconds, texts of a status as missing values."""
+
+from __future__ import annotations
+
+import re
+from array import array
+from collections.abc import Callable, Iterable, Sequence
+from datetime import date, datetime, time, timedelta
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ...boundary.errors import DataError
+from ...numerics.arrays import FloatArray
+
+DAY = 86400.0
+#: Texts of loggers and benches in place of a value, in lower case without blanks and punctuation.
+MISSING = frozenset(
+    ("", "na", "nan", "null", "none", "notavail", "notavailable", "invalid", "nodata", "missing", "error", "fault",
+     "overflow", "underflow", "ol", "sna", "bad", "offline", "timeout", "inactive", "nosignal", "signalnotavailable")
+)  # fmt: skip
+_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
+_ELAPSED = re.compile(
+    r"(?P<sign>-)?(?:(?P<days>\d{1,6}) ?(?:days?|d) ?\+?)?(?:(?P<hours>\d{1,6}):)?(?P<minutes>\d{1,6}):"
+    r"(?P<seconds>\d{1,2}(?:[.,]\d{1,12})?)"
+)
+#: Integers beyond this one are not exact as floats.
+_EXACT = 2**53
+
+
+def numbers(
+    cells: Any, source: str, label: str, location: Callable[[int], str], *, clock: bool = False
+) -> tuple[FloatArray, bool]:
+    """Return the cells as floats, and whether they are seconds by their type: dates, durations, elapsed times.
+
+    `source`, `label`: file and column for messages. `location`: as of `Content`. `clock`: whether the column is a
+    time. Dates count from the first one, and a time of day that passes midnight continues. Raises `DataError` with the
+    first cell that is not a number.
+    """
+    cells = pd.Series(cells).reset_index(drop=True)
+    if cells.dtype.kind in "Mm" and clock:
+        return _seconds(cells), True
+    if pd.api.types.is_bool_dtype(cells):
+        cells = cells.astype(str)  # a truth value is not a number
+    if pd.api.types.is_numeric_dtype(cells):
+        if clock and cells.dtype.kind in "iu" and len(cells) and abs(int(cells.iloc[-1])) > _EXACT:
+            cells = cells - cells.iloc[0]
+        return cells.to_numpy(dtype=np.float64, na_value=np.nan), False
+    objects = cells.to_numpy(dtype=object, na_value=np.nan)
+    try:
+        return objects.astype(np.float64), False  # float() reads decimals exactly
+    except (TypeError, ValueError):
+        pass
+    if clock and (seconds := _clock(objects)) is not None:
+        return seconds, True
+    return np.array([_number(cell, row, source, label, location) for row, cell in enumerate(objects)]), False
+
+
+def is_number(cell: Any) -> bool:
+    """Return whether `float` accepts a cell.
+
+    >>> is_number("1e3"), is_number("N")
+    (True, False)
+    """
+    try:
+        float(cell)
+    except (TypeError, ValueError):
+        return False
+    return True
+
+
+def is_missing(cell: Any) -> bool:
+    """Return whether a cell has no value: empty, or a text of a status.
+
+    >>> is_missing("No Data"), is_missing("--"), is_missing("high")
+    (True, True, False)
+    """
+    return isinstance(cell, str) and re.sub(r"[\W_]+", "", cell).casefold() in MISSING
+
+
+def is_time(cell: Any) -> bool:
+    """Return whether a cell is a date, a duration or an elapsed time.
+
+    >>> is_time("01:02.5"), is_time("2024-05-01 10:00:00"), is_time("12.5")
+    (True, True, False)
+    """
+    if isinstance(cell, (date, time, timedelta, np.datetime64, np.timedelta64)):
+        return True
+    return isinstance(cell, str) and bool(
+        _ELAPSED.fullmatch(cell.strip()) or re.match(r"\d{4}-\d\d-\d\d|\d\d?[./]\d\d?[./]\d{4}\b", cell.strip())
+    )
+
+
+def _number(cell: Any, row: int, source: str, label: str, location: Callable[[int], str]) -> float:
+    if is_number(cell):
+        return float(cell)
+    if is_missing(cell):
+        return float("nan")
+    shown = str(cell)
+    hint = f": a decimal comma? write {shown.replace(',', '.')}" if _COMMA.fullmatch(shown.strip()) else ""
+    raise DataError(f"{source}: {location(row)}: {label}: {shown!r} is not a number{hint}")
+
+
+def _seconds(cells: pd.Series) -> FloatArray:
+    if cells.dtype.kind == "M":
+        cells = cells - cells.dropna().iloc[0] if cells.notna().any() else cells - cells
+    whole = cells.to_numpy(dtype="timedelta64[ns]").astype(np.int64)
+    return np.where(cells.isna(), np.nan, whole / 1e9)
+
+
+def _clock(objects: Any) -> FloatArray | None:
+    """Return elapsed times or dates as seconds; None if they are neither."""
+    present = [cell for cell in objects if not (is_missing(cell) or cell is None or cell != cell)]
+    if all(isinstance(cell, (time, timedelta)) or _ELAPSED.fullmatch(str(cell).strip()) for cell in present):
+        seconds = np.array([_elapsed(cell) for cell in objects])
+        # A time of day begins again at midnight.
+        steps = np.diff(seconds, prepend=seconds[:1])
+        return np.asarray(seconds + DAY * np.cumsum(np.nan_to_num(steps) < -0.5 * DAY))
+    if all(is_time(cell) or isinstance(cell, datetime) for cell in present):
+        for form in ("ISO8601", None):
+            try:
+                return _seconds(pd.to_datetime(pd.Series(objects), utc=True, format=form))
+            except (ValueError, TypeError, OverflowError):
+                continue
+    return None
+
+
+def _elapsed(cell: Any) -> float:
+    if isinstance(cell, timedelta):
+        return cell.total_seconds()
+    if isinstance(cell, time):
+        return 3600.0 * cell.hour + 60.0 * cell.minute + cell.second + 1e-6 * cell.microsecond
+    match = _ELAPSED.fullmatch(str(cell).strip())
+    if match is None:
+        return float("nan")
+    days, hours, minutes = (float(match[part] or 0.0) for part in ("days", "hours", "minutes"))
+    size = DAY * days + 3600.0 * hours + 60.0 * minutes + float(match["seconds"].replace(",", "."))
+    return -size if match["sign"] else size
+
+
+def rows_of_cells(rows: Iterable[tuple[int, Sequence[str]]], names: Sequence[str], source: str) -> Any:
+    """Return the cells of the rows of a text file, shape (n, number of names): numbers, or texts if one is none.
+
+    `rows`: line number and cells of each. Raises `DataError` if there is none, or a row has another number of cells
+    than there are names.
+    """
+    values, texts = array("d"), []  # 8 bytes each; a list of texts needs ten times as much
+    for line, cells in rows:
+        if len(cells) != len(names):
+            raise DataError(f"{source}: line {line}: {len(cells)} cells for {len(names)} channels")
+        try:
+            values.extend(map(float, cells))
+        except ValueError:
+            del values[len(values) - len(values) % len(names) :]
+            texts.append((len(values) // len(names), list(cells)))
+            values.extend([np.nan] * len(names))
+    if not values:
+        raise DataError(f"{source}: no rows")
+    table = np.array(values).reshape(-1, len(names))
+    if not texts:
+        return table
+    mixed = table.astype(object)
+    for row, cells in texts:
+        mixed[row] = cells
+    return mixed

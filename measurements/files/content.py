@@ -1,0 +1,150 @@
+"""What a reader returns: the columns of a file as it stores them, with units and times, before any conversion."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ...boundary.errors import TirefmuError
+from ...numerics.arrays import FloatArray
+from ..units import UNITS, unit_named
+
+#: Upper limits: columns of a table, characters of a header that may declare a unit.
+MAX_COLUMNS, LONGEST_HEADER = 5000, 200
+#: Ignored parts of one kind that are listed by name.
+MAX_LISTED = 8
+_HEADER = re.compile(r"(?P<name>.*\S)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\))")
+
+_INDEX = re.compile(r"\S\[\d+\]$")
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """One column of a file.
+
+    - `header`: its name in the file; it may contain a unit (``alpha [deg]``).
+    - `cells`, shape (n,): array or Series of any type; what the file marks as invalid is NaN.
+    - `unit`: unit that the file declares elsewhere: row of units, metadata; empty without one.
+    - `meant`: channel that the format defines the column to be.
+    - `group`: what distinguishes columns of one name: group of channels, structure, topic.
+    - `times`, shape (n,): its own times, s; None if the column t has them.
+    - `axis`: what its times are if they are not times, such as "angle (deg)".
+    - `place`: of its declaration, for messages: "line 15: channel FZW".
+    """
+
+    header: str
+    cells: Any
+    unit: str = ""
+    meant: str = ""
+    group: str = ""
+    times: FloatArray | None = None
+    axis: str = ""
+    place: str = ""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The header, and without the unit that it declares; each also behind its group."""
+        plain = dict.fromkeys((self.header, name_and_unit(self.header)[0]))
+        return (*plain, *(f"{self.group}/{name}" for name in plain if self.group))
+
+    @property
+    def declared_unit(self) -> str:
+        """The unit that the file declares; empty without one."""
+        return self.unit or name_and_unit(self.header)[1] or ""
+
+
+def row_number(row: int) -> str:
+    """Return the place of a row in a table without lines.
+
+    >>> row_number(0)
+    'row 1'
+    """
+    return f"row {row + 1}"
+
+
+@dataclass(frozen=True, eq=False)
+class Content:
+    """The columns of a file.
+
+    - `location`: from the number of a row, counted from 0, to "line 12" or "row 12" for messages.
+    - `format`: "" for a table, whose other columns are passed through; "ttc", "tydex", or that of a log.
+    - `signs`: convention that the file states or its names imply; empty without one.
+    - `units`: by channel, the unit of a column that declares none; SI for others.
+    - `about`: metadata of a recording (`Recording.about`).
+    - `lacking`: by channel, why the format cannot give it.
+    - `ignored`: what of the file is not read: sheets, groups, rows, texts.
+    - `down`: whether the axes of a log are forward, right, down by the definition of its format.
+    """
+
+    columns: tuple[Column, ...]
+    location: Callable[[int], str] = row_number
+    format: str = ""
+    signs: str = ""
+    units: Mapping[str, str] = field(default_factory=dict)
+    about: Mapping[str, str] = field(default_factory=dict)
+    lacking: Mapping[str, str] = field(default_factory=dict)
+    ignored: tuple[str, ...] = ()
+    down: bool = False
+
+
+def name_and_unit(header: str) -> tuple[str, str | None]:
+    """Return the name of a header, and the unit in brackets behind it.
+
+    Round brackets declare a unit only if it is a known one; a number without a blank before its bracket is an index.
+
+    >>> name_and_unit("alpha [deg]"), name_and_unit("V (km/h)"), name_and_unit("W (IMU)"), name_and_unit("gyro[2]")
+    (('alpha', 'deg'), ('V', 'km/h'), ('W (IMU)', None), ('gyro[2]', None))
+    """
+    header = header.strip()
+    match = _HEADER.fullmatch(header) if len(header) <= LONGEST_HEADER else None
+    if match is None or (match["square"] is None and not is_unit(match["round"])) or _INDEX.search(header):
+        return header, None
+    return match["name"], (match["square"] if match["square"] is not None else match["round"]).strip()
+
+
+def is_unit(spelling: str) -> bool:
+    """Return whether a text is the spelling of a unit.
+
+    >>> is_unit("deg/s"), is_unit("IMU"), is_unit("")
+    (True, False, False)
+    """
+    try:
+        return bool(spelling.strip()) and unit_named(spelling) is not UNITS[""]
+    except TirefmuError:
+        return False
+
+
+def frame_columns(table: pd.DataFrame, units: Mapping[str, str] | None = None) -> Iterator[Column]:
+    """Yield the columns of a DataFrame and its named index, where Parquet files and MATLAB timetables have their times.
+
+    `units`: by name. An index of dates or durations is the time unless a column is named t.
+    """
+    units = units or {}
+    for level in range(table.index.nlevels):
+        values = table.index.get_level_values(level)
+        clock = values.dtype.kind in "Mm" and "t" not in table.columns
+        if values.name is not None or clock:
+            header = "Time" if values.name is None else str(values.name)
+            yield Column(header, pd.Series(values), units.get(header, ""), "t" if clock else "")
+    for number, name in enumerate(map(str, table.columns)):
+        yield Column(name, table.iloc[:, number].reset_index(drop=True), units.get(name, ""))
+
+
+def listed(names: list[str]) -> str:
+    """Return names in one line, the number of further ones in place of them.
+
+    >>> listed(["a", "b"])
+    'a, b'
+    """
+    more = f" and {len(names) - MAX_LISTED} more" if len(names) > MAX_LISTED else ""
+    return ", ".join(names[:MAX_LISTED]) + more
+
+
+def masked(values: Any, invalid: Any) -> FloatArray:
+    """Return numbers with NaN where they are invalid."""
+    return np.where(invalid, np.nan, np.asarray(values, dtype=np.float64))

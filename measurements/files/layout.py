@@ -1,0 +1,85 @@
+"""Where the names, the units and the numbers of a sheet of cells are: titles above, a row of units below the names."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from .cells import is_missing, is_number, is_time
+from .content import is_unit
+
+#: Rows at the top of a file in which the numbers begin.
+SAMPLED = 400
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Rows of a sheet, counted from 0: of the names, of the units (None without), and the first one of the numbers."""
+
+    names: int
+    units: int | None
+    first: int
+
+
+def layout(rows: Sequence[Sequence[Any]]) -> Layout:
+    """Return the layout of a sheet from its first rows without the blank ones.
+
+    The numbers begin at the first row of the common width in which most cells are numbers or times. The units are the
+    row above in which no cell is a number and one is a known unit; the names are the row above that. Without such a
+    row of numbers the first row of the common width has the names.
+
+    >>> layout([["Run title"], ["ET", "SA"], ["sec", "deg"], ["0.0", "1.5"], ["0.1", "1.6"]])
+    Layout(names=1, units=2, first=3)
+    >>> layout([["kind", "Fz"], ["first", "900"]])
+    Layout(names=0, units=None, first=1)
+    """
+    rows = rows[:SAMPLED]
+    width = _common_width(rows)
+    wide = [number for number, row in enumerate(rows) if _width(row) >= width]
+    numeric = [_is_numeric(row) for row in rows]
+    start = next(
+        (n for n in wide if n and numeric[n] and (n + 1 >= len(rows) or numeric[n + 1] or n + 1 not in wide)), None
+    )
+    if start is None:
+        names = next((n for n in wide if _filled(rows[n]) > 1 or width < 2), 0)
+        units = names + 1 if names + 1 < len(rows) and _is_units(rows[names + 1]) else None
+        return Layout(names, units, (names if units is None else units) + 1)
+    above = [n for n in wide if n < start]
+    if not above:
+        return Layout(0, None, 1)
+    if len(above) > 1 and _is_units(rows[above[-1]]):
+        return Layout(above[-2], above[-1], start)
+    return Layout(above[-1], None, above[-1] + 1)
+
+
+def _common_width(rows: Sequence[Sequence[Any]]) -> int:
+    """Return the width of most rows, the larger one of two that are equally common."""
+    widths = Counter(map(_width, rows))
+    return max(widths, key=lambda width: (widths[width], width), default=0)
+
+
+def _width(row: Sequence[Any]) -> int:
+    return len(row)
+
+
+def _filled(row: Sequence[Any]) -> int:
+    return sum(not _is_empty(cell) for cell in row)
+
+
+def _is_empty(cell: Any) -> bool:
+    return cell is None or cell != cell or (isinstance(cell, str) and not cell.strip())
+
+
+def _is_numeric(row: Sequence[Any]) -> bool:
+    """Return whether most cells of a row are numbers, times or missing values, and one is not missing."""
+    cells = [cell for cell in row if not _is_empty(cell)]
+    values = sum(is_number(cell) or is_time(cell) for cell in cells)
+    return values > 0 and 2 * sum(is_number(cell) or is_time(cell) or is_missing(cell) for cell in cells) > len(cells)
+
+
+def _is_units(row: Sequence[Any]) -> bool:
+    """Return whether a row has units: a known one at least, and no number but 1."""
+    cells = [str(cell).strip() for cell in row if not _is_empty(cell)]
+    return any(map(is_unit, cells)) and all(cell in ("1", "-") or not is_number(cell) for cell in cells)

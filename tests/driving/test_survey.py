@@ -1,0 +1,71 @@
+"""inspect of a log: columns, nearest channels, axes, and the section of a car file, with which the log is read."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.applications.driving.inputs.log import read_log
+from tirefmu.boundary.bounded_file import toml_file
+from tirefmu.boundary.errors import TirefmuError
+from tirefmu.commands.cli import main
+
+T = np.arange(0.0, 20.0, 0.05)
+STEER = 0.4 * np.sin(T)
+LOG = pd.DataFrame({"t": T, "steer": STEER, "speed": 15.0, "yaw_rate": 0.4 * STEER, "ax": 0.2, "ay": 6.0 * STEER})
+
+
+def logger(rows: pd.DataFrame, **changes: object) -> pd.DataFrame:
+    """Return a log under other names, in other units."""
+    return pd.DataFrame({
+        "Time": rows["t"], "Steered Angle [deg]": np.degrees(rows["steer"]), "Ground Speed [km/h]": 3.6 * rows["speed"],
+        "Gyro Z [deg/s]": np.degrees(rows["yaw_rate"]), "G Force Long [G]": rows["ax"] / 9.80665,
+        "G Force Lat [G]": rows["ay"] / 9.80665, **changes,
+    })  # fmt: skip
+
+
+DOWN = LOG.assign(**{name: -LOG[name] for name in ("steer", "yaw_rate", "ay")})
+CASES = {
+    "left": logger(LOG),
+    "down": logger(DOWN, **{"G Force Vert [G]": -1.0}),
+    "yaw rate to the right": logger(LOG.assign(yaw_rate=-LOG["yaw_rate"])),
+    "steering to the right": logger(LOG.assign(steer=-LOG["steer"])),
+    "exchanged": logger(LOG.assign(ax=LOG["ay"], ay=LOG["ax"])),
+    "milliseconds": logger(LOG.assign(t=1e3 * LOG["t"])),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_proposed_section_reads_the_log(tmp_path, monkeypatch, case):
+    monkeypatch.chdir(tmp_path)
+    CASES[case].to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv", "-o", "car.toml", "--json", "found.json", "--quiet"]) == 0
+    proposal = json.loads((tmp_path / "found.json").read_text(encoding="utf-8"))["proposal"]
+    columns = toml_file(tmp_path / "car.toml", TirefmuError)["columns"]
+    assert columns == proposal
+    log = read_log("log.csv", columns)
+    for name in ("steer", "speed", "yaw_rate", "ax", "ay"):
+        np.testing.assert_allclose(log.values(name), LOG[name], atol=1e-12)
+        np.testing.assert_allclose(log.channels[name][0], T, atol=1e-9)
+    assert main(["inspect", "log.csv", "-o", "car.toml", "--quiet"]) == 2  # the numbers of a car are not lost
+
+
+def test_a_car_file_that_is_proposed_lacks_its_numbers(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    CASES["left"].to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv", "-o", "car.toml"]) == 0
+    assert main(["drive", "log.csv", "--vehicle", "car.toml", "--tire", "unicamp_small_tire", "-o", "answer"]) == 2
+    assert "lacks" in capsys.readouterr().err
+
+
+def test_a_table_of_a_bench_is_no_log(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    alpha = 0.1 * np.sin(T)
+    pd.DataFrame({"t": T, "alpha": alpha, "Fz": 900.0, "Fy": -9e3 * np.tanh(alpha), "yaw_rate": 0.0, "ay": 0.0}).to_csv(
+        "bench.csv", index=False
+    )
+    main(["inspect", "bench.csv"])
+    assert "the log of a drive" not in capsys.readouterr().out
