@@ -75,7 +75,6 @@ class Proof:
 @click.option("--inputs", default="slip", show_default=True,
               help="slip: kappa, alpha, ...; wheel: velocities of the contact point and angular speed; hub: motion of"
               " the wheel carrier, spin, road; hub-torque: drive and brake torque in place of the spin.")  # fmt: skip
-@click.option("--road", type=FILE, help="OpenCRG file of a road inside the FMU, for hub and hub-torque.")
 @click.option("--arrays", is_flag=True, help="FMI 3, hub inputs: vectors and the rotation matrix are array variables.")
 @click.option("--axes", type=click.Choice(["iso", "sae"]), default="iso", show_default=True, help="Axes of the FMU.")
 @click.option("--quantities", is_flag=True, help="Every named quantity is an output.")
@@ -107,7 +106,7 @@ class Proof:
 def export(
     tires: tuple[Path, ...], output: Path | None, ssp: Path | None, vehicle: Path | None, mirror: bool,
     radius: float | None,
-    interface: InterfaceOptions, proof: Proof, selection: TableOptions, kind: str, platforms: str, road: Path | None,
+    interface: InterfaceOptions, proof: Proof, selection: TableOptions, kind: str, platforms: str,
     arrays: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Export TIRE as an FMU.
@@ -124,8 +123,8 @@ def export(
         raise TirefmuError(f"--ssp packs native FMUs, not kind {kind}")
     if kind == "sti" and interface != InterfaceOptions(None, "slip", "iso", False):
         raise TirefmuError("--kind sti has inputs and outputs of its own: omit --fmi, --inputs, --axes, --quantities")
-    if (road or arrays) and (ssp or kind != "native"):
-        raise TirefmuError("--road and --arrays are for one native FMU")
+    if arrays and (ssp or kind != "native"):
+        raise TirefmuError("--arrays is for one native FMU")
     if proof.path is None and (proof.fit or selection.arguments):
         raise TirefmuError("--fit, --signs, --where, --columns, --units belong to a proof: give --proof TABLE")
     if proof.path and (ssp or arrays or kind not in ("native", "pythonfmu")):
@@ -133,12 +132,12 @@ def export(
     if vehicle and not ssp:
         raise TirefmuError("--vehicle is part of a system: give --ssp")
     check_output_paths(target, json_file)
-    check_input_paths(*tires, road, vehicle, proof.path, proof.fit)
+    check_input_paths(*tires, vehicle, proof.path, proof.fit)
     from ..fmu import export_parameters, export_sti, export_system
     from ..fmu.description.standstill import with_lengths
     from ..fmu.packaging.system import side_notes
     from ..tires import tire_from
-    from ..tires.limits import limits_of
+    from ..tires.description import limits_of
     from ..tires.property_file.use import use_notes
     from .terminal import Terminal
 
@@ -157,7 +156,7 @@ def export(
             written = export_sti(loaded[0], target, platforms=platforms)
         else:
             options = {**shared, "quantities": interface.quantities, "kind": kind, "platforms": platforms}
-            written = proof.export(loaded[0], target, selection, **options, road=road, arrays=arrays)
+            written = proof.export(loaded[0], target, selection, **options, arrays=arrays)
     size = written.stat().st_size
     what = "ssp" if ssp else kind if kind in ("ssv", "sti") else "fmu"
     described = {} if kind == "sti" else {"fmi": version, "inputs": inputs}

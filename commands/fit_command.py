@@ -90,6 +90,7 @@ def _weight(text: str) -> tuple[str, float]:
 @click.option("--loss", default="squares", show_default=True,
               help="Loss function: squares; huber or cauchy for data with outliers.")  # fmt: skip
 @NOMINAL
+@click.option("--size", help="Size of the tire, 245/45R18 or 16x7.5-10: radius, width and rim  [default: as recorded]")
 @tables_read
 @click.option("--all-rows", "screening", is_flag=True, callback=lambda context, option, given: not given,
               help="Do not exclude rows (warm-up, transitions, outliers).")  # fmt: skip

@@ -11,16 +11,16 @@ import numpy as np
 import pandas as pd
 
 from ..boundary.errors import FitError
+from ..measurements.checks.recordings.coverage import coverage_texts
 from ..measurements.recording import distinct
 from ..tires.code import fastest_code
-from ..tires.limits import idle_effects, idle_notes
 from ..tires.property_file.names import assumed_lines, in_written_order, not_measured_lines, unmeasured_coefficients
+from ..tires.summary import idle_effects, idle_notes
 from ..tires.tire import Tire
 from .constraints.physical import operating_range
 from .constraints.verification import VerifiedConstraints
 from .data.simulated_states import with_states
 from .evidence.coverage import coverage
-from .evidence.coverage_rule import coverage_texts
 from .evidence.residuals import Residuals
 from .problem.effective_weights import effective_weights
 from .problem.ellipse import ellipse_values

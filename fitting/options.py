@@ -38,7 +38,11 @@ class FitOptions:
     seed : int
         Seed of a random method.
     nominal : mapping of str to float, optional
-        Fz0 (N), R0 (m), p0 (Pa), V0 (m/s), as far as the model has them; by default the medians of the data and 0.3 m.
+        Fz0 (N), R0 (m), p0 (Pa), V0 (m/s), as far as the model has them; by default the medians of the data, and the
+        radius that `size` or the recordings show.
+    size : str, optional
+        Designation of the tire's size, "245/45R18" or "16x7.5-10": radius, width and rim radius. By default that in the
+        title of a recording.
     screening : bool
         Whether to exclude outliers and rows of a cold tread, of transitions between levels, and of a lifted or
         stationary wheel (`FitResult.excluded_rows`). Goodness of fit is computed over all rows.
@@ -76,6 +80,7 @@ class FitOptions:
     iterations: int | None = None
     seed: int = 0
     nominal: Mapping[str, float] | None = None
+    size: str | None = None
     screening: bool = True
     rows: str = "condition"
     weights: Mapping[str, float] = field(default_factory=dict)

@@ -19,6 +19,7 @@ from ..tires.code.printed import model_with
 from ..tires.property_file.names import not_given
 from ..tires.tire import Tire
 from .constraints.physical import Constraint, chosen_constraints
+from .data.dimensions import dimensions
 from .data.fit_data import FitData, prepare
 from .data.initial_values import starting_values
 from .family import Family
@@ -29,6 +30,8 @@ from .solvers.selection import Solver, solver_for
 
 #: Value of `start` for initial values that are read from the data.
 FEATURES = "features"
+#: Radius of a tire of which nobody knows it, m: in forces it has no influence.
+UNKNOWN_RADIUS = 0.3
 
 
 @dataclass(frozen=True)
@@ -87,6 +90,7 @@ class Setup:
     - `tire`: initial values, in adapted SAE.
     - `read`: initial values that were read from the data.
     - `notes`: notes for the user: what was assumed, what is not fitted.
+    - `measured`: coefficients with dimensions that the size or the recordings give.
     """
 
     plan: Plan
@@ -94,6 +98,7 @@ class Setup:
     tire: Tire
     read: Mapping[str, float]
     notes: tuple[str, ...]
+    measured: frozenset[str] = frozenset()
 
     @classmethod
     def of(cls, plan: Plan, recordings: Sequence[Recording]) -> Setup:
@@ -103,6 +108,7 @@ class Setup:
         tire, or contradict the nominal values.
         """
         options, model, start = plan.options, plan.symbolic_model, plan.start
+        given_nominal = {NOMINAL[name] for name in options.nominal or {} if name in NOMINAL}
         check_nominal(options.nominal or {}, model, (recording.table for recording in recordings))
         check_radius(options.nominal or {}, recordings)
         given = start.has if options.effects is None and start is not None else options.effects
@@ -113,7 +119,11 @@ class Setup:
         for name in options.nominal or {}:
             if NOMINAL[name] not in model.coefficients:
                 notes.append(f"nominal {name} is not used by {model.name}")
-        values = {**_initial_values(plan, data.fitted, notes), **_fixed(plan)}
+        measured, sources = dimensions(recordings, options.size) if start is None or options.size else ({}, [])
+        measured = {name: value for name, value in measured.items() if name in model.coefficients}
+        measured = {name: value for name, value in measured.items() if name not in given_nominal}
+        notes += [note for note in sources if not (note.startswith("radius") and "UNLOADED_RADIUS" not in measured)]
+        values = {**_initial_values(plan, data.fitted, measured, notes), **_fixed(plan)}
         name, about = (start.name, start.about) if start is not None else ("", {})
         tire = Tire(
             model.name, values, effects=effects, signs="adapted-sae", name=name, about=about, added=model.added,
@@ -122,7 +132,7 @@ class Setup:
         if plan.features:
             summary = ", ".join(f"{name} {value:.3g}" for name, value in read.items())
             notes.append(f"initial values read from the data: {summary or 'none, generic values used'}")
-        return cls(plan, data, tire, read, tuple(notes))
+        return cls(plan, data, tire, read, tuple(notes), frozenset(measured))
 
     @property
     def assumed(self) -> frozenset[str]:
@@ -130,7 +140,8 @@ class Setup:
         start = self.plan.start
         unknown = self.tire.defaulted if start is not None else (*self.tire.defaulted, "UNLOADED_RADIUS")
         inherited = () if start is None else not_given(start)
-        return frozenset((*unknown, *inherited)) - {NOMINAL[name] for name in self.plan.options.nominal or {}}
+        given = {NOMINAL[name] for name in self.plan.options.nominal or {}}
+        return frozenset((*unknown, *inherited)) - given - self.measured
 
 
 def _start_tire(start: TireLike, radius: float | None) -> Tire:
@@ -147,18 +158,20 @@ def _start_tire(start: TireLike, radius: float | None) -> Tire:
         raise UnknownName("start", str(start), [FEATURES, *error.known]) from None
 
 
-def _initial_values(plan: Plan, data: pd.DataFrame, notes: list[str]) -> dict[str, float]:
-    """Return the known initial values: those of the start tire, or nominal values that are given or are medians."""
+def _initial_values(
+    plan: Plan, data: pd.DataFrame, measured: Mapping[str, float], notes: list[str]
+) -> dict[str, float]:
+    """Return the known initial values: of the start tire, nominal ones, `measured` dimensions, medians of the data."""
     model, start = plan.symbolic_model, plan.start
     nominal = {NOMINAL[name]: value for name, value in (plan.options.nominal or {}).items()}
     given = {name: value for name, value in nominal.items() if name in model.coefficients}
     if start is not None:
         if start.model != model.name:
             raise FitError(f"the start tire is {start.model}, not {model.name}")
-        return {**start.in_signs("adapted-sae").values, **given}
-    values = {"UNLOADED_RADIUS": 0.3, **_medians(model, data, given, notes), **given}
-    if "UNLOADED_RADIUS" not in given:
-        notes.append("radius R0 not given: 0.3 m (it only scales the moment coefficients)")
+        return {**start.in_signs("adapted-sae").values, **measured, **given}
+    values = {"UNLOADED_RADIUS": UNKNOWN_RADIUS, **measured, **_medians(model, data, given, notes), **given}
+    if "UNLOADED_RADIUS" not in {*measured, *given}:
+        notes.append(f"radius R0 not known: {UNKNOWN_RADIUS} m is assumed; give --size 205/55R16 or --nominal R0=0.31")
     if "FNOMIN" not in values:
         raise FitError("no load Fz in the data: specify --nominal Fz0=...")
     return values

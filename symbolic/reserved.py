@@ -52,7 +52,7 @@ _TIR_KEYS = re.compile(
     "LENGTH|FORCE|ANGLE|MASS|TIME|TEMPERATURE|FITTYP|TYRESIDE|USE_MODE|PROPERTY_FILE_FORMAT|FILE_(TYPE|VERSION|FORMAT)"
     "|NAME|EFFECTS"
 )
-_TIR_SECTIONS = frozenset(["added", "about", "ranges", "assumed", "kept_units"])
+_TIR_SECTIONS = frozenset(["added", "about", "ranges", "assumed", "kept_units", "not_measured"])
 
 #: The form of names; other names of this form are reserved.
 COEFFICIENT_NAME = re.compile("[A-Z][A-Z0-9]*(_[A-Z0-9]+)*")

@@ -9,10 +9,11 @@ from typing import Any
 from ..symbolic.declarations import Coefficient
 from ..symbolic.models import MODELS
 from . import Tire
+from .definition import TireDefinition
 from .implausible import implausible
-from .limits import idle_effects
 from .property_file.names import MAX_SEARCHED, OWN_SECTIONS, near_miss, not_given, not_measured, unit_of
 from .property_file.text import number_and_rest
+from .summary import idle_effects, idle_notes
 
 #: Sections without information about the tire, or with information reported elsewhere.
 _OURS = ("MDI_HEADER", *OWN_SECTIONS)
@@ -77,6 +78,15 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
         ],
         "values": dict(tire.values),
     }
+
+
+def limits_of(tire: TireDefinition) -> list[str]:
+    """Return a sentence on each effect beyond those of its model that does nothing, and on what was not measured.
+
+    The effects of a model do nothing in most tires; further ones were asked for.
+    """
+    idle = (name for name in idle_effects(tire) if name not in tire.symbolic_model.default_effects)
+    return [*idle_notes(idle), *not_measured(tire).values()]
 
 
 def _is_property(declared: Coefficient, value: float) -> bool:

@@ -1,6 +1,8 @@
-"""A summary of a tire in a few lines, for ``repr`` and notebooks."""
+"""A summary of a tire in a few lines, for ``repr`` and notebooks, and what its user has to know."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 from ..boundary.escaping import excerpt
 from .definition import TireDefinition
@@ -52,6 +54,32 @@ def tire_html(tire: TireDefinition) -> str:
     rows = [(declared.name, tire.values[declared.name], declared.unit, declared.description) for declared in given]
     table = html_table(["coefficient", "value", "unit", "description"], rows)
     return html_summary(tire_text(tire), html_details(f"Coefficients ({tire.signs} signs)", table))
+
+
+def idle_effects(tire: TireDefinition) -> list[str]:
+    """Return the effects of a tire that do nothing: their coefficients are neutral, but for references.
+
+    >>> from tirefmu.tires import published
+    >>> "camber_thrust" in idle_effects(published("trento_hoosier"))
+    False
+    """
+    model, plain = tire.symbolic_model, tire.in_signs("adapted-sae")
+    neutral = {name: declaration.neutral for name, declaration in model.coefficients.items()}
+    idle = []
+    for effect in (name for name in model.effects if name in tire.has):
+        switched = [name for name in model.owned(effect) if neutral[name] is not None]
+        if switched and all(plain.values[name] == neutral[name] for name in switched):
+            idle.append(effect)
+    return idle
+
+
+def idle_notes(names: Iterable[str]) -> list[str]:
+    """Return a sentence on each effect that does nothing.
+
+    >>> idle_notes(["relax_mf"])
+    ['the effect relax_mf does nothing: its coefficients have neutral values']
+    """
+    return [f"the effect {name} does nothing: its coefficients have neutral values" for name in names]
 
 
 def _nominal(tire: TireDefinition) -> list[tuple[str, float, str]]:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ...boundary.errors import DataError
 from ...tires import Tire, tire_from
-from ...tires.limits import limits_of
+from ...tires.description import limits_of
 from ...tires.tire_argument import TireLike
 from .disagreement import disagreement
 from .effects import factor_values, motion_of, scaled

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ...fitting.evidence.coverage_rule import lacking_peak
+from ...measurements.checks.recordings.coverage import lacking_peak
 from ...tires import Tire
 from .estimate import Estimate
 from .inputs.unknowns import AXLES, CHANGED, FACTORS, LATERAL, Unknowns

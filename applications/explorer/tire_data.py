@@ -11,6 +11,7 @@ from ...boundary.escaping import excerpt, file_name
 from ...symbolic.declarations import Coefficient, Quantity
 from ...tires import Tire
 from ...tires.definition import RANGES as RANGE_KEYS
+from ...tires.property_file.names import unmeasured_coefficients
 from .property_file_template import property_file_template
 
 #: Units of the sliders, and the factors from SI values; all other units are SI units.
@@ -75,6 +76,7 @@ def tire_data(
     ends = {name for pair in RANGE_KEYS.values() for name in pair} | _starts(whole).keys()
     adjustable = read.keys() - ends
     owners = {name: _owner(whole, name) for name in model.coefficients}
+    unmeasured = unmeasured_coefficients(tire)
     return {
         "name": excerpt(tire.name or name, 80),
         "file_name": file_name(tire.name or name, "tire"),
@@ -87,6 +89,7 @@ def tire_data(
         "lags": [{"name": lag.name, "text": lag.description, "unit": ""} for lag in lags],
         "coefficients": [
             _coefficient(declared, whole.values[key], owners[key], key in adjustable, intervals.get(key))
+            | ({"text": excerpt(f"{declared.description}, not measured")} if key in unmeasured else {})
             for key, declared in model.coefficients.items()
         ],
         "effects": [

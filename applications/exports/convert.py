@@ -83,7 +83,7 @@ def convert(tire: TireLike, path: str | Path, host: str, model: str | None = Non
         wide = _over_all_inputs(table, whole)
         errors = relative_errors(converted, wide, whole.evaluate(wide, steady=True))
     written = _for_host(converted if refitted else whole, rules, chosen)
-    write_tir(written, path)
+    write_tir(written, path, line_end="\r\n" if rules.expects_crlf else "\n")
     findings = lint(path, host)
     stated = {finding.text for finding in findings}
     lost = [*lost_effects(whole, rules, folded), *_lost_relaxation(whole, written), *use_notes(whole)]

@@ -52,6 +52,8 @@ class Host:
     - `units`: accepted units by key of [UNITS].
     - `ignored`: effects of the models that the host does not evaluate.
     - `longest_line`: longest line in characters; 0: no limit known.
+    - `expects_crlf`: its own tools write lines with CRLF.
+    - `cuts_lines`: its reader takes the last two characters of every line for CRLF.
     - `notes`: what is known to differ, or is not known.
     """
 
@@ -61,6 +63,8 @@ class Host:
     units: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     ignored: tuple[str, ...] = ()
     longest_line: int = 0
+    expects_crlf: bool = True
+    cuts_lines: bool = False
     notes: tuple[str, ...] = ()
 
 
@@ -143,8 +147,11 @@ HOSTS: dict[str, Host] = {
                "MASS": ("KG",), "TIME": ("SECOND",)},
         ignored=("turn_slip", *TRANSIENT, *PRESSURE),
         longest_line=200,
+        expects_crlf=False,
         notes=(
             "Chrono evaluates with the opposite sign of the slip angle: terms of plysteer and conicity are mirrored",
+            "QSY1, QSY2 and QSY8 are not evaluated, nor any coefficient of pressure: its reader sets them to zero in"
+            " every file",
             "inclination is limited to 3 deg, slip to -1..1; LMUY also scales the cornering stiffness",
             "B times slip is limited to 1.56: forces beyond differ (two tested tires: by up to 11 %); at kappa = 0,"
             " USE_MODE 4 computes Mz with the trail at zero slip angle",
@@ -159,5 +166,6 @@ HOSTS: dict[str, Host] = {
             "mf52": Dialect({"PROPERTY_FILE_FORMAT": "'USER'", "FITTYP": "6"}, fittyp=(6, 21), required=("FITTYP",)),
         },
         ignored=TRANSIENT,
+        cuts_lines=True,
     ),
 }  # fmt: skip

@@ -71,8 +71,9 @@ def lint(path: str | Path, host: str) -> list[LintMessage]:
     entries = _entries(text)
     errors = [*_model_errors(entries, rules.dialects[tire.model]), *_unit_errors(entries, rules)]
     errors += [*_layout_errors(text, rules), *_number_errors(tire)]
+    errors += _line_end_errors(path, text, rules)
     errors += _lacking_errors(entries, tire, rules.dialects[tire.model].lacking)
-    notes = (*lost_effects(tire, rules), *use_notes(tire), *rules.notes)
+    notes = [*_line_end_notes(path, rules), *lost_effects(tire, rules), *use_notes(tire), *rules.notes]
     return errors + [LintMessage("note", 0, note) for note in notes]
 
 
@@ -176,6 +177,29 @@ def _layout_errors(text: str, rules: Host) -> list[LintMessage]:
         if first != entry.line:
             messages.append(LintMessage("error", entry.line, f"{entry.key} is in line {first} already"))
     return messages
+
+
+def _has_only_lf(path: str | Path) -> bool:
+    content = Path(path).read_bytes()
+    return b"\n" in content and b"\r" not in content
+
+
+def _line_end_errors(path: str | Path, text: str, rules: Host) -> list[LintMessage]:
+    """Check values that lose their last characters to a reader which takes these for CRLF."""
+    if not (rules.cuts_lines and _has_only_lf(path)):
+        return []
+    lines = text.splitlines()
+    return [
+        LintMessage("error", entry.line, f"{entry.key} loses its last characters: the line ends with LF, not with CRLF")
+        for entry in _entries(text)
+        if lines[entry.line - 1].endswith(entry.value)
+    ]
+
+
+def _line_end_notes(path: str | Path, rules: Host) -> list[str]:
+    if not (rules.expects_crlf and _has_only_lf(path)):
+        return []
+    return ["lines end with LF; the program's own tools write CRLF: convert the file, or its line ends"]
 
 
 def _number_errors(tire: Tire) -> list[LintMessage]:

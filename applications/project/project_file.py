@@ -68,6 +68,7 @@ SECTIONS: dict[str, dict[str, Key]] = {
     "fit": {
         "model": Key("text", "--model"),
         "nominal": Key("pairs", "--nominal"),
+        "size": Key("text", "--size"),
         "effects": Key("names", "--effects"),
         "without": Key("names", "--without"),
         "start": Key("name or file", "--start"),
@@ -239,7 +240,7 @@ def project_schema(
         sections["data"]["properties"]["tables"]["minItems"] = 0
     else:
         sections["data"]["required"] = ["tables"]
-    return document("project", "1.0", "Project", object_schema(sections, [] if empty else ["data"]))
+    return document("project", "1.1", "Project", object_schema(sections, [] if empty else ["data"]))
 
 
 def project_text(

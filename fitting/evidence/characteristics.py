@@ -11,12 +11,12 @@ from math import hypot, nan
 
 import numpy as np
 
+from ...measurements.checks.recordings.coverage import PEAK_SHARE
 from ...numerics.arrays import IntArray
 from ...numerics.correlation import correlation_length
 from ...numerics.slip_slope import SLOPE_WINDOW
 from ...numerics.ties import graded
 from .coverage import reaches
-from .coverage_rule import PEAK_SHARE
 from .residuals import Residuals
 from .slip_stiffness import FORCES, Compared, ReadStiffness, read_stiffnesses
 
@@ -84,7 +84,7 @@ def _peaks(residuals: Residuals, number: int, source: str, slip: str, channel: s
     if other in table:
         pure &= np.abs(table[other].to_numpy(dtype=float)) < 0.25 * SLOPE_WINDOW[other]
     slips = table[slip].to_numpy(dtype=float)
-    of_loads = reaches(residuals, slip, channel)
+    ends = reaches(residuals, slip, channel)
     for condition in np.unique(residuals.condition[pure]):
         here = pure & (residuals.condition == condition)
         sides = [np.flatnonzero(here & (side * slips > 0.0)) for side in (-1.0, 1.0)]
@@ -92,7 +92,7 @@ def _peaks(residuals: Residuals, number: int, source: str, slip: str, channel: s
         if not peaks:
             continue
         load, at = float(table["Fz"].to_numpy()[here].mean()), residuals.at(int(condition))
-        reached = min(of_loads, key=lambda reach: abs(reach.load - load)).share if of_loads else 1.0
+        reached = min(ends, key=lambda reach: abs(reach.load - load)).share if ends else 1.0
         read, fitted, error = (
             float(np.mean([getattr(peak, name) for peak in peaks]))
             for name in ("friction", "fitted_friction", "friction_error")

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import degrees
 
 import numpy as np
 
+from ...measurements.checks.recordings.coverage import (
+    PEAK_SHARE,
+    SMALL_SHARE,
+    Coverage,
+    flatness,
+    lacking_peak,
+    share_of_peak,
+)
 from ...numerics.arrays import BoolArray, FloatArray
 from ...numerics.slip_slope import SLOPE_WINDOW
 from ...tires.code import fastest_code
-from .coverage_rule import PEAK_SHARE, SMALL_SHARE, Coverage, flatness, lacking_peak, share_of_peak
 from .residuals import Residuals
 from .slip_stiffness import FORCES
 
@@ -23,6 +30,9 @@ POINTS = 41
 PARTS = 3
 #: Slip, rad or 1, and inclination, rad, that count as zero.
 NO_SLIP, NO_INCLINATION = 0.02, 0.01
+#: Share of the largest slip of a force that its rows at a load have to reach to be a sweep; ratio of the slip angles of
+#: pure and combined slip from which the former is beyond the latter.
+SWEPT, LARGER = 0.25, 1.2
 #: What is not measured of an absent output.
 ABSENT = {"Mz": "neither moment nor pneumatic trail are measured"}
 #: Range of load and of pressure, as a share of the largest value, that counts as none.
@@ -54,30 +64,32 @@ def reaches(residuals: Residuals, slip: str, channel: str) -> list[Reach]:
     if not levels.size:
         levels = np.unique(np.quantile(load[rows], (np.arange(PARTS) + 0.5) / PARTS))
     nearest = np.abs(load[:, None] - levels).argmin(axis=1)
-    of_loads = [_reach(residuals, np.asarray(rows & (nearest == k)), slip, channel) for k in range(len(levels))]
-    return [reach for reach in of_loads if reach]
+    size = np.abs(table[slip].to_numpy(dtype=float))
+    rows &= np.isin(nearest, np.unique(nearest[rows & (size >= SWEPT * size[rows].max(initial=0.0))]))
+    parts = [_reach(residuals, np.asarray(rows & (nearest == k)), slip, channel) for k in range(len(levels))]
+    return [reach for reach in parts if reach]
 
 
 def coverage(residuals: Residuals) -> tuple[Coverage, ...]:
     """Return whether the fitted rows determine each characteristic of the tire."""
-    determined: list[Coverage] = []
+    entries: list[Coverage] = []
     for slip, channel in FORCES.items():
-        determined += _of_force(residuals, slip, channel)
+        entries += _of_force(residuals, slip, channel)
     for channel in residuals.channels:
-        determined += _influences(residuals, channel)
+        entries += _influences(residuals, channel)
     absent = [output for output in residuals.tire.outputs if output not in residuals.channels]
-    return (*determined, *(Coverage("", output, False, ABSENT.get(output, "not measured")) for output in absent))
+    return (*entries, *(Coverage("", output, False, ABSENT.get(output, "not measured")) for output in absent))
 
 
 def _of_force(residuals: Residuals, slip: str, channel: str) -> Iterator[Coverage]:
     """Yield peak friction, slip stiffness and combined slip of a force that was fitted."""
-    of_loads = reaches(residuals, slip, channel)
-    if not of_loads:
+    by_load = reaches(residuals, slip, channel)
+    if not by_load:
         return
-    furthest, smallest = max(of_loads, key=lambda reach: reach.share), min(reach.smallest for reach in of_loads)
+    furthest, smallest = max(by_load, key=lambda reach: reach.share), min(reach.smallest for reach in by_load)
     share = furthest.share
     reason = lacking_peak(channel, share, furthest.flat)
-    short = [reach for reach in of_loads if reach.share < PEAK_SHARE]
+    short = [reach for reach in by_load if reach.share < PEAK_SHARE]
     if not reason and short:
         loads = ", ".join(f"{reach.load:.0f} N ({reach.share:.0%})" for reach in short)
         reason = f"the data do not reach it at {loads}"
@@ -89,7 +101,23 @@ def _of_force(residuals: Residuals, slip: str, channel: str) -> Iterator[Coverag
         sizes = [np.abs(residuals.table[name].to_numpy(dtype=float)) for name in ("kappa", "alpha")]
         both = (sizes[0] > NO_SLIP) & (sizes[1] > NO_SLIP) & residuals.table[channel].notna().to_numpy()
         combined = int(both.sum()) >= REACHED_BY
-        yield Coverage("combined slip", channel, combined, "" if combined else "no rows have kappa and alpha")
+        reason = _beyond_combined(residuals, both) if combined else "no rows have kappa and alpha"
+        yield Coverage("combined slip", channel, combined, reason)
+
+
+def _beyond_combined(residuals: Residuals, rows: BoolArray) -> str:
+    """Return up to which slip angle combined slip was measured, if Fy is far from its peak there; otherwise empty."""
+    angles = np.sort(np.abs(residuals.table["alpha"].to_numpy(dtype=float)[rows]))
+    end = float(angles[-REACHED_BY])
+    pure = np.abs(residuals.table["alpha"].to_numpy(dtype=float)).max()
+    if "Fy" not in residuals.channels or pure < LARGER * end:
+        return ""
+    slips = np.linspace(0.0, end, POINTS)
+    force = _curve(residuals, rows, "alpha", "Fy", slips, {"kappa": 0.0})
+    flat = flatness(slips, np.sign(force[-1] - force[0]) * (force - force[0]))
+    if share_of_peak(flat) >= PEAK_SHARE:
+        return ""
+    return f"measured up to {degrees(end):.1f} deg of slip angle, where Fy has {share_of_peak(flat):.0%} of its peak"
 
 
 def _influences(residuals: Residuals, channel: str) -> Iterator[Coverage]:
@@ -143,10 +171,14 @@ def _reach(residuals: Residuals, rows: BoolArray, slip: str, channel: str) -> Re
     return Reach(load, flat, share, max(min(least for *_, least in sides), 0.0))
 
 
-def _curve(residuals: Residuals, rows: BoolArray, slip: str, channel: str, slips: FloatArray) -> FloatArray:
-    """Return the force of the tire over a slip, the other inputs at their medians in some rows."""
+def _curve(
+    residuals: Residuals, rows: BoolArray, slip: str, channel: str, slips: FloatArray,
+    given: Mapping[str, float] | None = None,
+) -> FloatArray:  # fmt: skip
+    """Return the force of the tire over a slip, the other inputs as given or at their medians in some rows."""
     tire, table = residuals.tire, residuals.table
     held = {name: float(np.median(table[name].to_numpy(dtype=float)[rows])) for name in tire.inputs}
+    held |= given or {}
     points = np.array([slips if name == slip else np.full(len(slips), held[name]) for name in tire.inputs])
     forces = fastest_code(tire.symbolic_model, len(slips)).forces(tire.effective_inputs(points), tire.parameters())
     return np.asarray(forces[tire.outputs.index(channel)])

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...measurements.checks.recordings.coverage import Coverage
 from ...numerics.ties import graded
 from .characteristics import Characteristic, characteristics
 from .clipping import Clipped, clipped_channels
 from .consistency import Disagreement, disagreeing_files, disagreeing_segments, sweep_differences
 from .continuity import Discontinuity, discontinuities
 from .coverage import coverage
-from .coverage_rule import Coverage
 from .residuals import Residuals
 from .ripple import Ripple, ripple
 from .slip_stiffness import SlipStiffness, slip_stiffnesses
@@ -52,9 +52,9 @@ class Findings:
     conditions : tuple of ConditionFit
         Goodness of fit at each operating condition.
     stiffnesses : tuple of SlipStiffness
-        Slip stiffness, measured and computed, at each load.
+        Slip stiffness, measured and computed, in each operating condition.
     characteristics : tuple of Characteristic
-        Peak friction, its slip, and trail, measured and computed, at each load.
+        Peak friction, its slip, and trail, measured and computed, in each operating condition.
     discontinuities : tuple of Discontinuity
         Jumps and kinks of the tire over the tested slips.
     clipped : tuple of Clipped

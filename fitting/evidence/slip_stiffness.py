@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import nan
 
 import numpy as np
@@ -44,12 +44,11 @@ class Compared:
 
 @dataclass(frozen=True)
 class SlipStiffness(Compared):
-    """The slope of a force at zero slip, at one load.
+    """The slope of a force at zero slip in one operating condition.
 
-    - `load`: N.
+    - `load`: N; `at`: levels of the operating condition.
     - `read`, `fitted`: magnitude of the slope of the measured rows, and of the tire at the same rows, read in the same
-      way and averaged over the operating conditions at that load.
-    - `conditions`: number of these operating conditions.
+      way.
     - `error`: standard error of the slope of the measured rows.
     """
 
@@ -60,8 +59,8 @@ class SlipStiffness(Compared):
     load: float
     read: float
     fitted: float
-    conditions: int
     error: float = nan
+    at: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +82,6 @@ class ReadStiffness:
     error: float
     rows: IntArray
     influence: FloatArray
-    conditions: int
 
 
 def read_stiffnesses(
@@ -101,7 +99,7 @@ def read_stiffnesses(
             if channel not in residuals.channels or slip not in residuals.table:
                 continue
             by_level: dict[int, list[tuple[float, Slope]]] = {}
-            for load, slope in _slopes(residuals, number, slip, channel):
+            for load, slope, _ in _slopes(residuals, number, slip, channel):
                 level = int(np.abs(load - loads).argmin()) if loads.size else 0
                 by_level.setdefault(level, []).append((load, slope))
             for level in sorted(by_level):
@@ -115,7 +113,6 @@ def read_stiffnesses(
                         float(np.sqrt(np.sum([slope.error**2 for slope in slopes_of_level]))) / count,
                         np.concatenate([slope.rows for slope in slopes_of_level]),
                         np.concatenate([slope.influence for slope in slopes_of_level]) / count,
-                        count,
                     )
                 )  # fmt: skip
     return tuple(stiffnesses)
@@ -124,15 +121,18 @@ def read_stiffnesses(
 def slip_stiffnesses(residuals: Residuals) -> tuple[SlipStiffness, ...]:
     """Return slip stiffnesses read from the data, and the same combination of the tire's forces at the same rows.
 
-    The result is by recording, channel and load; empty without a sweep through zero slip at zero other slip.
+    The result is by recording, channel and operating condition; empty without a sweep through zero slip at zero other
+    slip.
     """
     return tuple(
         SlipStiffness(
-            residuals.sources[read.recording], read.channel, read.slip, "N/rad" if read.slip == "alpha" else "N",
-            read.load, abs(read.value), abs(float(read.influence @ residuals.computed[read.channel][read.rows])),
-            read.conditions, read.error,
+            source, channel, slip, "N/rad" if slip == "alpha" else "N", abs(load), abs(slope.value),
+            abs(float(slope.influence @ residuals.computed[channel][slope.rows])), slope.error, residuals.at(condition),
         )
-        for read in read_stiffnesses(residuals)
+        for number, source in enumerate(residuals.sources)
+        for slip, channel in FORCES.items()
+        if channel in residuals.channels and slip in residuals.table
+        for load, slope, condition in _slopes(residuals, number, slip, channel)
     )  # fmt: skip
 
 
@@ -151,8 +151,8 @@ def slope_targets(residuals: Residuals) -> tuple[SlopeTarget, ...]:
     )  # fmt: skip
 
 
-def _slopes(residuals: Residuals, number: int, slip: str, channel: str) -> Iterator[tuple[float, Slope]]:
-    """Yield load and slope of each operating condition with rows near zero slip, in rows of the table.
+def _slopes(residuals: Residuals, number: int, slip: str, channel: str) -> Iterator[tuple[float, Slope, int]]:
+    """Yield load, slope in rows of the table, and number of each operating condition with rows near zero slip.
 
     A slope within `MIN_SIGNIFICANT` of its standard errors is not one.
     """
@@ -169,4 +169,4 @@ def _slopes(residuals: Residuals, number: int, slip: str, channel: str) -> Itera
         slope = read_slope(x[rows], measured[rows], SLOPE_WINDOW[slip])
         if abs(slope.value) > MIN_SIGNIFICANT * slope.error:
             load = float(table["Fz"].to_numpy()[rows].mean())
-            yield load, replace(slope, rows=rows[slope.rows])
+            yield load, replace(slope, rows=rows[slope.rows]), int(condition)

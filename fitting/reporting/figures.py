@@ -14,8 +14,9 @@ from ...boundary.escaping import figure_text
 from ...drawing.figure import Figure, Panel, Series, band, curve, in_rows, measured
 from ...drawing.labels import LEVEL, axis_label, drawn_unit, held_text, letter, level_text, note, per_si
 from ...drawing.residual_panels import residuals_over_inputs
-from ...drawing.style import BLUE, level_styles, some_of
+from ...drawing.style import BLUE, DOTTED, level_styles, some_of
 from ...measurements import TableLike, recordings_from
+from ...measurements.checks.recordings.coverage import Coverage
 from ...tires import TireLike
 from ...tires.tire import Tire
 from ..evidence.curves import CurveFamily, MeasuredCurves, compare
@@ -29,6 +30,8 @@ from .temperature_figure import temperature_over_time
 WEIGHTING_LEVELS, CURVE_POINTS = 5, 201
 #: Bins of a histogram of residuals.
 BINS = 80
+#: Slip to which a force whose peak was not measured is drawn, as a multiple of the measured one.
+BEYOND_PEAK = 2.5
 
 
 def draw_figures(
@@ -124,22 +127,36 @@ def _families(
     """One panel for each family: measured points and curves of the tire."""
     rows = pd.concat([group.rows for family in families for group in family.groups])
     text = "points: data; lines: the tire at the medians of each level's conditions" + BANDS * (fitted is not None)
-    panels = [_family_panel(comparison, family, fitted) for family in families]
+    unreached = fitted is not None and any(not c.determined for c in _peaks(fitted, families[0].channel))
+    text += "; dotted: extrapolation beyond data that do not reach the peak, with the prior of tires" * unreached
+    panels = [_family_panel(comparison, family, fitted, unreached) for family in families]
     return Figure(name, title, in_rows(panels), note(comparison.signs, text, data_text(comparison, rows)))
 
 
-def _family_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: FitResult | None) -> Panel:
+def _peaks(fitted: FitResult, channel: str) -> Iterable[Coverage]:
+    """Return whether the data of a fit determine the peak friction of a channel; empty if it has none."""
+    coverage = fitted.findings.coverage
+    return (c for c in coverage if (c.characteristic, c.channel) == ("peak friction", channel))
+
+
+def _family_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: FitResult | None, unreached: bool) -> Panel:
     signs, channel, slip = comparison.signs, family.channel, family.slip
     points, lines = [], []
     for group, style in zip(family.groups, level_styles(len(family.groups), family.by), strict=True):
         label = level_text(family.by, group.level)
         points.append(measured(group.rows, slip, channel, style, label))
         shown = comparison.curve(group, slip)
+        measured_slips = shown[slip].min(), shown[slip].max()
+        if unreached:
+            shown = comparison.along(group.rows, slip, BEYOND_PEAK * np.asarray(shown[slip]))
         x = shown[slip] * per_si(slip)
         if fitted is not None:
             interval = confidence_band(fitted, channel, shown, signs)
             lines.append(band(x, interval["lower"], interval["upper"], style.color, label))
-        lines.append(curve(x, shown[channel], style, label))
+        inside = shown[slip].between(*measured_slips)
+        lines.append(curve(x, shown[channel].where(inside), style, label))
+        if unreached:
+            lines.append(Series("line", x, shown[channel].where(~inside), style.color, label, DOTTED, size=1.2))
     rows = pd.concat([group.rows for group in family.groups])
     _, rmse, r2, _ = quality(rows[channel].to_numpy(), rows[f"{channel}_fit"].to_numpy())
     conditions = f"{channel} per {LEVEL[family.by]}, at {held_text(signs, family.held)}"

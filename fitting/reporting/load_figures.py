@@ -17,7 +17,9 @@ from ...numerics.arrays import FloatArray
 from ...numerics.slip_slope import SLOPE_WINDOW
 from ...numerics.ties import graded
 from ...tires.tire import Tire
+from ..evidence.characteristics import Characteristic
 from ..evidence.curves import CurveFamily, Group, MeasuredCurves
+from ..evidence.slip_stiffness import SlipStiffness
 from ..results.fit_result import FitResult
 from ..results.intervals import band as confidence_band
 
@@ -30,6 +32,8 @@ FRICTION_PARTS, FRICTION_ROWS = 25, 5
 STIFFNESS_LOADS, FRICTION_LOADS, FRICTION_SLIPS = 201, 41, 101
 #: The largest drawn load, as a multiple of the largest measured one.
 BEYOND = 1.25
+#: Differences within which the levels of a condition and of a panel are the same: rad, Pa, m/s.
+HELD = {"gamma": np.radians(0.5), "p": 3e3, "V": 1.0}
 
 
 def data_text(comparison: MeasuredCurves, rows: pd.DataFrame) -> str:
@@ -89,9 +93,9 @@ def _stiffness_panel(
     if truth is not None:
         true = comparison.along(rows, "Fz", sign * loads, truth)[quantity].abs() / scale
         series.append(Series("line", loads, true, BLACK, "true tire", DASHED, size=1.2))
-    read = np.array(comparison.slopes_at_zero(family)).reshape(-1, 2)
-    if len(read):
-        series.append(_read(read[:, 0], read[:, 1] / scale, "slope of the data"))
+    read = comparison.slopes_at_zero(family) if fitted is None else _judged(fitted.findings.stiffnesses, family)
+    if read:
+        series.append(_read([load for load, _ in read], [value / scale for _, value in read], "slope of the data"))
     symbol = {"kappa": "|Kxκ|", "alpha": "|Kyα|"}[family.slip]
     return Panel(
         f"load {letter('Fz', comparison.signs)} (N)", f"{symbol} ({stiffness_unit(family.slip)})", tuple(series),
@@ -159,7 +163,7 @@ def friction_over_load(comparison: MeasuredCurves, fitted: FitResult | None) -> 
         return None
     text = (
         "points: largest median of |force| / load of the data over parts of the slip range; line: the tire over the "
-        "slip range of all loads; points are below it where the data do not reach the peak, "
+        "slip range of all loads, no peak where the data do not reach it; points are below it there, "
         "and slightly above under noise, as the largest of several medians"
     )
     rows = pd.concat([group.rows for family in families for group in family.groups])
@@ -184,6 +188,9 @@ def _friction_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: Fit
         half = 1.96 * confidence_band(fitted, channel, peaks, comparison.signs)["error"].to_numpy() / loads
     series = _over_load(loads, peaks[channel].abs().to_numpy() / loads, half, [load for load, _ in measured])
     read = [(load, value) for load, value in measured if np.isfinite(value)]
+    if fitted is not None:
+        peaks_read = [c for c in fitted.findings.characteristics if c.quantity == "peak friction" and c.shown]
+        read = _judged(peaks_read, family)
     if read:
         series.append(_read([load for load, _ in read], [value for _, value in read], "data"))
     symbol = f"largest |{channel}| / |Fz|"
@@ -191,6 +198,19 @@ def _friction_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: Fit
         f"load {letter('Fz', comparison.signs)} (N)", f"{symbol} (-)", tuple(series),
         f"{symbol} over load, {held_text(comparison.signs, family.held)}", x_limits=(0.0, loads[-1]),
     )  # fmt: skip
+
+
+def _judged(
+    readings: Sequence[Characteristic] | Sequence[SlipStiffness], family: CurveFamily
+) -> list[tuple[float, float]]:
+    """Return load and value of the readings by which a fit is judged, in the conditions of a family of curves."""
+    held = {name: abs(level) for name, level in family.held.items() if name in HELD}
+
+    def inside(reading: Characteristic | SlipStiffness) -> bool:
+        levels = ((abs(reading.at[name]), level, HELD[name]) for name, level in held.items() if name in reading.at)
+        return reading.channel == family.channel and all(abs(at - level) <= width for at, level, width in levels)
+
+    return [(abs(reading.load), reading.read) for reading in readings if inside(reading)]
 
 
 def largest_friction(group: Group, family: CurveFamily) -> float:

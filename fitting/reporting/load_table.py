@@ -1,14 +1,18 @@
-"""The table of a fit load by load: error, friction and slip stiffness of each force, and the errors of both."""
+"""The table of a fit load by load: error, friction and slip stiffness of each force, and the errors of both.
+
+Errors are those of single operating conditions: their means would cancel.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import nan, sqrt
 
 import numpy as np
 
 from ..evidence.characteristics import Characteristic
+from ..evidence.diagnostics import Findings
 from ..evidence.slip_stiffness import FORCES, SlipStiffness
 from ..results.fit_result import FitResult
 
@@ -18,11 +22,11 @@ SAME_LOAD = 0.08
 
 @dataclass(frozen=True)
 class LoadRow:
-    """A force at one load, averaged over the other conditions.
+    """A force at one load.
 
     - `rmse`, `above_floor`: root mean square error, and the same over the noise floor of the channel.
-    - `friction`, `friction_error`: of the data, and relative error of the tire; NaN if not read.
-    - `stiffness`, `stiffness_error`: the same of the slip stiffness.
+    - `friction`: peak friction in the conditions at this load.
+    - `stiffness`: slip stiffness in these.
     """
 
     recording: str
@@ -31,11 +35,45 @@ class LoadRow:
     load: float
     rmse: float
     above_floor: float
-    friction: float = nan
-    friction_error: float = nan
-    stiffness: float = nan
-    stiffness_unit: str = ""
-    stiffness_error: float = nan
+    friction: Spread | None = None
+    stiffness: Spread | None = None
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A quantity in the operating conditions at one load.
+
+    - `read`, `fitted`: means of the data and of the tire, in `unit`.
+    - `errors`: smallest and largest relative error of the tire in one condition.
+    """
+
+    conditions: int
+    unit: str
+    read: float
+    fitted: float
+    errors: tuple[float, float]
+
+    @property
+    def error_text(self) -> str:
+        """The range of the errors.
+
+        >>> Spread(2, "N", 1.0, 1.0, (-0.064, 0.052)).error_text, Spread(1, "N", 1.0, 1.1, (0.1, 0.1)).error_text
+        ('-6.4 to +5.2 %', '+10.0 %')
+        """
+        low, high = (f"{100.0 * error:+.1f}" for error in self.errors)
+        return f"{low} %" if low == high else f"{low} to {high} %"
+
+
+def stiffness_by_load(findings: Findings) -> Iterator[tuple[str, str, float, Spread]]:
+    """Yield recording, force, load and slip stiffness, over the conditions at each load."""
+    by_load: dict[tuple[str, str, float], list[SlipStiffness]] = {}
+    for stiffness in findings.stiffnesses:
+        key = stiffness.recording, stiffness.channel, abs(stiffness.at.get("Fz", stiffness.load))
+        by_load.setdefault(key, []).append(stiffness)
+    for (recording, channel, load), stiffnesses in by_load.items():
+        spread = _spread(stiffnesses)
+        if spread is not None:
+            yield recording, channel, load, spread
 
 
 def load_rows(result: FitResult) -> Iterator[LoadRow]:
@@ -65,13 +103,9 @@ def load_rows(result: FitResult) -> Iterator[LoadRow]:
                 for slip_stiffness in findings.stiffnesses
                 if _belongs(slip_stiffness, c.recording, c.channel, load)
             ]
-            friction, friction_error = _mean(frictions)
-            stiffness, stiffness_error = _mean(slopes)
-            unit = slopes[0].unit if slopes else ""
             ratio = rmse / c.noise_floor if c.noise_floor > 0.0 else nan
             yield LoadRow(
-                c.recording, c.channel, c.unit, abs(load), rmse, ratio, friction, friction_error,
-                stiffness, unit, stiffness_error,
+                c.recording, c.channel, c.unit, abs(load), rmse, ratio, _spread(frictions), _spread(slopes)
             )  # fmt: skip
 
 
@@ -79,9 +113,10 @@ def _belongs(read: Characteristic | SlipStiffness, recording: str, channel: str,
     return (read.recording, read.channel) == (recording, channel) and abs(read.load / abs(load) - 1.0) < SAME_LOAD
 
 
-def _mean(read: list[Characteristic] | list[SlipStiffness]) -> tuple[float, float]:
-    """Return the mean of the data and the relative error of the mean of the tire."""
+def _spread(read: Sequence[Characteristic] | Sequence[SlipStiffness]) -> Spread | None:
+    """Return the quantity over some conditions; None if it was read in none."""
     if not read:
-        return nan, nan
-    data, tire = (float(np.mean([getattr(row, name) for row in read])) for name in ("read", "fitted"))
-    return data, tire / data - 1.0
+        return None
+    means = [float(np.mean([getattr(entry, name) for entry in read])) for name in ("read", "fitted")]
+    errors = [entry.off for entry in read]
+    return Spread(len(read), read[0].unit, means[0], means[1], (min(errors), max(errors)))

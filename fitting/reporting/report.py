@@ -19,7 +19,7 @@ from ..evidence.residuals import condition_text
 from ..results.fit_result import FitResult
 from ..results.intervals import listed_intervals
 from .figures import figures_of
-from .load_table import load_rows
+from .load_table import load_rows, stiffness_by_load
 from .report_text import (
     SIGNIFICANT,
     bootstrap_summary,
@@ -98,7 +98,8 @@ def report_page(
     largest = [error for error in errors if error[2]]
     return page_text(
         "tirefmu.fitting.reporting", filters, result=result, overview=overview(figures), figures=figures,
-        loads=list(load_rows(result)), consequences={bound.name: bound.text() for bound in result.bounds},
+        loads=list(load_rows(result)), stiffnesses=list(stiffness_by_load(result.findings)),
+        consequences={bound.name: bound.text() for bound in result.bounds},
         largest=largest, findings=findings,
         differences=significant_differences(result), significant=SIGNIFICANT,
         intervals=[interval for interval in listed_intervals(result) if set(interval["at"]) == {"Fz"}],

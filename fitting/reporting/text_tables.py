@@ -125,20 +125,15 @@ def _held_out(result: FitResult) -> Table:
 
 
 def _stiffnesses(result: FitResult) -> Table:
+    from .load_table import stiffness_by_load
+
     table = plain_table(
-        "recording", "force", "load (N)", "data", "+- (1 sigma)", "tire", "unit", "error", title="Slip stiffness"
-    )
-    for s in result.findings.stiffnesses:
-        table.add_row(
-            s.recording,
-            s.channel,
-            f"{s.load:.0f}",
-            f"{s.read:.5g}",
-            f"{s.error:.3g}",
-            f"{s.fitted:.5g}",
-            s.unit,
-            f"{s.off:+.1%}",
-        )
+        "recording", "force", "load (N)", "conditions", "data", "tire", "unit", "error",
+        title="Slip stiffness: means, and the errors of single conditions",
+    )  # fmt: skip
+    for recording, channel, load, s in stiffness_by_load(result.findings):
+        numbers = f"{s.read:.5g}", f"{s.fitted:.5g}", s.unit, s.error_text
+        table.add_row(recording, channel, f"{load:.0f}", f"{s.conditions}", *numbers)
     return table
 
 

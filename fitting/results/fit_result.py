@@ -21,9 +21,10 @@ from ..constraints.verification import Margin
 from ..data.fit_data import ExcludedRows
 from ..evidence.diagnostics import Findings, find
 from ..temperature.fitted_temperature import FittedTemperature
+from ..uncertainty.discrepancy import Discrepancy
 from ..uncertainty.sandwich import Direction
 from .fit_content import VERSION, FitContent
-from .intervals import interval, listed_intervals
+from .intervals import informed_discrepancies, interval, listed_intervals
 from .records import BoundConsequence, ChannelFit, FitRecord, FittedCoefficient, HeldOut, StageFit
 from .resampled import Bootstrap
 from .solved_stage import FitSolution
@@ -160,6 +161,11 @@ class FitResult:
         combinations = [tuple(n for n in d.coefficients if n in free and n not in bounded) for d in self.directions]
         undetermined = [names for names in (*combinations, *unseen) if names]
         return find(self.solution.residuals, free, undetermined, bounded, effective)
+
+    @cached_property
+    def discrepancies(self) -> tuple[Discrepancy, ...]:
+        """Errors of the form, with what the characteristics of the data say of them; computed at the first access."""
+        return informed_discrepancies(self)
 
     @cached_property
     def verdict(self) -> Verdict:

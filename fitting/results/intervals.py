@@ -16,7 +16,11 @@ from ...numerics.ties import graded
 from ...tires.code import fastest_code
 from ...tires.signs import convert_signs
 from ...tires.tire import Tire
+from ..evidence.characteristics import Characteristic
+from ..evidence.read_errors import READING_ERROR, ReadErrors
+from ..evidence.slip_stiffness import SlipStiffness
 from ..problem.rows import inputs_of
+from ..uncertainty.discrepancy import Discrepancy
 from ..uncertainty.sensitivities import sensitivities
 
 if TYPE_CHECKING:
@@ -26,7 +30,7 @@ if TYPE_CHECKING:
 #: Roles of the quantities over load, and the forces over their own slip.
 OVER_LOAD = ("stiffness_x", "stiffness_y", "friction_x", "friction_y")
 OVER_SLIP = {"Fx": "kappa", "Fy": "alpha"}
-#: Number of loads and slips of the listed intervals.
+#: Number of loads, if they have no levels, and of slips of the listed intervals.
 LOADS, SLIPS = 5, 9
 #: Slips among which the peak of a force is found, for the error of the form at the peak.
 PEAK_SLIPS = tuple(np.linspace(0.02, 0.3, 15).tolist())
@@ -77,21 +81,98 @@ def band(result: FitResult, quantity: str, table: pd.DataFrame, signs: str, leve
     by_name = pd.DataFrame(slopes.T, columns=names).reindex(columns=covariance.index, fill_value=0.0)
     variance = np.einsum("ni,ij,nj->n", by_name, covariance * np.outer(flips, flips), by_name)
     in_adapted = by_name * [-1.0 if formula == "iso" and declarations[n].flips else 1.0 for n in covariance.index]
-    for discrepancy in result.solution.discrepancies:  # the covariance has what they do to the coefficients
-        at = _place(tire, quantity, discrepancy.channel, inputs) if discrepancy.final else None
-        if at is not None:
-            slopes_of_channel = in_adapted[list(discrepancy.names)].to_numpy().T
-            at = at[
-                [tire.inputs.index(name) for name in discrepancy.features.names]
-            ]  # effects added later have further ones
-            variance += discrepancy.variance(slopes_of_channel, value, at) - discrepancy.variance(
-                slopes_of_channel, 0.0 * value, at
-            )
+    variance += _form_variance(result, tire, quantity, inputs, value, in_adapted)
     error = np.sqrt(np.maximum(variance, 0.0))
     written = convert_signs(pd.DataFrame({quantity: value}), formula, signs)[quantity].to_numpy()
     half = float(ndtri(0.5 + 0.5 * level)) * error
     columns = {"value": written, "error": error, "lower": written - half, "upper": written + half}
     return pd.DataFrame(columns, rows.index)
+
+
+def _form_variance(
+    result: FitResult, tire: Tire, quantity: str, inputs: FloatArray, value: FloatArray, slopes: pd.DataFrame
+) -> FloatArray:
+    """Return what errors of the form add to the variance, which has what they do to the coefficients.
+
+    `slopes`: derivatives by the coefficients in adapted SAE, by row. Where stiffness and friction are read from the
+    data, these readings say what the error is, in place of the residual of all rows.
+    """
+    added = np.zeros(len(value))
+    read = _read_errors(result, quantity) if result.solution.discrepancies else None
+    for discrepancy, informed in zip(result.solution.discrepancies, result.discrepancies, strict=True):
+        by_name = slopes[list(discrepancy.names)].to_numpy()
+        at = _place(tire, quantity, discrepancy.channel, inputs) if discrepancy.final else None
+        if read is not None:
+            added -= np.einsum("ni,ij,nj->n", by_name, discrepancy.covariance, by_name)
+        elif at is not None:
+            at = at[[tire.inputs.index(name) for name in discrepancy.features.names]]  # without those of later effects
+            added += informed.variance(by_name.T, value, at) - discrepancy.variance(by_name.T, 0.0 * value, at)
+    if read is not None:
+        added += value**2 * read.squares(pd.DataFrame(dict(zip(tire.inputs, inputs, strict=True))))
+    return added
+
+
+def _read_errors(result: FitResult, quantity: str) -> ReadErrors | None:
+    """Return the errors of a stiffness or friction in the conditions in which it was read; None for others."""
+    model = result.tire.symbolic_model
+    roles = {model.quantity(role): role for role in OVER_LOAD if role in model.roles}
+    if quantity not in roles:
+        return None
+    kind, channel = roles[quantity].split("_")[0], f"F{roles[quantity][-1]}"
+    readings = _readings(result, kind, channel)
+    conditions = pd.DataFrame([{**reading.at, "Fz": reading.load} for reading in readings])
+    deviations = [reading.error / reading.read for reading in readings]
+    return ReadErrors.of(conditions, [reading.off for reading in readings], deviations)
+
+
+def _readings(result: FitResult, kind: str, channel: str) -> list[Characteristic] | list[SlipStiffness]:
+    """Return the slip stiffnesses or peak frictions of a channel that are read from the data."""
+    findings = result.findings
+    if kind == "stiffness":
+        return [s for s in findings.stiffnesses if s.channel == channel and np.isfinite(s.error)]
+    frictions = (c for c in findings.characteristics if c.quantity == "peak friction" and c.shown)
+    return [c for c in frictions if c.channel == channel and np.isfinite(c.error)]
+
+
+def informed_discrepancies(result: FitResult) -> tuple[Discrepancy, ...]:
+    """Return the errors of the form with what slip stiffnesses and peaks that are read from the data say of them."""
+    return tuple(
+        _informed(result, discrepancy) if discrepancy.final and discrepancy.channel in OVER_SLIP else discrepancy
+        for discrepancy in result.solution.discrepancies
+    )
+
+
+def _informed(result: FitResult, discrepancy: Discrepancy) -> Discrepancy:
+    evidence, channel = result.solution.residuals, discrepancy.channel
+    if evidence is None:
+        return discrepancy
+    tire = result.tire.in_signs("adapted-sae")
+    for kind in ("stiffness", "friction"):
+        quantity = tire.symbolic_model.quantity(f"{kind}_{channel[-1]}")
+        readings = _readings(result, kind, channel)
+        if not readings or not quantity:
+            continue
+        table = pd.DataFrame(
+            [{**_medians(evidence.table, tire), **reading.at, "Fz": reading.load} for reading in readings]
+        )
+        inputs = inputs_of(table, tire)
+        value, slopes, names = sensitivities(tire, quantity, inputs)
+        at = _place(tire, quantity, channel, inputs)
+        if at is None:
+            continue
+        by_name = pd.DataFrame(slopes.T, columns=names).reindex(columns=list(discrepancy.names), fill_value=0.0)
+        off = np.array([reading.off for reading in readings])
+        deviation = np.hypot([reading.error / reading.read for reading in readings], READING_ERROR)
+        rows = [tire.inputs.index(name) for name in discrepancy.features.names]
+        discrepancy = discrepancy.informed(
+            by_name.to_numpy().T / value, np.ones(len(readings)), at[rows], off, deviation
+        )
+    return discrepancy
+
+
+def _medians(table: pd.DataFrame, tire: Tire) -> dict[str, float]:
+    """Return the medians of the held inputs."""
+    return {n: float(table[n].median()) for n in tire.inputs if n in table and n not in ("kappa", "alpha", "Fz")}
 
 
 def _place(tire: Tire, quantity: str, channel: str, inputs: FloatArray) -> FloatArray | None:
@@ -123,8 +204,9 @@ def listed_intervals(result: FitResult) -> Iterator[ListedInterval]:
     if evidence is None or not len(result.solution.covariance):
         return
     table = convert_signs(evidence.table, "adapted-sae", "iso")
-    loads = np.linspace(table["Fz"].min(), table["Fz"].max(), LOADS)
-    held = {n: float(table[n].median()) for n in result.tire.inputs if n in table and n not in ("kappa", "alpha", "Fz")}
+    tested = evidence.levels.get("Fz", ())
+    loads = np.array(tested) if tested else np.linspace(table["Fz"].min(), table["Fz"].max(), LOADS)
+    held = _medians(table, result.tire)
     for role in OVER_LOAD:
         if role in model.roles and f"F{role[-1]}" in evidence.channels:
             rows = pd.DataFrame({"Fz": loads}).assign(**held)
@@ -132,7 +214,7 @@ def listed_intervals(result: FitResult) -> Iterator[ListedInterval]:
     for force, slip in OVER_SLIP.items():
         if force in evidence.channels:
             slips = np.linspace(table[slip].min(), table[slip].max(), SLIPS)
-            rows = pd.DataFrame({"Fz": np.repeat(loads, SLIPS), slip: np.tile(slips, LOADS)}).assign(**held)
+            rows = pd.DataFrame({"Fz": np.repeat(loads, SLIPS), slip: np.tile(slips, len(loads))}).assign(**held)
             yield from _records(result, force, rows, ("Fz", slip))
 
 

@@ -7,18 +7,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import degrees
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...measurements.checks.recordings.coverage import coverage_texts
 from ...numerics.ties import graded
+from ...tires.property_file.names import not_given
 from ..constraints.physical import chosen_constraints
 from ..data.fit_data import EXCITED_BY
 from ..evidence.characteristics import Characteristic
 from ..evidence.clipping import Clipped
 from ..evidence.continuity import Discontinuity
-from ..evidence.coverage_rule import coverage_texts
 from ..evidence.diagnostics import Findings
 from ..evidence.residuals import Residuals, condition_text
 from ..evidence.slip_stiffness import SlipStiffness
@@ -34,8 +34,9 @@ FORCES = ("Fx", "Fy")
 #: R2 below which a channel is described poorly: 70 % of its variation remain, which may be noise; below 0 its mean is a
 #: better description.
 POOR_R2 = 0.5
-#: Relative errors of the slip stiffness: above the first, at one load and beyond two standard errors of the data, the
-#: handling of a vehicle changes noticeably; above the second, over all loads, it is that of another tire. Judgement.
+#: Relative errors of the slip stiffness: above the first, in one condition and beyond two standard errors of the data,
+#: the handling of a vehicle changes noticeably; above the second, over all conditions, it is that of another tire.
+#: Judgement.
 STIFFNESS_LIMIT, WRONG_STIFFNESS = 0.1, 0.5
 #: RMSE over noise floor above which a channel lacks something, if the error beyond the floor is not negligible: above
 #: this share of the standard deviation of the channel. Above the last share, what depends on time or differs between
@@ -44,18 +45,15 @@ ABOVE_FLOOR, NEGLIGIBLE, WRONG_DATA = 2.0, 0.01, 0.1
 #: Change of the forces over time above which a recording is not of one tire, as that of the stiffness; and the range of
 #: a steady change in its standard deviations.
 UNSTEADY, RANGE = 0.1, 12.0**0.5
-#: Chance under noise alone below which an error of the form is reported, over all channels, and its least size, as a
-#: share of the channel.
-CHANCE, NEGLIGIBLE_FORM = 0.02, 0.002
+#: Chance under noise alone below which an error of the form is reported, over all channels; its least size, as a share
+#: of a force (repeated measurements differ by 1 to 2 %) and of a moment, and relative to the noise floor. Judgement.
+CHANCE, FORM_OF_FORCE, FORM_OF_MOMENT, ABOVE_NOISE = 0.02, 0.02, 0.1, 0.5
 #: Relative errors beyond two standard errors of the data that are reported, by quantity. Judgement.
 CHARACTERISTIC_LIMITS = {"peak friction": 0.05, "peak slip": 0.25, "trail": 0.2}
 #: Fitted rows for each coefficient below which a fit is limited; below one it is not usable.
 ROWS_PER_COEFFICIENT = 3
 #: Share of the rows of a recording whose exclusion is reported. Judgement.
 MANY_EXCLUDED = 0.1
-#: Share of the largest kappa from which a row has combined slip, and share of the largest slip angle that combined slip
-#: has to reach. Judgement.
-COMBINED_KAPPA, COMBINED_ALPHA = 0.25, 0.8
 #: Share of the range of an input beyond that of a channel from which the channel is extrapolated. Judgement.
 MISSING_RANGE = 0.1
 #: Largest number of names that a reason lists.
@@ -92,6 +90,7 @@ def verdict_of(result: FitResult) -> Verdict:
     wrong += _few_rows(result, 1)
     limits = [
         *_missing_forces(result),
+        *_unknown_radius(result),
         *coverage_texts(c for c in result.findings.coverage if c.characteristic or c.channel == "Mz"),
         *(_quality_reason(c) for c in poor),
         *(floor_reason(c) for c in result.channels if lacks_something(c)),
@@ -106,7 +105,7 @@ def verdict_of(result: FitResult) -> Verdict:
         *_second_solution(result),
         *_at_bounds(result),
         *_excluded(result),
-        *([] if result.solution.residuals is None else _extrapolated(result.solution.residuals)),
+        *([] if result.solution.residuals is None else _ranges(result.solution.residuals)),
     ]
     reasons = tuple(dict.fromkeys((*wrong, *limits)))
     return Verdict(UNUSABLE if wrong else LIMITED if limits else GOOD, reasons)
@@ -195,6 +194,9 @@ def _structure(result: FitResult) -> Iterator[str]:
     """Yield the errors of the form that are significant in channels whose error is near the noise floor."""
     discrepancies = result.solution.discrepancies
     far = {c.channel for c in result.channels if lacks_something(c)}
+    least = {c.channel: FORM_OF_FORCE if c.channel in FORCES else FORM_OF_MOMENT for c in result.channels}
+    for c in (c for c in result.channels if c.spread > 0.0 and c.noise_floor >= 0.0):
+        least[c.channel] = max(least[c.channel], ABOVE_NOISE * c.noise_floor / c.spread)
     texts = [
         f"{d.channel} {size:.1%} over {cause}"
         for d in discrepancies
@@ -202,10 +204,10 @@ def _structure(result: FitResult) -> Iterator[str]:
         for size, chance, cause in (
             (d.form, d.form_chance, "the inputs"), (d.state, d.state_chance, "time")
         )
-        if _chance(chance, discrepancies) and size > NEGLIGIBLE_FORM
+        if _chance(chance, discrepancies) and size > least.get(d.channel, FORM_OF_FORCE)
     ]  # fmt: skip
     if texts:
-        yield f"errors that are not noise, in the intervals: {', '.join(texts)}: diagnose"
+        yield f"the form of the model is wrong beyond the noise, by about {', '.join(texts)}: diagnose"
 
 
 def _clipped_reason(c: Clipped) -> str:
@@ -221,8 +223,7 @@ def _characteristic_reasons(findings: Findings) -> Iterator[str]:
     for c in sorted(wrong, key=lambda c: -graded(abs(c.reliable_error))):
         worst.setdefault((c.recording, c.channel, c.quantity), c)
     for (recording, channel, quantity), c in worst.items():
-        at = condition_text(c.at) if c.at else f"{c.load:.0f} N"
-        yield f"{recording}: the {quantity} of {channel} differs by {c.off:+.0%} at {at}"
+        yield f"{recording}: the {quantity} of {channel} differs by {c.off:+.0%} at {_place(c)}"
 
 
 def _discontinuity_reason(d: Discontinuity) -> str:
@@ -252,25 +253,42 @@ def _stiffnesses(findings: Findings) -> Iterator[tuple[str, list[SlipStiffness]]
 
 def _wrong_stiffness(findings: Findings) -> Iterator[str]:
     for text, stiffnesses in _stiffnesses(findings):
-        error = sum(s.fitted for s in stiffnesses) / sum(s.read for s in stiffnesses) - 1.0
+        off = [s.fitted - s.read for s in stiffnesses]
+        error = float(np.sign(sum(off)) * np.abs(off).sum() / sum(s.read for s in stiffnesses))
         if abs(error) > WRONG_STIFFNESS:
-            yield f"{text} {error:+.0%} over all loads"
+            yield f"{text} {error:+.0%} over all conditions"
 
 
 def _stiffness_reasons(findings: Findings) -> list[str]:
-    """Return the largest error at one load for each force of a recording, the largest first."""
+    """Return the largest error in one condition for each force of a recording, the largest first."""
     worst = [
         (text, max(stiffnesses, key=lambda s: graded(abs(s.reliable_error))))
         for text, stiffnesses in _stiffnesses(findings)
     ]
     worst = sorted(worst, key=lambda pair: -graded(abs(pair[1].reliable_error)))
-    return [f"{text} {s.off:+.0%} at {s.load:.0f} N" for text, s in worst if abs(s.reliable_error) > STIFFNESS_LIMIT]
+    return [f"{text} {s.off:+.0%} at {_place(s)}" for text, s in worst if abs(s.reliable_error) > STIFFNESS_LIMIT]
+
+
+def _place(read: Characteristic | SlipStiffness) -> str:
+    return condition_text(read.at) if read.at else f"{read.load:.0f} N"
 
 
 def _missing_forces(result: FitResult) -> Iterator[str]:
     fitted = {c.channel for c in result.channels}
     for force in (name for name in FORCES if name in result.tire.outputs and name not in fitted):
         yield f"{force} is not fitted: no measured values vary with {EXCITED_BY[force][0]}"
+
+
+def _unknown_radius(result: FitResult) -> Iterator[str]:
+    """Yield that moments were fitted with an assumed radius, by which their coefficients are divided."""
+    moments = [c.channel for c in result.channels if c.channel not in FORCES]
+    if moments and "UNLOADED_RADIUS" in not_given(result.tire):
+        names = ", ".join(dict.fromkeys(moments))
+        radius = result.tire.values["UNLOADED_RADIUS"]
+        yield (
+            f"the radius of the tire is not known, {radius:g} m is assumed: the coefficients of {names} are per radius "
+            "(--size or --nominal R0=...)"
+        )
 
 
 def _not_imposed(result: FitResult) -> Iterator[str]:
@@ -309,22 +327,6 @@ def _excluded(result: FitResult) -> Iterator[str]:
         share = sum(rows.rows for rows in excluded) / excluded[0].of
         if share > MANY_EXCLUDED:
             yield f"{recording}: {share:.0%} of the rows excluded ({', '.join(rows.reason for rows in excluded)})"
-
-
-def _extrapolated(evidence: Residuals) -> Iterator[str]:
-    """Yield the operating conditions for which the tire is extrapolated: combined slip, ranges of held inputs."""
-    table = evidence.table
-    slips = {name: np.abs(table[name].to_numpy(dtype=float)) for name in ("kappa", "alpha") if name in table}
-    if set(FORCES) <= set(evidence.channels):
-        largest = float(slips["alpha"].max())
-        driven = slips["kappa"] > COMBINED_KAPPA * slips["kappa"].max()
-        combined = float(slips["alpha"][driven].max())
-        if 0.0 < combined < COMBINED_ALPHA * largest:
-            yield (
-                f"combined slip is extrapolated beyond {degrees(combined):.1f} deg of slip angle "
-                f"(pure slip was measured up to {degrees(largest):.1f} deg)"
-            )
-    yield from _ranges(evidence)
 
 
 def _ranges(evidence: Residuals) -> Iterator[str]:

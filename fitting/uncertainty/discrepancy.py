@@ -126,9 +126,30 @@ class Discrepancy:
         `slopes`, shape (n_coefficients, n): derivatives by the coefficients. `values`, shape (n,): of predictions that
         are proportional to the channel, otherwise 0. `inputs`, shape (n_inputs, n): where the channel determines them.
         """
+        error = self._error(slopes, values, inputs)
+        return np.asarray(np.sum((error @ self.squares) * error, axis=1) + (self.state * values) ** 2)
+
+    def informed(
+        self, slopes: FloatArray, values: FloatArray, inputs: FloatArray, error: FloatArray, deviation: FloatArray
+    ) -> Discrepancy:
+        """Return the same with errors of predictions that are known.
+
+        The rows near zero slip and at the peak are few among the sampled ones; what is read from all of them says much
+        more about these places.
+
+        `slopes`, `values`, `inputs`: as for `variance`. `error`, `deviation`, shape (n,): prediction minus the value
+        that was read from the data, and its standard deviation.
+        """
+        rows = self._error(slopes, values, inputs) / deviation[:, None]
+        return replace(
+            self, information=self.information + rows.T @ rows, score=self.score + rows.T @ (error / deviation)
+        )
+
+    def _error(self, slopes: FloatArray, values: FloatArray, inputs: FloatArray) -> FloatArray:
+        """Return the errors of predictions by the weights, shape (n, 2 FEATURES)."""
         error = slopes.T @ self.response
         error[:, :FEATURES] -= values[:, None] * self.features.at(inputs)
-        return np.asarray(np.sum((error @ self.squares) * error, axis=1) + (self.state * values) ** 2)
+        return np.asarray(error)
 
 
 def discrepancies(problem: Problem, samples: Iterable[Sample], inverse: FloatArray) -> tuple[Discrepancy, ...]:

@@ -143,7 +143,10 @@ def compared_columns(
             causality = kind.split()[-1]
             names = [excerpt(name) for name, variable in variables.items() if variable.causality == causality]
             listed = f"{', '.join(names[:SHOWN_NAMES])}{', ...' if names[SHOWN_NAMES:] else ''}" or "none"
-            raise FmuError(f"{fmu_path}: no {causality} named {', '.join(readable)}: its {causality}s are {listed}")
+            proof = "; a proof inside it checks such an FMU (export --proof)" if kind == "input" else ""
+            raise FmuError(
+                f"{fmu_path}: no {causality} named {', '.join(readable)}: its {causality}s are {listed}{proof}"
+            )
         if not recorded:
             raise DataError(f"{recording.source}: no {kind} of the FMU ({', '.join(needed)})")
     return present, measured, outputs

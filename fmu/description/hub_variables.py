@@ -11,7 +11,6 @@ from ...symbolic.wheel import quantities as hub
 from ...tires import Tire
 from ...tires.evaluation import quantities as quantities_of
 from ...tires.property_file.text import number_and_rest
-from ...tires.roads.road import Road
 from .variables import Variable, input_variable
 
 #: The smallest friction of a road relative to that of the tire: the formulas divide by it.
@@ -37,8 +36,6 @@ BRAKE_EVENT = Variable(
     group="extra",
     source="BRAKE_EVENT",
 )
-#: The plane of the road at the wheel.
-PLANE = ("road_z", "road_nx", "road_ny", "road_nz")
 #: Inputs of a wheel that spins inside the FMU.
 TORQUES = (
     Variable("T_drive", "input", "N m", "drive torque on the wheel about its axis", 0.0, nominal=100.0, group="input"),
@@ -63,15 +60,13 @@ RESULTS = (
 READ = (*hub.MOTION, FZ)
 
 
-def hub_inputs(
-    tire: Tire, read: set[str], speed: float, spin: float, *, spins: bool, road: Road | None = None
-) -> list[Variable]:
+def hub_inputs(tire: Tire, read: set[str], speed: float, spin: float, *, spins: bool) -> list[Variable]:
     """Return the inputs: a freely rolling wheel with its nominal load at the start.
 
     `read`: the inputs of the model that the tire needs. `speed`, `spin`: at the start, m/s and rad/s. `spins`: whether
-    the spin of the wheel is a state. It then is an output, whose start value can be set. `road`: a road inside the FMU:
-    its plane at the wheel is an output. Returns: the arguments of the generated function ``wheel_motion``, then the
-    friction of the road, torques, and the inputs of the model that are no motion.
+    the spin of the wheel is a state. It then is an output, whose start value can be set. Returns: the arguments of the
+    generated function ``wheel_motion``, then the friction of the road, torques, and the inputs of the model that are no
+    motion.
 
     >>> from tirefmu.tires import published
     >>> [variable.name for variable in hub_inputs(published("trento_hoosier"), {"Fz"}, 10.0, 40.0, spins=False)][-3:]
@@ -81,10 +76,6 @@ def hub_inputs(
     starts |= {"R_11": 1.0, "R_22": 1.0, "R_33": 1.0, "road_nz": 1.0}
     moved = {"kappa", "alpha", "V", "phit", "distance", *(q.name for q in READ), *tire.symbolic_model.states}
     inputs = [input_variable(q, starts.get(q.name, 0.0)) for q in (*hub.CARRIER, *hub.ROAD, hub.SPIN)]
-    if road is not None:
-        ground = float(road.height(0.0, 0.0))
-        inputs = [replace(v, causality="output", start=None) if v.name in PLANE else v for v in inputs]
-        inputs = [replace(v, start=(v.start or 0.0) + ground) if v.name == "r_z" else v for v in inputs]
     if spins:
         inputs = [*inputs[:-1], replace(inputs[-1], causality="output"), *TORQUES]
     if tire.symbolic_model.motion.friction_scales:

@@ -14,7 +14,7 @@ from ...symbolic.quantities import ACTED_ON, KAPPA_LAGGED, TAN_ALPHA_LAGGED
 from ...symbolic.wheel.quantities import SPIN
 from ...tires import Tire
 from ...tires.evaluation import quantities as quantities_of
-from ...tires.roads.road import Road
+from ...tires.property_file.names import not_given
 from .hub_variables import BRAKE_EVENT, hub_inputs, hub_motion, hub_outputs, hub_parameters, with_damping
 from .standstill import standstill_parameters, with_lengths
 from .variables import (
@@ -64,7 +64,6 @@ class Interface:
     - `variables`: in the order of their value references: ``time``, inputs, the motion of the wheel that hub inputs
       determine, forces, parameters, states, their derivatives, extra outputs.
     - `relaxation_note`: the relaxation lengths assumed for a tire that has none; empty if none are assumed.
-    - `road`: the road inside the FMU.
     """
 
     tire: Tire
@@ -72,7 +71,6 @@ class Interface:
     axes: str
     variables: tuple[Variable, ...]
     relaxation_note: str = ""
-    road: Road | None = None
 
     def group(self, name: str) -> list[Variable]:
         """Return the variables of a group: input, motion, force, parameter, state, derivative or extra."""
@@ -124,9 +122,7 @@ class Interface:
         return any(variable.name == DISTANCE.name for variable in self.group("state"))
 
 
-def interface(
-    tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities: bool = False, road: Road | None = None
-) -> Interface:
+def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities: bool = False) -> Interface:
     """Return the interface of a native FMU of a tire.
 
     - `tire`: in any signs.
@@ -134,12 +130,11 @@ def interface(
       the motion of the wheel carrier and the road, with the spin of the wheel or with the torques that it follows from.
     - `axes`, one of "iso", "sae": TYDEX W (z up), or SAE (z down, y to the right).
     - `quantities`: whether every named quantity of the model is an output.
-    - `road`: a road inside the FMU, with hub inputs: its height and normal at the wheel are outputs.
 
     Returns: the input of an on-demand or added effect is present if the tire has an effect that reads it. With wheel
     inputs a tire without relaxation has the lengths of `with_lengths`: at standstill slip is 0/0, and a lagged slip is
     a deflection. Raises `UnknownName` if inputs or axes do not exist. Raises `FmuError` if hub inputs have other axes
-    than ISO, a road is given for other inputs, or the radius of a wheel or the nominal load at a hub is not positive.
+    than ISO, or the radius of a wheel or the nominal load at a hub is not positive.
 
     >>> from tirefmu.tires import published
     >>> [variable.name for variable in interface(published("trento_hoosier"), inputs="wheel").group("input")]
@@ -151,13 +146,16 @@ def interface(
     hub, spins = inputs in HUB, inputs == "hub-torque"
     if hub and axes != "iso":
         raise FmuError("hub inputs have ISO axes only")
-    if road is not None and not hub:
-        raise FmuError(f"a road inside the FMU needs hub inputs, not {inputs} inputs")
     tire = tire.in_signs(FORMULA[axes])
     model, wheel = tire.symbolic_model, inputs != "slip"
     for needed in (*(("UNLOADED_RADIUS",) if wheel else ()), *(("FNOMIN",) if hub else ())):
         if not tire.values[needed] > 0.0:
             raise FmuError(f"{inputs} inputs need {needed} > 0, not {tire.values[needed]:g}")
+    if wheel and "UNLOADED_RADIUS" in not_given(tire):
+        raise FmuError(
+            f"{inputs} inputs need the radius of the wheel, which the fit of this tire did not know "
+            f"({tire.values['UNLOADED_RADIUS']:g} m is assumed): fit it with --size 205/55R16 or --nominal R0=0.31"
+        )
     tire, note = with_lengths(tire) if wheel else (tire, "")
     tire = with_damping(tire) if hub else tire
     read = read_inputs(tire)
@@ -169,7 +167,7 @@ def interface(
         *((_state(DISTANCE),) if "distance" in read else ()),
     ]
     if hub:
-        hosts = [*hub_inputs(tire, read, *free_rolling(tire), spins=spins, road=road), *hub_motion()]
+        hosts = [*hub_inputs(tire, read, *free_rolling(tire), spins=spins), *hub_motion()]
     else:
         hosts = _wheel_inputs(tire, read, twists) if wheel else _slip_inputs(tire, read, bool(states))
     values = dict(zip(model.parameters, tire.parameters().tolist(), strict=True))
@@ -195,7 +193,7 @@ def interface(
         replace(v, reversed=True, start=None if v.start is None else -v.start) if _stem(v.name) in reverse else v
         for v in plain
     )
-    return Interface(tire, inputs, axes, _with_structure(turned, model, inputs), note, road)
+    return Interface(tire, inputs, axes, _with_structure(turned, tire, inputs), note)
 
 
 def _memory_state(tire: Tire, name: str) -> Variable:
@@ -296,11 +294,12 @@ def _extras(tire: Tire, inputs: str, quantities: bool) -> list[Variable]:
     ]
 
 
-def _with_structure(variables: tuple[Variable, ...], model: Model, kind: str) -> tuple[Variable, ...]:
+def _with_structure(variables: tuple[Variable, ...], tire: Tire, kind: str) -> tuple[Variable, ...]:
     """Return the variables with the dependencies of computed ones, and the state of each derivative.
 
     `kind`: of the inputs, one of `INPUTS`.
     """
+    model = tire.symbolic_model
     references = {variable.name: reference for reference, variable in enumerate(variables)}
     inputs = {variable.name for variable in variables if variable.causality == "input"}
     spin = {SPIN.name} if kind == "hub-torque" else set()
@@ -309,8 +308,8 @@ def _with_structure(variables: tuple[Variable, ...], model: Model, kind: str) ->
     def causes(variable: Variable) -> set[str]:
         if variable.group == "state":
             return {variable.name}
-        if variable.group == "input":  # the plane of a road inside the FMU, or the spin
-            return spin if variable.name in spin else inputs
+        if variable.name in spin:
+            return spin
         if kind in HUB or is_indicator(variable):  # at a hub the load depends on the slips, and all else on the load
             return inputs | states
         if variable.group == "derivative":
@@ -319,16 +318,28 @@ def _with_structure(variables: tuple[Variable, ...], model: Model, kind: str) ->
         acting = {state for state in states if _acts(state, variable.name, read, model)}
         return acting | (inputs if kind == "wheel" else inputs & read)
 
+    def initial_causes(variable: Variable) -> tuple[int, ...] | None:
+        if kind != "slip" or tire.states:
+            return None
+        if variable.group == "state":
+            return (references["kappa" if variable.name == KAPPA_LAGGED.name else "alpha"],)
+        if variable.group == "derivative":  # slips start in steady state
+            return (references["V"],) if _stem(variable.name) == DISTANCE.name else ()
+        reached = model.reached(_quantities_behind(variable.name, model), tire.has)
+        return tuple(r for name, r in references.items() if name in reached and variables[r].causality != "hidden")
+
     computed = [
         variable
         for variable in variables
         if variable.group in ("motion", "force", "extra", "derivative")
-        or (variable.group in ("input", "state") and variable.causality == "output")
+        or (variable.group == "input" and variable.causality == "output")
+        or variable.group == "state"
     ]
     with_causes = {
         variable.name: replace(
             variable,
             depends=tuple(sorted(references[name] for name in causes(variable))),
+            initially=initial_causes(variable),
             derivative_of=references[_stem(variable.name)] if variable.group == "derivative" else None,
         )
         for variable in computed
@@ -348,12 +359,16 @@ def _causes_of_rate(state: str, model: Model, inputs: set[str], states: set[str]
 
 def _model_inputs_of(name: str, model: Model) -> set[str]:
     """Return the inputs of the model that an output depends on; the slips if the model does not compute it."""
-    names = [name]
-    if name == "friction_use":
-        names = ["Fx", "Fy", model.quantity("friction_x"), model.quantity("friction_y")]
-    elif name not in model.structure.quantities and name not in {quantity.name for quantity in model.outputs}:
+    if name not in model.structure.quantities and name not in {q.name for q in model.outputs} | {"friction_use"}:
         return {"kappa", "alpha"}
-    return set().union(*feedthrough(model, names).values())
+    return set().union(*feedthrough(model, _quantities_behind(name, model)).values())
+
+
+def _quantities_behind(name: str, model: Model) -> list[str]:
+    """Return the outputs and quantities of the model from which an output follows."""
+    if name == "friction_use":
+        return ["Fx", "Fy", model.quantity("friction_x"), model.quantity("friction_y")]
+    return [name]
 
 
 def _acts(state: str, output: str, read: set[str], model: Model) -> bool:

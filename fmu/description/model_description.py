@@ -25,6 +25,9 @@ DISPLAY_UNITS = {
     "rad": {"name": "deg", "factor": repr(57.29577951308232)},
     "K": {"name": "degC", "offset": repr(-273.15)},
 }
+#: Relative tolerance of solvers in Model Exchange: hosts take 1e-4 or 1e-5 without it, too coarse for a wheel that
+#: oscillates on its tire.
+TOLERANCE = "1e-7"
 #: The value of fmiVersion, and the attribute with the token, by FMI version.
 VERSION_ATTRIBUTES = {2: ("2.0", "guid"), 3: ("3.0", "instantiationToken")}
 
@@ -89,7 +92,10 @@ def model_description(fmi: int, header: Header, variables: Sequence[Variable], t
     categories = ET.SubElement(root, "LogCategories")
     for name, meaning in LOG_CATEGORIES.items():
         ET.SubElement(categories, "Category", {"name": name, "description": meaning})
-    ET.SubElement(root, "DefaultExperiment", {"startTime": "0.0", "stopTime": "1.0", "stepSize": "0.001"})
+    experiment = {"startTime": "0.0", "stopTime": "1.0", "stepSize": "0.001"}
+    if header.model_exchange and any(variable.derivative_of is not None for variable in variables):
+        experiment = {**experiment, "tolerance": TOLERANCE}
+    ET.SubElement(root, "DefaultExperiment", experiment)
     _variables_and_structure(root, fmi, variables)
     if header.has_arrays:
         gather(root, variables)
@@ -183,6 +189,13 @@ def _character(variable: Variable) -> dict[str, str]:
     return {**character, "initial": "calculated" if variable.start is None else "exact"}
 
 
+def _is_given(variable: Variable) -> bool:
+    """Return whether a variable is known when initialization begins."""
+    return variable.causality in ("input", "parameter") or (
+        variable.causality != "hidden" and variable.start is not None
+    )
+
+
 def _by_group(variables: Sequence[Variable]) -> tuple[list[int], list[int], list[int]]:
     """Return the value references of outputs, of derivatives, and of initial unknowns."""
     outputs = [reference for reference, v in enumerate(variables) if v.causality == "output"]
@@ -217,11 +230,15 @@ def _variables_and_structure(root: ET.Element, fmi: int, variables: Sequence[Var
     names = ("Output", "ContinuousStateDerivative", "InitialUnknown", "EventIndicator")
     groups = dict(zip(names, (*_by_group(variables), indicators), strict=True))
 
+    given = [reference for reference in seen if _is_given(variables[reference])]
+
     def unknown(parent: ET.Element, name: str, key: str, group: str, reference: int) -> None:
-        """Append an unknown; without a list of dependencies it depends on all inputs and parameters."""
-        depends = [places[cause] for cause in variables[reference].depends]
-        listed = {"dependencies": " ".join(depends)} if group in names[:2] else {}
-        ET.SubElement(parent, name, {key: places[reference], **listed})
+        """Append an unknown with what it depends on: some importers refuse one without."""
+        variable = variables[reference]
+        initial = given if variable.initially is None else variable.initially
+        depends = initial if group == "InitialUnknown" else variable.depends
+        about = {key: places[reference], "dependencies": " ".join(places[cause] for cause in depends)}
+        ET.SubElement(parent, name, about)
 
     if fmi == 3:
         for group, references in groups.items():

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from .model_description import xml_bytes
 from .units import base_unit
 from .variables import Variable
 
-#: Version of SSP and the type of real variables, by FMI version: SSP 1.0 knows the types of FMI 2 only.
+#: Version of SSP and the type of connectors, by FMI version: SSP 1.0 knows the types of FMI 2 only. Values of parameter
+#: sets are Real in both: OMSimulator reads units of no other type.
 SSP_VERSIONS = {2: ("1.0", "Real"), 3: ("2.0", "Float64")}
 #: The namespaces have these names in SSP 2.0, too.
 NAMESPACES = {
@@ -60,8 +61,23 @@ def parameters(variables: Iterable[Variable]) -> list[Variable]:
     return [variable for variable in variables if variable.causality == "parameter"]
 
 
-def parameter_set(fmi: int, name: str, variables: Iterable[Variable]) -> bytes:
-    """Return a parameter set with the start values of the parameters among variables.
+def inputs_of(tires: Iterable[Component]) -> list[Variable]:
+    """Return the inputs of tires with the names of the connectors of their system.
+
+    >>> load = Variable("Fz", "input", "N", "vertical load", 4000.0)
+    >>> inputs_of([Component("FL", "t.fmu", "FL.ssv", "t.ssm", (load,))])[0].name
+    'FL_Fz'
+    """
+    return [
+        replace(variable, name=f"{tire.name}_{variable.name}")
+        for tire in tires
+        for variable in tire.variables
+        if variable.causality == "input"
+    ]
+
+
+def parameter_set(fmi: int, name: str, chosen: Sequence[Variable]) -> bytes:
+    """Return a parameter set with the start values of variables.
 
     `fmi`: 2 for SSP 1.0, 3 for SSP 2.0.
 
@@ -76,13 +92,12 @@ def parameter_set(fmi: int, name: str, variables: Iterable[Variable]) -> bytes:
           <ssv:Real value="0.9" unit="1" />
     ...
     """
-    version, kind = SSP_VERSIONS[fmi]
-    root = _root("ssv:ParameterSet", ("ssv", "ssc"), version, name)
-    listed, chosen = ET.SubElement(root, "ssv:Parameters"), parameters(variables)
+    root = _root("ssv:ParameterSet", ("ssv", "ssc"), SSP_VERSIONS[fmi][0], name)
+    listed = ET.SubElement(root, "ssv:Parameters")
     for variable in chosen:
         about = {"name": variable.name, "description": variable.description}
         element = ET.SubElement(listed, "ssv:Parameter", about)
-        ET.SubElement(element, f"ssv:{kind}", {"value": repr(float(variable.start or 0.0)), "unit": variable.unit})
+        ET.SubElement(element, "ssv:Real", {"value": repr(float(variable.start or 0.0)), "unit": variable.unit})
     _append_units(root, "ssv", chosen)
     return xml_bytes(root)
 
@@ -103,12 +118,15 @@ def parameter_mapping(fmi: int, variables: Iterable[Variable]) -> bytes:
     return xml_bytes(root)
 
 
-def system_structure(fmi: int, name: str, components: Sequence[Component], vehicle: Component | None = None) -> bytes:
+def system_structure(
+    fmi: int, name: str, components: Sequence[Component], vehicle: Component | None = None, values: str = ""
+) -> bytes:
     """Return SystemStructure.ssd of a system of tires, alone or with a vehicle.
 
     `fmi`: 2 for SSP 1.0, 3 for SSP 2.0. `components`: the tires. `vehicle`: its variables are those of the tires, with
     the name of the tire in front, such as FL_Fz. Without a vehicle the system has the inputs and outputs of every tire
-    as connectors, such as FL_Fz. With one they are connected to those of the vehicle, and the system has no connectors.
+    as connectors, such as FL_Fz, and their start values in the parameter set `values`. With one they are connected to
+    those of the vehicle, and the system has no connectors.
 
     Source: SSP 1.0, section 5 (SystemStructureDescription).
 
@@ -122,13 +140,14 @@ def system_structure(fmi: int, name: str, components: Sequence[Component], vehic
     system = ET.SubElement(root, "ssd:System", {"name": name})
     if vehicle is None:
         outside = ET.SubElement(system, "ssd:Connectors")
+        _append_parameters(system, values)
     elements = ET.SubElement(system, "ssd:Elements")
     connections = ET.SubElement(system, "ssd:Connections")
     if vehicle:
         _append_component(elements, vehicle, kind)
     at_vehicle = {variable.name for variable in vehicle.variables} if vehicle else set()
     for tire in components:
-        _append_parameters(_append_component(elements, tire, kind), tire)
+        _append_parameters(_append_component(elements, tire, kind), tire.values, tire.mapping)
         for variable in tire.connectors:
             joined = f"{tire.name}_{variable.name}"
             if vehicle is None:
@@ -152,10 +171,11 @@ def _append_component(elements: ET.Element, component: Component, kind: str) -> 
     return element
 
 
-def _append_parameters(element: ET.Element, tire: Component) -> None:
+def _append_parameters(element: ET.Element, values: str, mapping: str = "") -> None:
     bindings = ET.SubElement(element, "ssd:ParameterBindings")
-    binding = ET.SubElement(bindings, "ssd:ParameterBinding", {"type": MEDIA["ssv"], "source": tire.values})
-    ET.SubElement(binding, "ssd:ParameterMapping", {"type": MEDIA["ssm"], "source": tire.mapping})
+    binding = ET.SubElement(bindings, "ssd:ParameterBinding", {"type": MEDIA["ssv"], "source": values})
+    if mapping:
+        ET.SubElement(binding, "ssd:ParameterMapping", {"type": MEDIA["ssm"], "source": mapping})
 
 
 def _append_connection(connections: ET.Element, start: Mapping[str, str], end: Mapping[str, str]) -> None:

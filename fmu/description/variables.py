@@ -28,6 +28,8 @@ class Variable:
     - `nominal`: typical magnitude; 0 if unknown.
     - `depends`: of an output or a derivative: the value references of the inputs and states that it depends on
       directly.
+    - `initially`: of a computed variable: the value references of what it depends on during initialization: inputs,
+      parameters, and states with a start value; None for all of them.
     - `group`: of a native FMU: its group in the C code; see `tirefmu.fmu.description.interface`.
     - `reversed`: of a native FMU: host and formula use opposite signs.
     - `derivative_of`: value reference of the state whose derivative it is.
@@ -43,6 +45,7 @@ class Variable:
     upper: float = inf
     nominal: float = 0.0
     depends: tuple[int, ...] = ()
+    initially: tuple[int, ...] | None = None
     group: str = ""
     reversed: bool = False
     derivative_of: int | None = None
@@ -197,13 +200,16 @@ def option_variable(option: Option, value: float) -> Variable:
     return Variable(option.parameter, causality, "1", f"{option.description} (0 {first}, 1 {second})", value, 0.0, 1.0)
 
 
+def declared_limits(declaration: Coefficient, written: str) -> tuple[float, float]:
+    """Return the limits of a coefficient in the signs of a tire; declarations have them in adapted SAE."""
+    if declaration.flips and written == "iso":
+        return -declaration.upper, -declaration.lower
+    return declaration.lower, declaration.upper
+
+
 def parameter_variable(declaration: Coefficient, value: float, written: str) -> Variable:
     """Return a tunable coefficient; its limits, in the tire's signs, apply only if its own value satisfies them."""
-    # Declarations have bounds in adapted SAE.
-    mirrored = declaration.flips and written == "iso"
-    lower, upper = declaration.lower, declaration.upper
-    if mirrored:
-        lower, upper = -upper, -lower
+    lower, upper = declared_limits(declaration, written)
     if not lower <= value <= upper:
         lower, upper = -inf, inf
     # + 0.0: no negative zero.

@@ -28,11 +28,11 @@ from .sources import BUILT_IN, STI, STI_TIRE, VALUES, WRAPPER
 SYSTEMS = {"linux": "linux", "darwin": "darwin", "win32": "windows"}
 MACHINES = {"x86_64": "x86_64", "amd64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
 
-#: Each operation is rounded once on every machine; the binary contains no unreachable functions and no tables for
-#: exceptions, which C does not have.
+#: Each operation is rounded once on every machine, and none is watched for traps; the binary contains no
+#: unreachable functions and no tables for exceptions, which C does not have.
 FLAGS = (
-    "-ffp-contract=off", "-ffunction-sections", "-fdata-sections", "-fno-asynchronous-unwind-tables",
-    "-fno-unwind-tables",
+    "-ffp-contract=off", "-fno-trapping-math", "-ffunction-sections", "-fdata-sections",
+    "-fno-asynchronous-unwind-tables", "-fno-unwind-tables",
 )  # fmt: skip
 #: For code that is called rarely: a part of the model's code, and the files of the wrapper that no step calls.
 SMALL = ("-Os", "-fno-inline")

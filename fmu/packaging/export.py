@@ -20,7 +20,6 @@ from ...boundary.whole_file import write_whole
 from ...symbolic.reserved import C_KEYWORDS
 from ...tires import Tire, TireLike, tire_from, write_tir
 from ...tires.property_file.names import not_measured
-from ...tires.roads.opencrg import read_crg
 from ..description.arrays import with_arrays
 from ..description.documentation import header_license, index_html, license_of
 from ..description.interface import AXES, HUB, INPUTS, Interface, interface
@@ -30,7 +29,6 @@ from ..description.variables import variables, with_ranges
 from .binaries import binaries, chosen_platforms, host_platform
 from .prebuilt import VALUES_FILE, generic, has_prebuilt, prebuilt_binary, values_file
 from .python_variant import python_contents
-from .road_file import ROAD_FILE, road_file
 from .sources import VALUES, build_description, c_files, sources
 from .written_headers import tire_values
 
@@ -50,7 +48,6 @@ def export(
     quantities: bool = False,
     kind: str = "native",
     platforms: str | Iterable[str] = "host",
-    road: str | os.PathLike[str] | None = None,
     arrays: bool = False,
 ) -> Path:
     """Write a tire as a native FMU for Co-Simulation and Model Exchange.
@@ -88,8 +85,6 @@ def export(
         x86_64-windows, x86_64-darwin, aarch64-darwin); on Linux for a C library of 2012 or later. A tire without
         added effects needs no compiler where the installation contains binaries, as wheels do. Otherwise the system's
         compiler builds for this machine, and ziglang, the package's extra `cross`, for the others.
-    road : path-like, optional
-        A road inside the FMU, an OpenCRG file with text data, for hub inputs. Such an FMU is compiled.
     arrays : bool
         For hub inputs and FMI 3: vectors and the rotation matrix are array variables (r, R, v, ..., F, M) in place of
         scalars (r_x, ...).
@@ -128,8 +123,6 @@ def export(
     checked_interface(inputs, axes)
     if kind == "pythonfmu" and (inputs, axes, quantities) != ("slip", "iso", False):
         raise FmuError("the pythonfmu variant has slip inputs, ISO axes and the forces only")
-    if road is not None and (kind, inputs in HUB) != ("native", True):
-        raise FmuError(f"a road inside the FMU needs a native FMU with hub inputs, not {inputs} inputs")
     if arrays and (kind, version, inputs in HUB) != ("native", 3, True):
         raise FmuError(f"arrays need a native FMU of FMI 3 with hub inputs, not FMI {version} with {inputs} inputs")
     requested = chosen_platforms(platforms)
@@ -137,8 +130,7 @@ def export(
     if kind == "pythonfmu" and tire.states:
         raise FmuError(f"the pythonfmu variant has no states of effects ({', '.join(tire.states)}): use kind native")
     identifier = c_identifier(target.stem)
-    ground = None if road is None else read_crg(path_from(road))
-    shown = interface(tire, inputs=inputs, axes=axes, quantities=quantities, road=ground)
+    shown = interface(tire, inputs=inputs, axes=axes, quantities=quantities)
     files, token = _described(tire, shown, version, identifier, kind, arrays)
     if kind == "native":
         ready, values = _prebuilt(tire, shown, token, requested)
@@ -152,7 +144,7 @@ def _prebuilt(
     tire: Tire, shown: Interface, token: str, requested: Iterable[str]
 ) -> tuple[dict[str, bytes], dict[str, bytes]]:
     """Return the prebuilt binaries by platform, and the file of values that they read."""
-    if shown.road or not has_prebuilt():
+    if not has_prebuilt():
         return {}, {}
     shared = generic(tire, inputs=shown.inputs, axes=shown.axes)
     names = {host_platform() if name == "host" else name for name in requested}
@@ -234,9 +226,8 @@ def _described(
 
     # The token connects description and binary; it depends on everything that determines the FMU's behaviour.
     blank = sources(fmi, shown, "") if native else {}
-    data = {ROAD_FILE: road_file(shown.road)} if shown.road else {}
     blank_description = model_description(fmi, header, listed, "")
-    token = fingerprint({**blank, **data, "modelDescription.xml": blank_description})
+    token = fingerprint({**blank, "modelDescription.xml": blank_description})
     description = with_token(fmi, blank_description, token)
     packaged = {
         "modelDescription.xml": description,
@@ -250,7 +241,7 @@ def _described(
     code = {**blank, VALUES: tire_values(shown, token).encode()}
     packaged |= {f"sources/{file}": text for file, text in code.items()}
     packaged["resources/interface.json"] = (json.dumps({"inputs": inputs, "axes": axes}) + "\n").encode()
-    packaged |= pictures(fmi, named) | data
+    packaged |= pictures(fmi, named)
     if fmi == 3:
         packaged["sources/buildDescription.xml"] = build_description(identifier, header.sources)
     return packaged, token

@@ -52,11 +52,14 @@ def split_code(model: str, code: str) -> dict[str, bytes]:
 def _chosen(model: str, name: str, routines: dict[str, str]) -> list[str]:
     """Return a routine and the variants that it calls; empty for a routine that the model lacks.
 
-    The code is a third smaller if calls of elementary functions are not expanded. Pairs of such calls are.
+    Elementary functions are expanded where a step calls them; elsewhere the code is a third smaller without.
     """
     parts = ["is_straight"] if name == FAST[0] else []
     parts += [f"{name}_general", f"{model}_{name}_straight", f"{model}_{name}"]
-    return [calling_functions(routines[part]) for part in parts if part in routines]
+    expanded = f"{model}_{name}_straight"
+    return [
+        routines[part] if part == expanded else calling_functions(routines[part]) for part in parts if part in routines
+    ]
 
 
 def _general(model: str, name: str, routines: dict[str, str]) -> str:

@@ -11,10 +11,8 @@ import hashlib
 import json
 import lzma
 import struct
-import sys
 from dataclasses import dataclass
 from importlib.resources import files
-from math import isfinite
 from pathlib import Path
 
 from ...boundary.errors import FmuError
@@ -28,7 +26,7 @@ FOLDER = Path(str(files("tirefmu.fmu"))) / "prebuilt"
 MANIFEST = "manifest.json"
 #: The file of the values inside an FMU, and its format, as in wrapper/tire_file.c and wrapper/tire.h.
 VALUES_FILE = "resources/tire_values.bin"
-_FORMAT = b"TIREFMU1"
+_FORMAT = b"TIREFMU2"
 _TEXT_SIZES = (48, 256)
 
 
@@ -76,18 +74,15 @@ def values_file(shared: Generic, token: str, count: int) -> bytes:
 
     >>> from tirefmu.tires import published
     >>> values_file(generic(published("trento_hoosier")), "{1}", 100)[:8]
-    b'TIREFMU1'
+    b'TIREFMU2'
     """
-    listed, largest = shared.shown.variables, sys.float_info.max
     texts = []
     for text, size in zip((token, shared.shown.relaxation_note), _TEXT_SIZES, strict=True):
         if len(text.encode()) >= size:
             raise FmuError(f"{text[:40]}... is too long for {VALUES_FILE}")
         texts.append(text.encode().ljust(size, b"\0"))
     numbers = [
-        *(float(variable.start or 0.0) for variable in listed),
-        *(float(variable.lower) if isfinite(variable.lower) else -largest for variable in listed),
-        *(float(variable.upper) if isfinite(variable.upper) else largest for variable in listed),
+        *(float(variable.start or 0.0) for variable in shared.shown.variables),
         *(limit for limits in input_ranges(shared.shown) for limit in limits),
     ]
     body = struct.pack(f"<Q{len(numbers)}d", count, *numbers)

@@ -21,19 +21,22 @@ COMMON = (
 )  # fmt: skip
 #: The files of the contact kinematics, by the kind of inputs; that of lagging slips.
 _WHEEL = ("wheel_inputs.c", "standstill.c")
-_HUB = (*_WHEEL, "hub.c", "hub_derivatives.c", "root.c")
+_HUB = (*_WHEEL, "hub.c", "hub_spring.c", "hub_derivatives.c", "root.c")
 CONTACT = {"slip": ("slip_inputs.c",), "wheel": _WHEEL, "hub": _HUB, "hub-torque": (*_HUB, "spin.c", "spin_steps.c")}
 LAGGING = "lagging_slips.c"
 HEADERS = (
-    "state.h", "outputs.h", "instance.h", "arrays.h", "tire.h", "resource_file.h", "road.h", "contact.h", "slips.h",
+    "state.h", "outputs.h", "instance.h", "arrays.h", "tire.h", "resource_file.h", "contact.h", "slips.h",
     "memory.h", "standstill.h", "hub.h", "spin.h", "root.h", "changes.h", "tangents.h", "chain_rule.h", "same_calls.h",
+    "steps.h",
 )  # fmt: skip
-CONFIG, VALUES, RADIUS = "model_config.h", "tire_values.h", "rolling_radius.h"
+CONFIG, VALUES = "model_config.h", "tire_values.h"
+#: The headers of the model with the radii of a wheel, of which hub inputs need both.
+ROLLING_RADIUS, LOADED_RADIUS = "rolling_radius.h", "loaded_radius.h"
 STI_HEADER, STI_TIRE = "sti.h", "sti_tire.h"
 #: The source of the tire's values: compiled for one tire, or read from a file of the FMU.
 BUILT_IN, FROM_FILE = "built_in_tire.c", "tire_file.c"
-#: The sources of files of the FMU, and of a road inside it.
-RESOURCE, ROAD = "resource_file.c", "road.c"
+#: The source that opens files of the FMU.
+RESOURCE = "resource_file.c"
 #: The laws of the states, equal for all models.
 LAWS = "state_laws.h"
 #: The functions of the kinematics of hub inputs, equal for all models.
@@ -50,8 +53,7 @@ def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
     >>> c_files(2, interface(published("trento_hoosier")))[-4:]
     ('saved_state.c', 'slip_inputs.c', 'mf96.c', 'mf96_quantities.c')
     """
-    road = (RESOURCE, ROAD) if shown.road else ()
-    return (*WRAPPER[fmi], BUILT_IN, *road, *_common_files(shown))
+    return (*WRAPPER[fmi], BUILT_IN, *_common_files(shown))
 
 
 def _common_files(shown: Interface) -> tuple[str, ...]:
@@ -109,8 +111,9 @@ def code_files(names: Iterable[str], shown: Interface) -> dict[str, bytes]:
     texts[LAWS] = (files("tirefmu.generated") / "c" / LAWS).read_bytes()
     if shown.hub:
         texts[KINEMATICS] = (files("tirefmu.generated") / "c" / KINEMATICS).read_bytes()
+        texts[LOADED_RADIUS] = (generated / f"{model}_{LOADED_RADIUS}").read_bytes()
     if shown.wheel:
-        texts[RADIUS] = (generated / f"{model}_{RADIUS}").read_bytes()
+        texts[ROLLING_RADIUS] = (generated / f"{model}_{ROLLING_RADIUS}").read_bytes()
     return texts
 
 

@@ -15,7 +15,14 @@ from ...tires import Tire, TireLike, tire_from
 from ...tires.property_file.mirror import mirrored, sided
 from ...tires.property_file.writing import tir_text
 from ..description.interface import interface
-from ..description.system_structure import Component, parameter_mapping, parameter_set, system_structure
+from ..description.system_structure import (
+    Component,
+    inputs_of,
+    parameter_mapping,
+    parameter_set,
+    parameters,
+    system_structure,
+)
 from ..description.variables import Variable
 from ..simulation.archive import unpacked
 from ..simulation.simulate import read_description
@@ -23,6 +30,8 @@ from .export import c_identifier, checked_interface, export, fmi_version, write_
 
 #: Names of four tires.
 FOUR = ("FL", "FR", "RL", "RR")
+#: The parameter set with the start values of the inputs of a system.
+SYSTEM_VALUES = "resources/inputs.ssv"
 
 
 def export_system(
@@ -40,7 +49,8 @@ def export_system(
     """Write a system of tires as an SSP archive: FMUs, a parameter set for each tire, and its mapping.
 
     Equal tires have one FMU. The system has the inputs and outputs of every tire, named as in FL_Fz; a host connects
-    its vehicle to them. A parameter set (.ssv) has every coefficient: replacing the file replaces the tire.
+    its vehicle to them. Its inputs have the start values of the tires. A parameter set (.ssv) has every coefficient:
+    replacing the file replaces the tire.
 
     Parameters
     ----------
@@ -101,17 +111,20 @@ def export_system(
         fmu, mapping = (same.fmu, same.mapping) if same else (f"resources/{stem}.fmu", f"resources/{stem}.ssm")
         variables = interface(tire, **options).variables
         components.append(Component(name, fmu, f"resources/{name}.ssv", mapping, variables))
-        files[components[-1].values] = parameter_set(version, name, variables)
+        files[components[-1].values] = parameter_set(version, name, parameters(variables))
         if not same:
             files[mapping] = parameter_mapping(version, variables)
             with TemporaryDirectory(prefix="tirefmu-") as folder:
                 packed = export(tire, Path(folder) / f"{stem}.fmu", fmi=version, platforms=platforms, **options)
                 files[fmu] = packed.read_bytes()
     body = None
-    if vehicle is not None:
+    if vehicle is None:
+        files[SYSTEM_VALUES] = parameter_set(version, "inputs", inputs_of(components))
+    else:
         body = _connected(path_from(vehicle), version, components)
         files[body.fmu] = path_from(vehicle).read_bytes()
-    files["SystemStructure.ssd"] = system_structure(version, c_identifier(target.stem), components, body)
+    name = c_identifier(target.stem)
+    files["SystemStructure.ssd"] = system_structure(version, name, components, body, SYSTEM_VALUES)
     write_zip(target, files)
     return target
 
@@ -219,5 +232,5 @@ def export_parameters(
     version, target, loaded = fmi_version(fmi), path_from(path), tire_from(tire)
     checked_interface(inputs, axes)
     variables = interface(loaded, inputs=inputs, axes=axes).variables
-    write_file(target, parameter_set(version, loaded.name or loaded.model, variables))
+    write_file(target, parameter_set(version, loaded.name or loaded.model, parameters(variables)))
     return target

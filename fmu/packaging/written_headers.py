@@ -13,7 +13,7 @@ from ...symbolic.wheel.quantities import CONTACT_FORCES, SPIN
 from ...tires.states import simulation as states
 from ..description.arrays import arrays
 from ..description.interface import Interface, host_input_indices
-from ..description.variables import Variable, read_inputs
+from ..description.variables import Variable, declared_limits, read_inputs
 
 #: Roles of the quantities that the wrapper reads.
 ROLES = (
@@ -48,8 +48,6 @@ def tire_values(shown: Interface, token: str) -> str:
     listed = shown.variables
     tables = {
         "START_VALUES": [repr(float(variable.start or 0.0)) for variable in listed],
-        "LOWER_LIMITS": [repr(float(v.lower)) if isfinite(v.lower) else "-DBL_MAX" for v in listed],
-        "UPPER_LIMITS": [repr(float(v.upper)) if isfinite(v.upper) else "DBL_MAX" for v in listed],
         "INPUT_RANGES": [f"{{{_limit(low)}, {_limit(high)}}}" for low, high in input_ranges(shown)],
     }
     lines = [
@@ -74,11 +72,17 @@ def model_config(shown: Interface) -> str:
     >>> print(model_config(interface(published("trento_hoosier"))).splitlines()[6])
     #define N_INPUTS MF96_N_INPUTS
     """
-    listed, model = shown.variables, shown.tire.model
+    listed, model, coefficients = shown.variables, shown.tire.model, shown.tire.symbolic_model.coefficients
+
+    def limits_of(variable: Variable) -> tuple[float, float]:
+        declared = coefficients.get(variable.name)
+        return declared_limits(declared, shown.tire.signs) if declared else (variable.lower, variable.upper)
+
     tables = {
         "VALUE_NAMES": [c_string(variable.name) for variable in listed],
         "VALUE_KINDS": [_kind(variable) for variable in listed],
         "VALUE_DIRECTIONS": ["-1" if variable.reversed else "1" for variable in listed],
+        "VALUE_LIMITS": [f"{{{_limit(low)}, {_limit(high)}}}" for low, high in map(limits_of, listed)],
         "NOMINAL_VALUES": [repr(float(variable.nominal)) for variable in listed],
     }
     lines = [
@@ -142,7 +146,6 @@ def _sizes(shown: Interface) -> Iterable[str]:
     yield f"#define WHEEL {int(shown.wheel)}"
     yield f"#define HUB {int(shown.hub)}"
     yield f"#define SPIN {int(shown.spins)}"
-    yield f"#define ROAD {int(shown.road is not None)}"
     yield f"#define REVERSES {int(shown.tire.symbolic_model.motion.reverses)}"
     names = [v.name for v in shown.contact_inputs]
     yield f"#define SPIN_PLACE {names.index(SPIN.name) if shown.spins else 0}"

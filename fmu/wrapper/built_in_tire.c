@@ -8,14 +8,11 @@
 #include <string.h>
 
 static const double START[] = START_VALUES;
-static const double LOWER[] = LOWER_LIMITS;
-static const double UPPER[] = UPPER_LIMITS;
 static const double RANGES[][2] = INPUT_RANGES;
 
 /* The generated header and the model's code must have the same number of values. */
 #define HAS(table, n) (sizeof(table) / sizeof *(table) == (n) ? 1 : -1)
 typedef char starts_are_complete[HAS(START, N_VALUES)];
-typedef char limits_are_complete[HAS(LOWER, N_VALUES) + HAS(UPPER, N_VALUES) - 1];
 typedef char ranges_are_complete[HAS(RANGES, N_INPUTS)];
 typedef char texts_fit[sizeof INSTANTIATION_TOKEN <= TOKEN_SIZE && sizeof RELAXATION_NOTE <= NOTE_SIZE ? 1 : -1];
 
@@ -27,8 +24,6 @@ const char *tire_find(const char *resources, Tire *tire)
     memcpy(tire->note, RELAXATION_NOTE, sizeof RELAXATION_NOTE);
     tire->count = N_VALUES;
     memcpy(tire->starts, START, sizeof START);
-    memcpy(tire->lower, LOWER, sizeof LOWER);
-    memcpy(tire->upper, UPPER, sizeof UPPER);
     memcpy(tire->ranges, RANGES, sizeof RANGES);
     return NULL;
 }

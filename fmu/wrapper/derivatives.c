@@ -1,30 +1,16 @@
 /* Directional and adjoint derivatives.  See instance.h.
  *
  * A column has the derivatives of all unknowns by one value: exact ones (changes.h), or central differences near
- * standstill of a wheel, where limits and dampers act, and with a road inside the FMU.
+ * standstill of a wheel, where limits and dampers act.
  */
 #include "instance.h"
 
 #include "changes.h"
+#include "contact.h"
 #include "outputs.h"
 
 /* Step of a difference, relative to the size of the value: it balances truncation and rounding errors. */
 #define STEP 1e-6
-
-/* False for every reference if there are no states. */
-static int is_state(unsigned reference)
-{
-    unsigned state;
-
-    if (SPIN && reference == SPIN_VALUE)
-        return 1;
-    for (state = FIRST_STATE; state < FIRST_DERIVATIVE; state++)
-        if (reference == state)
-            return 1;
-    return 0;
-}
-
-static int is_smooth(const State *state) { return !ROAD && contact_is_smooth(state); }
 
 static Status expect_differentiable(const Instance *self, const unsigned unknowns[], size_t n_unknowns,
                                     const unsigned knowns[], size_t n_knowns)
@@ -44,7 +30,7 @@ static Status expect_differentiable(const Instance *self, const unsigned unknown
     for (i = 0; i < n_knowns; i++) {
         const unsigned r = knowns[i];
 
-        if (value_kind(r) != INPUT && value_kind(r) != PARAMETER && !is_state(r))
+        if (value_kind(r) != INPUT && value_kind(r) != PARAMETER && !value_is_state(r))
             return instance_refuse(self, STATUS_ERROR, "%s is not an input, a parameter or a state", value_name(r));
     }
     if (n_unknowns > N_VALUES)
@@ -54,7 +40,7 @@ static Status expect_differentiable(const Instance *self, const unsigned unknown
 
 static void move(State *state, unsigned known, double value)
 {
-    if (is_state(known))
+    if (value_is_state(known))
         state_set(state, known, value);
     else
         state->values[known] = value;
@@ -85,7 +71,7 @@ static void find_column(State *state, unsigned known, const unsigned unknowns[],
     Changes changes;
     size_t i;
 
-    if (!is_smooth(state)) {
+    if (!contact_is_smooth(state)) {
         find_differences(state, known, unknowns, n, column);
         return;
     }

@@ -16,6 +16,8 @@
 /* Compute the motion of the wheel and its load, which are values, and the model's parameters.  The contact is then to be
    computed for this load. */
 void hub_find(State *state);
+/* Compute the load of the spring at the wheel's loaded radius, part of the above. */
+void hub_find_spring(State *state);
 /* Compute the forces at the wheel centre from those at the contact point. */
 void hub_add_forces(State *state);
 /* The arguments of hub_wrench. */

@@ -96,6 +96,30 @@ Status instance_expect_finite(const Instance *self, const double values[], size_
     return STATUS_OK;
 }
 
+static const double LIMITS_OF[][2] = VALUE_LIMITS;
+
+typedef char limits_are_complete[sizeof LIMITS_OF / sizeof *LIMITS_OF == N_VALUES ? 1 : -1];
+
+static int is_within(unsigned reference, double value)
+{
+    return value >= LIMITS_OF[reference][0] && value <= LIMITS_OF[reference][1];
+}
+
+int instance_allows(const Instance *self, unsigned reference, double value)
+{
+    return isfinite(value) && (is_within(reference, value) || !is_within(reference, self->tire.starts[reference]));
+}
+
+Status instance_expect_allowed(const Instance *self, unsigned reference, double value)
+{
+    if (instance_allows(self, reference, value))
+        return STATUS_OK;
+    if (!isfinite(value))
+        return instance_refuse(self, STATUS_DISCARD, "%s must be finite, not %g", value_name(reference), value);
+    return instance_refuse(self, STATUS_DISCARD, "%s = %g is outside %g ... %g", value_name(reference), value,
+                           LIMITS_OF[reference][0], LIMITS_OF[reference][1]);
+}
+
 static const char *mode_name(int mode)
 {
     static const char *const names[] = {"instantiated",       "initializing", "stepping", "in event mode",

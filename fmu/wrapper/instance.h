@@ -23,13 +23,12 @@ typedef void LogCallback(const Instance *self, Status status, const char *catego
 struct Instance {
     State state;
     Tire tire;
-    RoadGrid *road; /* or NULL */
     LogCallback *log_message;
     void (*logger)(void); /* the host's function; `log_message` converts its type */
     void *environment;
     char *name;
     int logs_events, logs_warnings, logs_discards, logs_errors;
-    int warned;
+    unsigned warned; /* bits: inputs of the model of whose ranges the log has a warning; the last one: of standing */
     int has_event_mode, returns_early; /* what the host uses in Co-Simulation */
 };
 
@@ -47,6 +46,10 @@ Status instance_choose_log(Instance *self, int on, size_t n, const char *const c
 
 /* Reject a NULL pointer to n > 0 values; `what` names the values. */
 Status instance_expect_pointer(const Instance *self, const void *pointer, size_t n, const char *what);
+/* Reject a value that is not finite or outside the limits of its variable.  Limits that the tire's own value violates do
+   not apply. */
+Status instance_expect_allowed(const Instance *self, unsigned reference, double value);
+int instance_allows(const Instance *self, unsigned reference, double value);
 /* Reject results that are not finite. */
 Status instance_expect_finite(const Instance *self, const double values[], size_t n, const char *what);
 /* Reject the call unless the instance is in one of two modes. */

@@ -24,9 +24,6 @@ static void start_again(Instance *self)
 #if N_MEMORY > 0
     memcpy(self->state.continuous.memory, self->tire.starts + FIRST_MEMORY, sizeof self->state.continuous.memory);
 #endif
-#if ROAD
-    self->state.road = self->road;
-#endif
     self->warned = 0;
     memcpy(self->state.values, self->tire.starts, sizeof self->state.values);
 }
@@ -52,10 +49,6 @@ Instance *instance_create(const char *name, const char *token, const char *resou
     }
     strcpy(self->name, given_name);
     problem = tire_find(resources, &self->tire);
-#if ROAD
-    if (!problem)
-        problem = road_open(resources, &self->road);
-#endif
     if (problem) {
         instance_refuse(self, STATUS_ERROR, "%s", problem);
         instance_free(self);
@@ -72,12 +65,8 @@ Instance *instance_create(const char *name, const char *token, const char *resou
 
 void instance_free(Instance *self)
 {
-    if (self) {
-#if ROAD
-        road_close(self->road);
-#endif
+    if (self)
         free(self->name);
-    }
     free(self);
 }
 

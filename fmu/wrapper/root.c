@@ -1,4 +1,5 @@
-/* The root of a function of one number.  See root.h. */
+/* The root of a function of one number: inverse quadratic interpolation where three points allow it, bisection otherwise
+   (Chandrupatla, Advances in Engineering Software 28 (1997) 145).  See root.h. */
 #include "root.h"
 
 #include <math.h>
@@ -7,28 +8,40 @@
 /* Points whose distance is a few units in the last place are neighbours. */
 #define NEIGHBOURS 4e-16
 
+/* Where the root is between a (0) and b (1); c is the point before. */
+static double share_of_way(Sample a, Sample b, Sample c)
+{
+    const double xi = (a.x - b.x) / (c.x - b.x), phi = (a.value - b.value) / (c.value - b.value);
+
+    if (!(phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi))
+        return 0.5;
+    return a.value / (b.value - a.value) * (c.value / (b.value - c.value)) +
+           (c.x - a.x) / (b.x - a.x) * (a.value / (c.value - a.value)) * (b.value / (c.value - b.value));
+}
+
 double root_between(Function *function, void *context, Sample a, Sample b, double accuracy)
 {
-    const int rising = a.value < 0.0;
-    Sample middle = b;
-    int i, side = 0;
+    double share = a.value / (a.value - b.value);
+    Sample c;
+    int i;
 
     for (i = 0; i < MAX_STEPS; i++) {
-        middle.x = a.x + (b.x - a.x) * (a.value / (a.value - b.value));
-        if (!((middle.x > a.x) ^ (middle.x > b.x)) || middle.x == a.x || middle.x == b.x)
+        const double x = a.x + share * (b.x - a.x);
+        Sample middle = {x, 0.0};
+
+        if (!((x > a.x) ^ (x > b.x)) || x == a.x || x == b.x)
             middle.x = 0.5 * (a.x + b.x);
         middle.value = function(context, middle.x);
         if (fabs(middle.value) <= accuracy || fabs(b.x - a.x) <= NEIGHBOURS * fabs(middle.x))
             return middle.x;
-        if (rising ? middle.value < 0.0 : middle.value > 0.0) {
-            a = middle;
-            b.value *= side > 0 ? 0.5 : 1.0;
-            side = 1;
+        if ((middle.value > 0.0) == (a.value > 0.0)) {
+            c = a;
         } else {
-            b = middle;
-            a.value *= side < 0 ? 0.5 : 1.0;
-            side = -1;
+            c = b;
+            b = a;
         }
+        a = middle;
+        share = share_of_way(a, b, c);
     }
-    return middle.x;
+    return a.x;
 }

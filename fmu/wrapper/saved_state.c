@@ -29,9 +29,6 @@ Status instance_restore(Instance *self, const void *saved)
     if (((const State *) saved)->kind != self->state.kind)
         return instance_refuse(self, STATUS_ERROR, "the saved state is of the other interface type");
     memcpy(&self->state, saved, sizeof self->state);
-#if ROAD
-    self->state.road = self->road; /* the state may be that of another instance */
-#endif
     return STATUS_OK;
 }
 
@@ -59,9 +56,6 @@ Status instance_serialize(Instance *self, const void *saved, void *bytes, size_t
     if (!self || !saved || !bytes || size < sizeof(State))
         return instance_refuse(self, STATUS_ERROR, "a state takes %lu bytes", (unsigned long) sizeof(State));
     memcpy(bytes, saved, sizeof(State));
-#if ROAD
-    memset((char *) bytes + offsetof(State, road), 0, sizeof(RoadGrid *));
-#endif
     return STATUS_OK;
 }
 
@@ -76,7 +70,7 @@ static int is_state(const Instance *self, const State *state)
         return 0;
     for (i = 0; i < FIRST_STATE; i++)
         if ((i < FIRST_COMPUTED || i >= FIRST_PARAMETER) &&
-            !(state->values[i] >= self->tire.lower[i] && state->values[i] <= self->tire.upper[i])) /* NaN too */
+            !instance_allows(self, (unsigned) i, state->values[i]))
             return 0;
 #if SPIN
     if (state->brake_sense < -1 || state->brake_sense > 1)
@@ -107,9 +101,6 @@ Status instance_deserialize(Instance *self, const void *bytes, size_t size, void
         return instance_refuse(self, STATUS_ERROR, "the bytes are not a serialized state of this FMU");
     if (!*slot && !(*slot = malloc(sizeof state)))
         return instance_refuse(self, STATUS_ERROR, "no memory for the state");
-#if ROAD
-    state.road = self->road;
-#endif
     state_changed(&state); /* computed values are not trusted but computed again */
     state_compute_extras(&state);
     memcpy(*slot, &state, sizeof state);

@@ -3,13 +3,10 @@
 
 #include "outputs.h"
 #include "root.h"
+#include "steps.h"
 
 #include <math.h>
 
-/* The oscillation of the wheel on the tire's spring takes some 30 ms, s. */
-#define LONGEST_PART 1e-3
-/* A longer step has longer parts, so that it ends. */
-#define MAX_PARTS 10000
 /* The error of a torque balance at which its solution ends, relative to the terms in it. */
 #define ACCURACY 1e-13
 #define MIN_SPIN 1e-3
@@ -120,9 +117,7 @@ void spin_begin(State *state)
 
 double spin_advance(State *state, double h, int stops_at_event)
 {
-    /* The sizes of steps that are equal but for rounding have equal numbers of parts. */
-    const double wanted = ceil(h / LONGEST_PART * (1.0 - 1e-9));
-    const int parts = wanted < MAX_PARTS ? (int) wanted : MAX_PARTS;
+    const int parts = step_parts(h);
     double braked = 0.0;
     int i = 0;
 

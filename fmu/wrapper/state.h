@@ -28,7 +28,6 @@ enum {
     SPIN_RATE = FIRST_DERIVATIVE + N_STATES
 };
 
-#include "road.h"
 #include "tire.h"
 
 /* The kind of a value: a stored one can be set until initialization ends; a hidden one is not visible to the host and
@@ -118,17 +117,13 @@ typedef struct {
 /* How far values are computed for the present inputs, parameters, states and mode; each needs the ones before it. */
 typedef enum { NOTHING, LOAD_KNOWN, CONTACT_KNOWN, OUTPUTS_KNOWN, RATES_KNOWN, EXTRAS_KNOWN } Known;
 
-/* Everything that changes in an instance: a copy is a saved state, the bytes a serialized one.  The road is that of the
-   instance, also after a state has been restored. */
+/* Everything that changes in an instance: a copy is a saved state, the bytes a serialized one. */
 typedef struct {
     char token[TOKEN_SIZE]; /* identifies the FMU of a serialized state */
     int kind, mode;
     int known; /* see outputs.h */
 #if HUB
     Hub hub;
-#endif
-#if ROAD
-    const RoadGrid *road;
 #endif
 #if SPIN
     int brake_sense; /* see spin.h */
@@ -146,26 +141,41 @@ typedef struct {
 } State;
 
 /* Whether initialization is complete: lagged slips have their own values. */
-int state_has_begun(const State *state);
+static inline int state_has_begun(const State *state) { return state->mode >= STEPPING; }
 /* Invalidate computed values: inputs, parameters, states or the mode have changed. */
-void state_changed(State *state);
+static inline void state_changed(State *state) { state->known = NOTHING; }
 /* Set the value of a state by its reference, in the host's signs. */
 void state_set(State *state, unsigned reference, double value);
 
 /* ---------------------------------------------------------------- values: values.c */
 
+/* By value reference: its kind, and -1 where host and model use opposite signs. */
+extern const unsigned char value_kinds[];
+extern const signed char value_directions[];
+
 const char *value_name(unsigned reference);
-int value_kind(unsigned reference);
+static inline int value_kind(unsigned reference) { return value_kinds[reference]; }
+/* Whether it is a continuous state. */
+int value_is_state(unsigned reference);
 /* The source of an extra output. */
 int value_shows(unsigned reference);
 /* The size of a value or its nominal value, whichever is larger; 1 if both are unknown. */
 double value_scale(const State *state, unsigned reference);
-/* -1 where host and model use opposite signs. */
-double value_direction(unsigned reference);
+static inline double value_direction(unsigned reference) { return value_directions[reference]; }
 /* An input or a wheel parameter in the model's signs. */
-double host_value(const State *state, size_t reference);
+static inline double host_value(const State *state, size_t reference)
+{
+    return state->values[reference] * value_directions[reference];
+}
 /* The parameters as the model reads them: with hub inputs, the friction of the road scales some of them. */
-const double *model_parameters(const State *state);
+static inline const double *model_parameters(const State *state)
+{
+#if HUB
+    return state->hub.parameters;
+#else
+    return state->values + FIRST_PARAMETER;
+#endif
+}
 /* The sign of an output in a direction of travel: a model whose equations are those of forward rolling is mirrored. */
 double output_sign(double sense, size_t output);
 

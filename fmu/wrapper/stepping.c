@@ -3,13 +3,10 @@
 
 #include "outputs.h"
 #include "spin.h"
+#include "steps.h"
 
 #include <math.h>
 #include <string.h>
-
-/* Parts of a step in which inputs change; a longer step has longer parts, so that it ends. */
-#define LONGEST_PART 1e-3
-#define MAX_PARTS 10000
 
 /* Whether two times differ by rounding of the host only. */
 static int same_time(double a, double b) { return fabs(a - b) <= 1e-9 * (1.0 + fabs(b)); }
@@ -69,10 +66,8 @@ static Status move_inputs(Instance *self, const double start[], double time)
         if (state->slopes[i] == 0.0)
             continue;
         x = start[reference] + state->slopes[i] * time;
-        if (!(x >= self->tire.lower[reference] && x <= self->tire.upper[reference]))
-            return instance_refuse(self, STATUS_DISCARD, "%s = %g is outside %g ... %g",
-                                   value_name((unsigned) reference), x, self->tire.lower[reference],
-                                   self->tire.upper[reference]);
+        if (instance_expect_allowed(self, (unsigned) reference, x) != STATUS_OK)
+            return STATUS_DISCARD;
         state->values[reference] = x;
     }
     state_changed(state);
@@ -83,8 +78,7 @@ static Status move_inputs(Instance *self, const double start[], double time)
    at its end their last value. */
 static Status advance_sloped(Instance *self, double size)
 {
-    const double wanted = ceil(size / LONGEST_PART * (1.0 - 1e-9));
-    const int parts = wanted < MAX_PARTS ? (int) wanted : MAX_PARTS;
+    const int parts = step_parts(size);
     double part = size / parts, start[FIRST_OUTPUT];
     Status status = STATUS_OK;
     int i;
@@ -151,6 +145,8 @@ int instance_had_event(const Instance *self)
 
 Status instance_step(Instance *self, double point, double size)
 {
+    double intended, integrated;
+
     if (instance_expect(self, STEPPING, STEPPING, "a step") != STATUS_OK)
         return STATUS_ERROR;
     if (!isfinite(size) || size <= 0.0)
@@ -164,8 +160,10 @@ Status instance_step(Instance *self, double point, double size)
         !same_time(point + size, self->state.stop_time))
         return instance_refuse(self, STATUS_ERROR, "the step ends at t = %.17g, after the stop time %.17g",
                                point + size, self->state.stop_time);
-    if (integrate(self, &size) != STATUS_OK)
+    intended = integrated = step_intended(point, size);
+    if (integrate(self, &integrated) != STATUS_OK)
         return STATUS_DISCARD;
-    self->state.values[TIME] = point + size; /* from the host's time, so that rounding errors do not accumulate */
+    /* From the host's times, so that rounding errors do not accumulate. */
+    self->state.values[TIME] = point + (integrated < intended ? integrated : size);
     return STATUS_OK;
 }

@@ -189,7 +189,7 @@ static Status set_motion(Instance *self, const Call *call, const Road *road)
 
 static int evaluate(Call *call)
 {
-    unsigned outputs[N_OUTPUTS];
+    unsigned outputs[N_OUTPUTS], before;
     const double *results;
     Instance self;
     Road road = {1, {0.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, 1.0};
@@ -206,7 +206,7 @@ static int evaluate(Call *call)
         return by_road;
     if (road.touched && !(road.normal[2] > 0.0))
         return problem(call, DO_NOT_USE, "tire %d: the normal of the road does not point up", *call->tire);
-    self.warned = call->integers[WARNED];
+    self.warned = before = (unsigned) call->integers[WARNED] | 1u << N_INPUTS; /* every host gives the speed */
     self.state.mode = CONTINUOUS;
     for (i = 0; i < N_OUTPUTS; i++)
         outputs[i] = FIRST_OUTPUT + (unsigned) i;
@@ -231,8 +231,8 @@ static int evaluate(Call *call)
     memcpy(call->moment, results + WRENCH_RESULT + 3, 3 * sizeof *results);
     memset(call->results, 0, STI_RESULTS * sizeof *call->results);
     call->show(&self, call->results);
-    error = self.warned && !call->integers[WARNED] ? WARNING : by_road; /* the text is that of the warning */
-    call->integers[WARNED] = self.warned;
+    error = self.warned != before ? WARNING : by_road; /* the text is that of the warning */
+    call->integers[WARNED] = (int) self.warned;
     return error;
 }
 

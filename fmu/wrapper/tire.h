@@ -16,8 +16,6 @@ typedef struct {
     char note[NOTE_SIZE];    /* what the FMU assumes, or empty */
     uint64_t count;          /* of values in the model description: the first ones */
     double starts[N_VALUES]; /* by value reference */
-    double lower[N_VALUES];
-    double upper[N_VALUES];
     double ranges[N_INPUTS][2]; /* the valid range of each input of the model */
 } Tire;
 

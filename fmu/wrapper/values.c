@@ -5,10 +5,9 @@
 
 static const char *const NAMES[] = VALUE_NAMES;
 static const double NOMINAL[] = NOMINAL_VALUES;
-static const unsigned char KINDS[] = VALUE_KINDS;
+const unsigned char value_kinds[] = VALUE_KINDS;
 static const int EXTRA[] = EXTRAS;
-/* -1 where host and model use opposite signs. */
-static const signed char DIRECTIONS[] = VALUE_DIRECTIONS;
+const signed char value_directions[] = VALUE_DIRECTIONS;
 /* By output of the model: its sign for a wheel that rolls backward. */
 static const signed char BACKWARD[] = BACKWARD_SIGNS;
 
@@ -16,45 +15,36 @@ static const signed char BACKWARD[] = BACKWARD_SIGNS;
 #define HAS(table, n) (sizeof(table) / sizeof *(table) == (n) ? 1 : -1)
 typedef char names_are_complete[HAS(NAMES, N_VALUES)];
 typedef char sizes_are_complete[HAS(NOMINAL, N_VALUES)];
-typedef char kinds_are_complete[HAS(KINDS, N_VALUES)];
-typedef char directions_are_complete[HAS(DIRECTIONS, N_VALUES)];
+typedef char kinds_are_complete[HAS(value_kinds, N_VALUES)];
+typedef char directions_are_complete[HAS(value_directions, N_VALUES)];
 typedef char extras_are_complete[HAS(EXTRA, N_EXTRAS)];
 
 const char *value_name(unsigned reference) { return NAMES[reference]; }
 
-int value_kind(unsigned reference) { return KINDS[reference]; }
+/* Not by two comparisons: without states one of them is always true or false. */
+int value_is_state(unsigned reference)
+{
+    unsigned state;
+
+    if (SPIN && reference == SPIN_VALUE)
+        return 1;
+    for (state = FIRST_STATE; state < FIRST_DERIVATIVE; state++)
+        if (reference == state)
+            return 1;
+    return 0;
+}
 
 double value_scale(const State *state, unsigned reference)
 {
     const double size = fabs(state->values[reference]);
     const double nominal = NOMINAL[reference] > 0.0 ? NOMINAL[reference] : 1.0;
 
-    return size > nominal || KINDS[reference] == PARAMETER ? (size > 0.0 ? size : 1.0) : nominal;
+    return size > nominal || value_kind(reference) == PARAMETER ? (size > 0.0 ? size : 1.0) : nominal;
 }
 
 int value_shows(unsigned reference) { return EXTRA[reference - FIRST_EXTRA]; }
 
-double value_direction(unsigned reference) { return DIRECTIONS[reference]; }
-
 double output_sign(double sense, size_t output) { return sense < 0.0 ? BACKWARD[output] : 1.0; }
-
-double host_value(const State *state, size_t reference)
-{
-    return state->values[reference] * DIRECTIONS[reference];
-}
-
-const double *model_parameters(const State *state)
-{
-#if HUB
-    return state->hub.parameters;
-#else
-    return state->values + FIRST_PARAMETER;
-#endif
-}
-
-int state_has_begun(const State *state) { return state->mode >= STEPPING; }
-
-void state_changed(State *state) { state->known = NOTHING; }
 
 void state_set(State *state, unsigned reference, double value)
 {

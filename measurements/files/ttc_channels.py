@@ -13,7 +13,7 @@ import pandas as pd
 from ...boundary.errors import DataError, TirefmuError, nearest
 from ...numerics.arrays import FloatArray
 from ..channels import CHANNELS, OUTPUTS
-from ..checks.columns.radii import median_radius
+from ..checks.columns.radii import deflection, median_radius
 from ..column_names import intended_channel
 from ..thresholds import FREE_ROLLING_FORCE, LOWEST_KPA
 from ..units import POUND, to_si, unit_named
@@ -162,7 +162,10 @@ def completed(
 
 
 def _radii(columns: Sequence[Column], chosen: Mapping[str, Choice], table: pd.DataFrame) -> dict[str, str]:
-    """Return the medians of the loaded radius and of speed over wheel speed, m; what is unusable is missing."""
+    """Return the medians of the loaded radius and of speed over wheel speed, m; what is unusable is missing.
+
+    With the radius at zero load and the vertical stiffness, where the loaded radius falls over a varying load.
+    """
     found = {name_and_unit(column.header)[0].casefold(): column for column in columns}
     radii: dict[str, FloatArray] = {}
     try:
@@ -175,7 +178,10 @@ def _radii(columns: Sequence[Column], chosen: Mapping[str, Choice], table: pd.Da
                 radii["wheel speed"] = np.abs(table["V"].to_numpy() / rotation)
     except TirefmuError:  # in a unit that is not known: no channel of the contract depends on it
         return {}
-    return {name: text for name, values in radii.items() if (text := median_radius(values)) is not None}
+    shown = {name: text for name, values in radii.items() if (text := median_radius(values)) is not None}
+    if "Fz" in table and len(radii.get("loaded radius", ())) == len(table):
+        shown |= deflection(table["Fz"].to_numpy(), radii["loaded radius"])
+    return shown
 
 
 def _numbers(column: Column) -> FloatArray:

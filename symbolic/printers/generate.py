@@ -24,7 +24,7 @@ from .c import c_header, c_sources
 from .line_functions import line_function_files
 from .operations import c_operations
 from .python import origin, python_modules
-from .rolling_radius import c_rolling_radius
+from .rolling_radius import c_loaded_radius, c_rolling_radius
 from .routines import routines
 
 
@@ -80,6 +80,7 @@ def render_model(model: Model) -> dict[str, str]:
         f"c/{model.name}.h": c_header(model, parts),
         f"c/{model.name}_operations.h": c_operations(model),
         f"c/{model.name}_rolling_radius.h": c_rolling_radius(model),
+        f"c/{model.name}_loaded_radius.h": c_loaded_radius(model),
         f"structure/{model.name}.json": model.structure.to_text(origin(model)),
     }
 

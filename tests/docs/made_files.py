@@ -1,4 +1,4 @@
-"""Files that commands of the documentation read: recordings and tires of a virtual bench, logs, a road.
+"""Files that commands of the documentation read: recordings and tires of a virtual bench, logs.
 
 Each file has one maker, called in a folder of its own; a page gets copies.
 """
@@ -92,14 +92,6 @@ def drive_log(path: Path) -> None:
     (log + noise).assign(t=t, steer=15.0 * steer).to_csv(path, index=False)
 
 
-def road(path: Path) -> None:
-    """Write a flat OpenCRG road of 20 m."""
-    head = ["$CT", "$ROAD_CRG", "REFERENCE_LINE_INCREMENT = 1.0", "$", "$KD_Definition", "#:LDFI",
-            "U:reference line u,m,0,1.0", "D:reference line phi,rad",
-            *(f"D:long section at v = {v!r},m" for v in (-2.0, 0.0, 2.0)), "$", "$" * 72]  # fmt: skip
-    path.write_text("\n".join([*head, *["".join(f"{0.0:20.12f}" for _ in range(4))] * 20]) + "\n", encoding="ascii")
-
-
 def folder_of(count: int, make, name: str):
     def fill(path: Path) -> None:
         path.mkdir()
@@ -117,7 +109,6 @@ MAKERS = {
     **dict.fromkeys(("tire.tir", "old.tir", "new.tir", "other.tir", "similar.tir"), tire),
     "run.mat": warm,
     "log.csv": drive_log,
-    "road.crg": road,
     "crop.where": lambda path: path.write_text("abs(alpha) < 10 deg\n", encoding="utf-8"),
     "recordings": folder_of(2, table, "run{}.csv"),
     "similar": folder_of(3, tire, "tire{}.tir"),

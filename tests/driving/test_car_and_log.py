@@ -106,5 +106,12 @@ def test_units_and_other_names(tmp_path):
     np.testing.assert_allclose(log.values("steer"), np.sin(t), atol=1e-12)
     np.testing.assert_allclose(log.values("speed"), 10.0)
     np.testing.assert_allclose(log.values("yaw_rate"), np.radians(1.0))
+    whole = read_log(table, {"t": "time", "speed": "v (km/h)", "steer": "steer [deg]"})
+    np.testing.assert_array_equal(whole.values("steer"), log.values("steer"))
+    np.testing.assert_array_equal(whole.values("speed"), log.values("speed"))
+    other = table.rename(columns={"steer [deg]": "steering_wheel [deg]"})
+    for header in ("steering_wheel", "steering_wheel [deg]"):
+        named = read_log(other, {"t": "time", "speed": "v", "steer": header})
+        np.testing.assert_array_equal(named.values("steer"), log.values("steer"))
     with pytest.raises(TirefmuError, match=r"no column 'vv' \(speed\)"):
         read_log(table, {"t": "time", "speed": "vv"})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -41,7 +42,49 @@ def test_a_converted_file_is_accepted_and_is_the_same_tire(tire_of, tmp_path, ho
     np.testing.assert_array_equal(forces_of(written), forces_of(tire_of(model)))
     text = result.path.read_text()
     for key, value in HOSTS[host].dialects[model].entries.items():
-        assert text.count(f"\n{key} = {value}\n") == 1, key
+        assert text.count(f"\n{key} = {value}  $ of the model\n") == 1, key
+
+
+def cut_and_read(path):
+    """Read values as MFeval's public reader of 2020 does: it takes the last two characters of every line for CRLF."""
+    found = {}
+    for line in path.read_bytes().decode().split("\n"):
+        line = line + "\n"
+        key, equals, rest = line[:-2].partition("=")
+        if equals and not key.startswith(("$", "!", "[")):
+            found[key.strip()] = rest.partition("$")[0].strip()
+    return found
+
+
+@pytest.mark.parametrize("model", ["mf52", "mf61", "mf62"])
+@pytest.mark.parametrize("way", ["convert", "save", "LF without comments"])
+def test_a_reader_that_cuts_lines_reads_the_same_tire(tire_of, tmp_path, model, way):
+    tire, path = tire_of(model), tmp_path / "x.tir"
+    if way == "convert":
+        convert(tire, path, "mfeval")
+        assert path.read_bytes().count(b"\r\n") == path.read_bytes().count(b"\n") > 0
+    else:
+        tire.save(path)
+    if way == "LF without comments":
+        path.write_bytes(re.sub(rb" *[$].*", b"", path.read_bytes()))
+    read = cut_and_read(path)
+    lost = [finding for finding in errors_of(path, "mfeval") if "loses its last characters" in finding.text]
+    if way == "LF without comments":
+        assert lost
+        return
+    assert not lost
+    assert read["FITTYP"] == str(MODELS[model].property_file.fittyp[0])
+    values = {name: float(read[name]) for name in tire.values if name in read}
+    again = replace(tire, values={**tire.values, **values})
+    camber = {"kappa": 0.02, "alpha": 0.05, "gamma": 0.08, "Fz": 0.8 * tire.values["FNOMIN"]}
+    assert tire.forces(**camber) == again.forces(**camber)
+
+
+def test_lint_names_files_with_line_feeds_only(tire_of, tmp_path):
+    tire_of("mf61").save(tmp_path / "x.tir")
+    for host in HOSTS:
+        noted = any("lines end with LF" in finding.text for finding in lint(tmp_path / "x.tir", host))
+        assert noted == (host != "chrono" and "mf61" in HOSTS[host].dialects), host
 
 
 def test_declarations_name_models_and_effects_that_exist():

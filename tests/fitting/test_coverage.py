@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from math import radians
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from tirefmu.applications.comparison.comparison import compare
+from tirefmu.drawing.style import DOTTED
 from tirefmu.fitting import fit
+from tirefmu.fitting.reporting.figures import figures_of
 from tirefmu.fmu.packaging.export import contents
+from tirefmu.measurements import Recording
 from tirefmu.tires import Tire, read_tir
-from tirefmu.tires.limits import limits_of
+from tirefmu.tires.description import limits_of
 from tirefmu.tires.property_file.names import not_measured, unmeasured_coefficients
 
 LOADS, CAMBERS, PRESSURES, ANGLES = (1500.0, 3000.0, 4500.0), (0.0, 0.05), (180e3, 220e3), (-12.0, 12.0)
@@ -72,6 +77,22 @@ def test_what_the_data_never_show_is_stated(missing, characteristic, reason):
         assert all(c.shown for c in frictions)
 
 
+def test_a_peak_that_was_not_measured_is_drawn_as_extrapolation_with_an_interval_that_contains_it():
+    table = measured(angles=(-2.0, 2.0), pressures=(200e3,), cambers=(0.0,))
+    result = fitted(table)
+    (figure,) = (f for f in figures_of(result, Recording(table, "adapted-sae", "a.csv")) if f.name == "pure_Fy")
+    panel = figure.panels[0]
+    dotted = [series for series in panel.series if series.dashes == DOTTED]
+    assert len(dotted) == len(LOADS)
+    assert all(np.nanmax(np.abs(series.x)) > 4.0 for series in dotted)
+    assert "extrapolation" in figure.note
+    at = pd.DataFrame({"alpha": [radians(8.0)], "Fz": [3000.0], "p": [200e3]})
+    interval = result.interval("Fy", at, signs="adapted-sae").iloc[0]
+    true = TRUTH.forces(alpha=radians(8.0), Fz=3000.0, p=200e3)["Fy"]
+    assert interval["lower"] < true < interval["upper"]
+    assert interval["error"] > 0.05 * true
+
+
 @pytest.fixture(scope="module")
 def cornering():
     """Return a fit of a cornering test, and one that has measured everything."""
@@ -84,6 +105,19 @@ def test_what_was_measured_is_not_marked(cornering):
     marked = {c.characteristic for c in whole.findings.coverage if c.reason and c.channel == "Fy"}
     assert not marked
     assert not {"PDY1", "PKY1"} & unmeasured_coefficients(whole.tire)
+
+
+@pytest.mark.parametrize(("angles", "stated"), [((-2.0, 2.0), True), ((-10.0, 10.0), False)])
+def test_combined_slip_far_below_the_peak_of_the_side_force_is_extrapolated(angles, stated):
+    outputs, upright = ("Fx", "Fy"), {"cambers": (0.0,), "pressures": (200e3,)}
+    combined = measured(angles=angles, slips=(-0.1, -0.05, 0.05, 0.1), outputs=outputs, **upright)
+    table = pd.concat([measured(outputs=outputs, **upright), combined], ignore_index=True)
+    result = fitted(table.assign(t=0.02 * np.arange(len(table))))
+    entries = [c for c in result.findings.coverage if c.characteristic == "combined slip"]
+    assert all(c.determined for c in entries)
+    assert entries
+    assert all(bool(c.reason) == stated for c in entries)
+    assert any("is extrapolated: measured up to 2.0 deg" in text for text in result.verdict.reasons) == stated
 
 
 def test_a_cornering_test_says_nothing_of_fx_in_any_file(cornering, tmp_path):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from itertools import product
 from math import tau
 
 import numpy as np
@@ -144,10 +145,10 @@ def test_slip_stiffness_is_read_from_the_data(known, clean):
     soft = replace(known, values={**known.values, "PKY1": 0.9 * known.values["PKY1"]})
     for tire, off in ((known, 0.0), (soft, -0.1)):
         found = slip_stiffnesses(residuals_of(tire, clean))
-        assert [each.channel for each in found] == ["Fy"] * len(LOADS)
-        for each, load in zip(found, LOADS, strict=True):
+        assert [each.channel for each in found] == ["Fy"] * len(LOADS) * len(CAMBERS)
+        for each, (load, camber) in zip(found, product(LOADS, CAMBERS), strict=True):
             assert each.load == pytest.approx(load, rel=0.02)
-            assert each.conditions == len(CAMBERS)
+            assert abs(each.at["gamma"]) == pytest.approx(camber, abs=2e-3)
             assert each.off == pytest.approx(off, abs=0.02)
             true = known.evaluate(pd.DataFrame({"alpha": [0.0], "Fz": [each.load]}), signs="adapted-sae")
             assert each.read == pytest.approx(float(true["K_yalpha"].iloc[0]), rel=0.05)

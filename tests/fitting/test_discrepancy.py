@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import fit
+from tirefmu.fitting.results.verdict import FORM_OF_FORCE
 
 SPEC = importlib.util.spec_from_file_location(
     "coverage_benchmark", Path(__file__).parents[2] / "benchmarks" / "coverage.py"
@@ -45,8 +46,10 @@ def test_a_memory_depends_on_time_and_an_effect_on_the_inputs(fits):
     assert memory.form < 0.5 * memory.state
     assert static.form_chance < 1e-6
     assert static.state < 0.5 * static.form
-    for group in ("memory", "static effect"):
-        assert [reason for reason in fits[group][1].verdict.reasons if "diagnose" in reason]
+    # The memory changes the side force by 1 %, less than repeated measurements differ: it is in the intervals alone.
+    reasons = {group: [text for text in fits[group][1].verdict.reasons if "diagnose" in text] for group in fits}
+    assert bool(reasons["static effect"]) == (static.form > FORM_OF_FORCE)
+    assert bool(reasons["memory"]) == (memory.state > FORM_OF_FORCE)
 
 
 @pytest.mark.parametrize("group", ["noise", "memory", "static effect"])

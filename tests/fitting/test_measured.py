@@ -11,6 +11,7 @@ from scipy.ndimage import uniform_filter1d
 
 from tirefmu.fitting import fit
 from tirefmu.fitting.constraints.physical import chosen_constraints
+from tirefmu.fitting.reporting.load_table import stiffness_by_load
 from tirefmu.fitting.reporting.report_text import significant_differences
 from tirefmu.measurements import read_recording
 from tirefmu.tires.code import fastest_code
@@ -71,8 +72,8 @@ def cubic_errors(tire, recording):
 @pytest.fixture(scope="module")
 def cornering_errors(measured, recordings):
     """Return the relative error of K_yalpha by reading and load, in multiples of 550 N."""
-    found = [each for each in measured.findings.stiffnesses if each.recording == FILES[0]]
-    slope = {round(each.load / 550): each.off for each in found}
+    found = [entry for entry in stiffness_by_load(measured.findings) if entry[0] == FILES[0]]
+    slope = {round(load / 550): mean.fitted / mean.read - 1.0 for *_, load, mean in found}
     return {"slope": slope, "cubic": cubic_errors(measured.tire, recordings[0])}
 
 
@@ -97,7 +98,8 @@ def test_cornering_stiffness_is_within_3_percent_from_1100_newtons(cornering_err
 
 
 def test_longitudinal_slip_stiffness_is_that_of_the_sweeps(measured):
-    errors = [each.off for each in measured.findings.stiffnesses if each.recording == FILES[1]]
+    means = [entry[-1] for entry in stiffness_by_load(measured.findings) if entry[0] == FILES[1]]
+    errors = [mean.fitted / mean.read - 1.0 for mean in means]
     assert len(errors) == 4
     assert max(map(abs, errors)) <= 0.10
 

@@ -107,7 +107,7 @@ def with_text(result, text):
     )  # fmt: skip
     findings = Findings(
         conditions=each(found.conditions, "recording"),
-        stiffnesses=(SlipStiffness(text, "Fy", "alpha", "N/rad", 900.0, 1.0, 1.1, 2),),
+        stiffnesses=(SlipStiffness(text, "Fy", "alpha", "N/rad", 900.0, 1.0, 1.1),),
         undetermined=(Undetermined((text,), text),),
         files=(Disagreement("Fy", "N", text, text, 1.0, 1.0, 9.0, 9, {"Fz": 900.0}, 2.0),),
         ripples=each(found.ripples, "recording"),

@@ -167,7 +167,8 @@ static void step_in_model_exchange(void)
     EXPECT(CALL(EnterContinuousTimeMode)(t) == OK);
     UNTOUCHED(t, DISCARD, CALL(SetContinuousStates)(t, x, 2));
     UNTOUCHED(t, ERROR, CALL(GetContinuousStates)(t, y, 3));
-    UNTOUCHED(t, ERROR, set_one(t, FIRST_PARAMETER, get_one(t, FIRST_PARAMETER)));
+    EXPECT(set_one(t, FIRST_PARAMETER, get_one(t, FIRST_PARAMETER)) == OK);
+    UNTOUCHED(t, ERROR, set_one(t, FIRST_PARAMETER, 0.9 * get_one(t, FIRST_PARAMETER)));
     UNTOUCHED(t, DISCARD, CALL(SetTime)(t, NAN));
     CALL(FreeInstance)(t);
 }

@@ -8,18 +8,19 @@ from itertools import product
 
 import numpy as np
 import pytest
-from fmpy import read_model_description
+from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tirefmu.fmu.description.interface import INPUTS
 from tirefmu.fmu.description.model_description import Header, model_description
 from tirefmu.fmu.description.units import FACTORS, base_unit
 from tirefmu.fmu.description.variables import TIME, direct_feedthrough, variables
 from tirefmu.fmu.packaging.export import contents
 from tirefmu.tires import published
 
-from .conftest import TIRES
+from .conftest import OK, TIRES
 
 
 @pytest.fixture(scope="module", params=product(TIRES, (2, 3)), ids="{0[0]}-fmi{0[1]}".format)
@@ -194,3 +195,70 @@ def test_a_product_divided_by_itself_is_one(a, b, power):
     product = f"{a}^{power} {b}"
     assert base_unit(f"{product}/{product}") == {}
     assert base_unit(f"1/{product}") == {name: -n for name, n in base_unit(product).items()}
+
+
+KINDS = [("first", "slip"), ("rolling", "slip"), ("lagged", "slip"), *((("first", kind)) for kind in INPUTS[1:])]
+
+
+@pytest.mark.parametrize(("name", "inputs"), KINDS)
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_every_unknown_has_its_dependencies(tires, fmi, name, inputs):
+    """At initialization, too: what changes an unknown there is listed."""
+    root = ET.fromstring(contents(tires[name], fmi, "tire", inputs=inputs)["modelDescription.xml"])
+    unknowns = root.findall("ModelStructure//*[@dependencies]")
+    key = "index" if fmi == 2 else "valueReference"
+    assert unknowns
+    assert [e for e in root.iterfind("ModelStructure//*") if e.get(key) and e not in unknowns] == []
+
+
+@pytest.mark.parametrize(("name", "inputs"), [(name, inputs) for name, inputs in KINDS if name != "lagged"])
+def test_what_changes_an_unknown_at_initialization_is_listed(hosts, name, inputs):
+    host = hosts(name, 3) if inputs == "slip" else hosts(name, 3, inputs)
+    structure = host.slave.description
+    listed = {
+        unknown.variable.name: {variable.name for variable in unknown.dependencies}
+        for unknown in structure.initialUnknowns
+    }
+    host.initialize()
+    known = [v for v in structure.modelVariables if v.causality in ("input", "parameter") or v.initial == "exact"]
+    before = host.get(*listed)
+    missing = set()
+    for variable in known:
+        start = float(variable.start)
+        for value in (start + 0.01 * (abs(start) or 0.1), start - 0.01 * (abs(start) or 0.1)):
+            if host.set(**{variable.name: value}) == OK:
+                changed = host.get(*listed) != before
+                missing |= {(n, variable.name) for n, c in zip(listed, changed, strict=True) if c} - {
+                    (n, cause) for n, causes in listed.items() for cause in causes
+                }
+        assert host.set(**{variable.name: start}) == OK
+    assert missing == set()
+
+
+def test_parameters_of_one_force_are_no_causes_of_another(fmus):
+    description = read_model_description(str(fmus["first", 3]))
+    causes = {u.variable.name: {v.name for v in u.dependencies} for u in description.initialUnknowns}
+    assert "PDX1" in causes["Fx"]
+    assert "PDX1" not in causes["Fy"]
+
+
+@pytest.mark.parametrize(("inputs", "expected"), [("slip", None), *((kind, "1e-7") for kind in INPUTS[1:])])
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_an_fmu_with_continuous_states_declares_the_tolerance_that_it_needs(tires, fmi, inputs, expected):
+    root = ET.fromstring(contents(tires["first"], fmi, "tire", inputs=inputs)["modelDescription.xml"])
+    assert root.find("DefaultExperiment").get("tolerance") == expected
+
+
+@pytest.mark.parametrize("inputs", INPUTS[1:])
+def test_the_declared_tolerance_is_small_enough(fmus, inputs):
+    """Forces within 1e-4 of their largest one, against a solver at 1e-10."""
+    path = fmus["first", 2, inputs]
+    starts = {"T_drive": 100.0, "V_y": 1.0, "v_y": -1.0}
+    description = read_model_description(str(path))
+    given = {v.name: starts[v.name] for v in description.modelVariables if v.name in starts and v.causality == "input"}
+    options = {"fmi_type": "ModelExchange", "stop_time": 0.3, "output": ["Fx", "Fy"], "start_values": given}
+    coarse = simulate_fmu(str(path), **options)
+    fine = simulate_fmu(str(path), relative_tolerance=1e-10, **options)
+    for force in ("Fx", "Fy"):
+        expected = np.interp(coarse["time"], fine["time"], fine[force])
+        assert np.max(np.abs(coarse[force] - expected)) < 1e-4 * np.max(np.abs(fine[force]))

@@ -83,6 +83,25 @@ def test_exceeding_the_known_range_is_reported_once(hosts):
         assert np.all(np.isfinite(host.get("Fx", "Fy")))
     assert len(host.log) == 1
     assert host.log[0].startswith("Fz = 90000 is outside ")
+    for _ in range(2):
+        assert host.set(p=1e6, kappa=20.0) == OK
+        host.get("Fx")
+    assert [line.partition(" ")[0] for line in host.log[1:]] == ["kappa", "p"]
+
+
+@pytest.mark.parametrize(("inputs", "speed"), [("wheel", "V_x"), ("hub", "v_x"), ("hub-torque", "v_x")])
+def test_a_speed_that_nobody_sets_is_reported_once(hosts, inputs, speed):
+    host = hosts("first", 2, inputs).start()
+    host.get("Fx")
+    assert not [line for line in host.log if "stands" in line]
+    for _ in range(2):
+        assert host.set(**{speed: 0.0}) == OK
+        host.get("Fx")
+        assert host.set(**{speed: 10.0}) == OK
+        host.get("Fx")
+    assert [line for line in host.log if "stands" in line] == [
+        "V_x = 0: the wheel stands, or the host does not set its speed"
+    ]
 
 
 # ------------------------------------------------------------------ axes

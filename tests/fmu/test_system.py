@@ -17,6 +17,7 @@ from lxml import etree
 from tirefmu.boundary.errors import FmuError
 from tirefmu.commands.cli import main
 from tirefmu.fmu import export_parameters, export_system
+from tirefmu.fmu.description.interface import INPUTS, interface
 
 from .conftest import OK
 from .programs import zipped
@@ -65,6 +66,29 @@ def test_corners_of_the_other_side_have_the_mirror_image(side, tires, tmp_path, 
             sign = -1.0 if mirror and name in other else 1.0
             assert (values["PHY1"], values["PDY1"]) == (sign * tire.values["PHY1"], tire.values["PDY1"]), name
     assert tire.values["PHY1"]
+
+
+@pytest.mark.parametrize("inputs", INPUTS)
+def test_inputs_of_the_system_have_the_start_values_of_its_tires(fmi, inputs, tires, tmp_path, monkeypatch):
+    monkeypatch.setattr("tirefmu.fmu.packaging.system.export", lambda tire, path, **options: car_file(path))
+    path = export_system([tires["first"], tires["second"]], tmp_path / "car.ssp", fmi=fmi, inputs=inputs)
+    with zipfile.ZipFile(path) as archive:
+        system, values = (ET.fromstring(archive.read(name)) for name in ("SystemStructure.ssd", "resources/inputs.ssv"))
+    spaces = {prefix: f"http://ssp-standard.org/SSP1/SystemStructure{name}" for prefix, name in
+              (("ssd", "Description"), ("ssv", "ParameterValues"))}  # fmt: skip
+    bindings = system.findall("ssd:System/ssd:ParameterBindings/ssd:ParameterBinding", spaces)
+    assert [binding.get("source") for binding in bindings] == ["resources/inputs.ssv"]
+    connectors = system.findall("ssd:System/ssd:Connectors/ssd:Connector[@kind='input']", spaces)
+    starts = {p.get("name"): float(p.find("ssv:Real", spaces).get("value"))
+              for p in values.iterfind("ssv:Parameters/ssv:Parameter", spaces)}  # fmt: skip
+    expected = {
+        f"tire_{i}_{variable.name}": variable.start
+        for i, name in enumerate(("first", "second"), start=1)
+        for variable in interface(tires[name], inputs=inputs).group("input")
+        if variable.causality == "input"
+    }
+    assert starts == expected
+    assert {connector.get("name") for connector in connectors} == set(expected)
 
 
 def _mappings(car):

@@ -24,21 +24,6 @@ from tirefmu.tires import Tire
 
 COMPLETE = "TIREFMU_WARNINGS" in os.environ
 WARNINGS = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
-#: A flat road.
-ROAD = (
-    """$CT
-$ROAD_CRG
-REFERENCE_LINE_INCREMENT = 1.0
-$
-$KD_Definition
-#:LDFI
-D:long section at v = -1.0,m
-D:long section at v = 1.0,m
-$
-$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$
-"""
-    + 2 * f"{0.0:20.12f}{0.0:20.12f}\n"
-)
 #: gcc looks for variables without a value when it optimizes. cppcheck knows the macros of one system. The files serve
 #: all models and inputs: for some a condition is constant, or a member of a vector is not used.
 COMMANDS = {
@@ -74,7 +59,7 @@ def tires(model):
     return Tire(model, values), Tire(model, values, effects=effects)
 
 
-def every_build(model, exported, road):
+def every_build(model, exported):
     """Yield the sources of every kind of binary of a model."""
     steady, full = tires(model)
     for fmi in (2, 3):
@@ -82,7 +67,6 @@ def every_build(model, exported, road):
         for inputs in INPUTS:
             yield exported(export, full, fmi=fmi, inputs=inputs, arrays=fmi == 3 and "hub" in inputs)
     yield exported(export, steady, fmi=3, inputs="wheel", axes="sae", quantities=True)
-    yield exported(export, steady, fmi=3, inputs="hub", road=road)
     yield exported(export_sti, full, "tire.so")
     yield from {shape.shown.inputs: shape.sources for shape in every_generic([model])}.values()
 
@@ -112,9 +96,8 @@ def test_gcc_has_no_warning(exported, tmp_path, kind):
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("program", COMMANDS)
 def test_no_program_has_a_warning(exported, tmp_path, program, model):
-    compiled, road = set(), tmp_path / "flat.crg"
-    road.write_text(ROAD, encoding="ascii")
-    for i, sources in enumerate(every_build(model, exported, road)):
+    compiled = set()
+    for i, sources in enumerate(every_build(model, exported)):
         folder = tmp_path / str(i)
         folder.mkdir()
         # The code of a model is the same in all of its binaries, unless effects are added.

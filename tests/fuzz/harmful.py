@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .kinds import CRG, TYDEX
+from .kinds import TYDEX
 
 READ = "read"
 NAMES = ",".join(["alpha", "Fz", "Fy", *(f"c{i}" for i in range(4990))])
@@ -90,17 +90,5 @@ HARMFUL: dict[str, dict[str, tuple[Callable[[], bytes], str]]] = {
         "index of many rows": (lambda: parquet(zeros(2), metadata=index_of(10**12)), READ),
         "index that is none": (lambda: parquet(zeros(2), metadata={b"pandas": b"[" * 100_000}), "cannot be read as"),
         "a pickle": (lambda: pickle.dumps(Pickled()), "cannot be read as Parquet"),
-    },
-    "opencrg": {
-        "increment that overflows": (lambda: CRG.replace(b"= 0.5", b"= 1e308"), "a road needs finite numbers"),
-        "increment of nearly 0": (lambda: CRG.replace(b"= 0.5", b"= 1e-320"), "a positive increment"),
-        "slope that overflows": (lambda: CRG.replace(b"= 0.01", b"= 1e308"), "a road needs finite numbers"),
-        "width that overflows": (lambda: CRG.replace(b"= 1.0", b"= 1e308").replace(b"-1.0", b"-1e308"), "a road needs"),
-        "heading twice": (lambda: CRG.replace(b"D:long section 1", b"D:reference line phi"), "occurs twice"),
-        "many sections": (lambda: CRG.replace(b"$$$$", b"D:long section 9,m\n" * 300_000 + b"$$$$"), "not full rows"),
-        "many rows": (lambda: CRG + b"     0.100     0.020     0.000     0.010\n" * 100_000, READ),
-        "position that is none": (lambda: CRG.replace(b"section 1", b"section at v = " + b"-e" * MANY), "is no number"),
-        "another file": (lambda: CRG.replace(b"$KD", b"$ROAD_CRG_FILE\n../../etc/passwd\n$KD"), "is not supported"),
-        "binary data": (lambda: CRG.replace(b"LRFI", b"KDBI"), "binary data"),
     },
 }  # fmt: skip

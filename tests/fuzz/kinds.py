@@ -32,7 +32,6 @@ from tirefmu.symbolic.added import effect_text, library, read_effect
 from tirefmu.tires import published, read_tir, write_tir
 from tirefmu.tires.property_file.units import unit_factor
 from tirefmu.tires.property_file.writing import tir_text
-from tirefmu.tires.roads.opencrg import read_crg
 
 from ..hostile import HOSTILE
 from .mutations import BINARY, compressed, mutated, rezipped
@@ -236,36 +235,6 @@ def read_user_effect(path: Path) -> None:
     assert read_effect(effect_text(effect), "again.toml") == effect
 
 
-# ------------------------------------------------------------------ roads
-
-CRG = b"""$CT
-a road
-$ROAD_CRG
-REFERENCE_LINE_INCREMENT = 0.5
-REFERENCE_LINE_START_S = 0.01
-LONG_SECTION_V_RIGHT = -1.0
-LONG_SECTION_V_LEFT = 1.0
-$KD_DEFINITION
-#:LRFI
-D:reference line phi,rad
-D:long section 1,m
-D:long section 2,m
-D:long section 3,m
-$$$$
-**********     0.010     0.000    -0.010
-     0.100     0.020     0.000**********
-     0.200     0.030     0.010    -0.010
-"""
-
-
-def read_road(path: Path) -> None:
-    """Read a road; its points are finite, and so are the planes near them."""
-    road = read_crg(path)
-    assert np.isfinite(road.nodes).all()
-    for x, y in road.nodes[:20]:
-        assert all(np.isfinite(value) for value in road.plane(x, y).values())
-
-
 # ------------------------------------------------------------------ FMUs
 
 
@@ -306,15 +275,5 @@ KINDS = {
     "project": Kind(".toml", lambda: [PROJECT.encode()], read_steps),
     "jobs": Kind(".toml", lambda: [JOBS.encode()], read_jobs),
     "study": Kind(".toml", lambda: [STUDY.encode()], read_study),
-    "opencrg": Kind(
-        ".crg",
-        lambda: [
-            CRG,
-            CRG.replace(b"D:long section 1,", b"D:long section at v = -1,")
-            .replace(b"section 2,", b"section at v = 0,")
-            .replace(b"section 3,", b"section at v = 2.5,"),
-        ],
-        read_road,
-    ),
     "fmu": Kind(".fmu", fmu_seeds, read_fmu, rezipped),
 }

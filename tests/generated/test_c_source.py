@@ -17,7 +17,7 @@ from tirefmu.tires.code.printed import code_file
 
 FOLDER = Path(tirefmu.generated.__file__).parent / "c"
 #: Without the rolling radius: one function of an FMU, included after the header of its model.
-HEADERS = sorted(path.stem for path in FOLDER.glob("*.h") if not path.stem.endswith("_rolling_radius"))
+HEADERS = sorted(path.stem for path in FOLDER.glob("*.h") if not path.stem.endswith(("_rolling_radius", "_loaded_radius")))
 NAMES = [Path(file).stem for model in MODELS for file in (f"{model}.c", *files_on_demand(model))
          if not file.endswith(".py")]  # fmt: skip
 SOURCES = sorted(name for name in NAMES if "_batch_" not in name)

@@ -25,10 +25,16 @@ from .names import (
     unmeasured_coefficients,
     written_sections,
 )
+from .text import without_comment
 from .units import WRITTEN
 
+#: Comments behind the values of a section that have none of their own.
+REMARKS = {
+    "MDI_HEADER": "this file", "UNITS": "of every value", "MODEL": "of the model", "": "entry without description",
+} | {title: "valid range" for title, _ in RANGE_SECTIONS.values()}  # fmt: skip
 
-def write_tir(tire: TireDefinition, path: str | Path) -> None:
+
+def write_tir(tire: TireDefinition, path: str | Path, *, line_end: str = "\n") -> None:
     """Write a tire as a .tir file, completely or not at all.
 
     Parameters
@@ -37,6 +43,8 @@ def write_tir(tire: TireDefinition, path: str | Path) -> None:
         In any signs; it is written in ISO-W.
     path : str or Path
         The file to write; an existing one is replaced.
+    line_end : str
+        CRLF for readers that expect it.
 
     Raises
     ------
@@ -44,7 +52,7 @@ def write_tir(tire: TireDefinition, path: str | Path) -> None:
         If the file cannot be written.
     """
     path = path_from(path)
-    text = tir_text(tire)
+    text = tir_text(tire).replace("\n", line_end)
     with writing(path, TirError):
         write_whole(path, text.encode())
 
@@ -65,14 +73,20 @@ def tir_text(tire: TireDefinition) -> str:
     sections: dict[str, list[str]] = {title: [] for title in ("", *written_sections(tire.symbolic_model))}
     for section, key, line in _own_lines(tire):
         if (section, key) not in replaced:
-            sections[section].append(line)
+            sections[section].append(_with_comment(section, line))
     for section, key, value in entries:
-        sections.setdefault(section, []).append(f"{key} = {value}" if key else value)
+        line = _with_comment(section, f"{key} = {value}") if key else value
+        sections.setdefault(section, []).append(line)
     lines = sections.pop("")
     for title, content in sections.items():
         lines += ["", f"[{title}]", *content] if content else []
     lines += ["", "$ What follows is tirefmu's own; other readers skip it.", *_only_here(tire)]
     return "\n".join(lines[not lines[0] :]) + "\n"
+
+
+def _with_comment(section: str, line: str) -> str:
+    """Return an entry with a comment behind its value: readers that expect CRLF cut off the end of other lines."""
+    return f"{line}  $ {REMARKS.get(section, REMARKS[''])}" if without_comment(line) == line else line
 
 
 def _own_lines(tire: TireDefinition) -> Iterable[tuple[str, str, str]]:

@@ -14,7 +14,7 @@ from math import nan
 
 import numpy as np
 
-from ...numerics.arrays import FloatArray
+from ....numerics.arrays import FloatArray
 
 #: Share of the peak of a force from which data determine the peak. Judgement: there the slope has fallen to a fifth,
 #: and the peak is within some percent of the largest force, whatever the shape of the curve.

@@ -1,1 +1,0 @@
-"""Roads: a grid of heights, and its files."""
