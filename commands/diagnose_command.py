@@ -25,8 +25,8 @@ from .arguments import (
     write_json,
 )
 
-#: Times of the FMUs and of the report, relative to the first step of the diagnosis.
-FURTHER = (8.0, 18.0)
+#: Default time limit, s. Convention: a few minutes.
+TIME_LIMIT = 300.0
 
 
 @click.command()
@@ -40,6 +40,10 @@ FURTHER = (8.0, 18.0)
               help="The bench turns the wheel plane: phit = -(d alpha/dt)/V where phit is not recorded.")  # fmt: skip
 @click.option("--candidates", callback=names, help="Test these effects only.")
 @click.option("--effect", "user_files", type=FILE, multiple=True, help="Effect file to test too; may be repeated.")
+@click.option("--time-limit", type=click.FloatRange(min=0.0, min_open=True), default=TIME_LIMIT, show_default=True,
+              help="Seconds after which the best explanation so far is the answer, as after Ctrl-C.")  # fmt: skip
+@click.option("--without-form", "form", flag_value=False, default=True,
+              help="The improved tire has no correction of the formula's own form.")  # fmt: skip
 @click.option("--holdout", "others", type=FILE, multiple=True,
               help="Hold-out recording for the simulation of both tires; may be repeated.")  # fmt: skip
 @click.option("--fmu/--no-fmu", "fmus", default=True, show_default=True, help="Export and simulate both tires.")
@@ -82,7 +86,7 @@ def diagnose(
         raise TirefmuError("--workers, --scheduler and --resume are for several recordings")
     (table,) = tables
     check_input_paths(table)
-    from ..applications.batch.diagnose_many import FMUS, REPORT, write_answer
+    from ..applications.batch.diagnose_many import write_answer
     from ..diagnosis import diagnose as run
     from ..diagnosis.diagnose import STEPS
     from ..measurements import check_columns, data_findings, recordings_from
@@ -103,12 +107,10 @@ def diagnose(
     if "tire" in given:
         given["tire"] = tire_from(given["tire"])
     tested = [*map(user_effect, user_files), *(candidates or ())] or None
-    further_steps = dict(zip((FMUS, REPORT), FURTHER, strict=True))
-    steps = {**STEPS, **{step: work for step, work in further_steps.items() if fmus or step != FMUS}}
-    with terminal.stages(list(steps.items())) as stages:
+    with terminal.stages() as stages:
 
         def progress(sentence: str) -> None:
-            (stages.begin if sentence in steps else stages.event)(sentence)
+            (stages.begin if sentence in STEPS else stages.event)(sentence)
 
         result = run(recording, **given, candidates=tested, progress=progress)
         summary = write_answer(

@@ -16,6 +16,7 @@ from ..symbolic.added import AddedEffect
 from ..symbolic.models import model_named, whole_library
 from ..tires import TireLike, tire_from
 from ..tires.tire import Tire
+from .explanations.budget import Budget
 from .explanations.compare import compared
 from .explanations.explanation import Explanation
 from .explanations.final import final_fits
@@ -42,9 +43,8 @@ NOMINAL_COEFFICIENTS = {
 }
 
 
-#: The steps of a diagnosis, as reported to its progress callback, and their time relative to the first one. Comparisons
-#: took 10 to 60 times as long in recordings of 5,000 rows: how many effects are missing is not known in advance.
-STEPS = {"fitting the baseline model": 1.0, "comparing explanations": 30.0, "fitting the best explanation": 5.0}
+#: The steps of a diagnosis, as reported to its progress callback.
+STEPS = ("fitting the baseline model", "comparing explanations", "fitting the best explanation")
 BASELINE, COMPARING, FINAL = STEPS
 
 
@@ -58,6 +58,8 @@ def diagnose(
     tire: TireLike | None = None,
     candidates: Collection[AddedEffect | str] | None = None,
     progress: Callable[[str], None] | None = None,
+    time_limit: float | None = None,
+    form: bool = True,
 ) -> Diagnosis:
     """Identify the effects that a baseline model lacks to explain a recording.
 
@@ -78,7 +80,12 @@ def diagnose(
     candidates : collection of str or AddedEffect, optional
         Names: test only these effects. An `AddedEffect` is user-defined; without names it is tested with all others.
     progress : callable, optional
-        Called with a sentence at each step.
+        Called with a sentence at each step, and with what leads. If it raises `KeyboardInterrupt` while explanations
+        are compared, or Ctrl-C is pressed then, the result is the best explanation so far (`Diagnosis.stopped`).
+    time_limit : float, optional
+        Seconds. Explanations that are not compared within 70 % of it are not; the result is marked in the same way.
+    form : bool
+        Whether the improved tire may have a correction of the formula's own form, effect "form".
 
     Returns
     -------
@@ -122,17 +129,23 @@ def diagnose(
             reading = {name: tried for name, tried in candidates_tried.items() if TEMPERATURE in tried.requires}
             candidates_tried |= {name: replace(tried, has_states=True) for name, tried in reading.items()}
         report(COMPARING)
-        comparison = compared(problem, solution, candidates_tried, report)
+        with Budget(report, time_limit) as budget:
+            comparison = compared(problem, solution, candidates_tried, budget)
         report(FINAL)
         read = _read(comparison.leader.explanation, candidates_tried)
         derived_table = complete.table[[name for name in complete.table if name in recording.table or name in read]]
         recorded_or_read = replace(complete, table=derived_table)
 
-        def with_final_fits(*, no_formula: str = "") -> Diagnosis:
-            fits = final_fits(comparison, problem, solution, start, report, no_formula=no_formula)
-            return composed(Outcome(recorded_or_read, candidates_tried, fits, comparison.answer), began)
+        def with_final_fits(*, no_formula: str = "", correct_form: bool = form) -> Diagnosis:
+            fits = final_fits(
+                comparison, problem, solution, start, report, no_formula=no_formula, correct_form=correct_form
+            )
+            outcome = Outcome(recorded_or_read, candidates_tried, fits, comparison.answer, comparison.stopped)
+            return composed(outcome, began)
 
         result = with_final_fits()
+        if not result.delivered and result.form.channels:
+            result = with_final_fits(correct_form=False)
         if not result.delivered and any(part.effect for part in result.unknown):
             result = with_final_fits(no_formula=f"with it, {'; '.join(result.not_delivered_because)}")
         return _with_source_of_temperature(result, recording, start, candidates_tried).in_signs("iso")

@@ -61,7 +61,8 @@ def steps_of(project: Project) -> list[Step]:
         steps.append(_step(folder, "check", options, (fmu, table), (fmu, *given), page, label=label))
     for table, label in zip(project.diagnosed, labels(project.diagnosed), strict=True):
         answer = folder / f"diagnosis_{label}"
-        options = [*data, *project.options("diagnose"), "--tire", str(tire), "-o", str(answer)]
+        limit = ["--time-limit", f"{project.time_limit:g}"]
+        options = [*data, *project.options("diagnose"), *limit, "--tire", str(tire), "-o", str(answer)]
         inputs = (tire, table, *project.files_of("data"))
         step = _step(folder, "diagnose", options, (table,), inputs, answer / "report.html", answer, label=label)
         steps.append(replace(step, time_limit=project.time_limit))

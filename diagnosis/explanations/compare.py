@@ -6,7 +6,7 @@ both are estimated again and the comparison is repeated.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -19,6 +19,7 @@ from ..probing.effect_probing import Screen, starts
 from ..thresholds import CONFOUNDED, REFIT_MARGIN, RIVALS
 from ..unexplained.proposal import Dictionary
 from .answer import Answer, answer_of
+from .budget import Budget
 from .evidence import Projected, inflation
 from .explanation import UNKNOWN, Explanation, Term
 from .linearization import Addition, Linearization
@@ -34,15 +35,19 @@ ESTIMATES, COMPARED, TERMS, GROWTH = 8, 12, 3, 1.5
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """The answer, the most probable explanation with its refit, and what all explanations have in common."""
+    """The answer, the most probable explanation with its refit, and what all explanations have in common.
+
+    - `stopped`: why explanations were not compared; empty if all were.
+    """
 
     answer: Answer
     leader: Refitted
     shared: Shared
+    stopped: str = ""
 
 
 def compared(
-    problem: LeastSquares, baseline: Solution, candidates: Mapping[str, Candidate], progress: Callable[[str], None]
+    problem: LeastSquares, baseline: Solution, candidates: Mapping[str, Candidate], budget: Budget
 ) -> Comparison:
     """Compare explanations of a recording.
 
@@ -52,20 +57,22 @@ def compared(
         Of the baseline model.
     baseline : Solution
     candidates : mapping of str to Candidate
-    progress : callable
-        Called with a sentence.
+    budget : Budget
 
     Returns
     -------
     Comparison
+        The best so far if the budget ends.
     """
     few = problem.subsampled(some_rows(problem.simulator))
+    few = few.over(few.simulator.driven_at(baseline.parameters))
     at_few = few.at(baseline.parameters, baseline.free)
     linear = Linearization(Explanation(), few, at_few, dict(sorted(candidates.items())))
-    seen, explained = set[tuple[str, ...]](), 0.0
+    seen, explained, tables = set[tuple[str, ...]](), 0.0, list[_Table]()
     for remaining in reversed(range(ESTIMATES)):
-        table = _table(linear, baseline, explained, progress)
+        table = _table(linear, baseline, explained, budget)
         table.climb(linear)
+        tables.append(table)
         seen.add(linear.explanation.parts)
         # Two explanations may lead in turn, each under the noise of the other one: then the smaller one is the leader.
         if table.leads_again(seen, linear.explanation) or not remaining:
@@ -73,11 +80,15 @@ def compared(
             table.propose()
             if table.leads_again(seen, linear.explanation):
                 break
+        if budget.ended:
+            break
         explained, linear = table.explained, _with_own_noise(table.leader, few)
-    return Comparison(answer_of(table.scores, candidates), table.leader, table.shared)
+    # A table that was stopped at its beginning has compared less than the one before.
+    table = max(tables[-2:], key=lambda table: len(table.scores)) if budget.ended else tables[-1]
+    return Comparison(answer_of(table.scores, candidates), table.leader, table.shared, budget.ended)
 
 
-def _table(linear: Linearization, baseline: Solution, explained: float, progress: Callable[[str], None]) -> _Table:
+def _table(linear: Linearization, baseline: Solution, explained: float, budget: Budget) -> _Table:
     """Return an empty table under the noise of a linearization.
 
     `explained`: logarithm of the likelihood by which the explanation of the linearization is better than none.
@@ -86,12 +97,16 @@ def _table(linear: Linearization, baseline: Solution, explained: float, progress
     every = [addition for forms in additions.values() for addition in forms]
     shared = shared_problem(linear, baseline, every, explained)
     weighted = {name: [addition.weighted(shared.problem) for addition in forms] for name, forms in additions.items()}
-    return _Table(shared, baseline.parameters, weighted, progress)
+    return _Table(shared, baseline.parameters, weighted, budget)
 
 
 def _with_own_noise(leader: Refitted, problem: LeastSquares) -> Linearization:
-    """Return the linearization of a refit with rows of independent noise and without a discrepancy."""
-    bare = with_terms(problem, leader.explanation).over(leader.linear.simulator)
+    """Return the linearization of a refit with rows of independent noise and without a discrepancy.
+
+    Its forces drive the states from then on.
+    """
+    simulator = leader.linear.simulator.driven_at(leader.linear.solution.parameters)
+    bare = with_terms(problem, leader.explanation).over(simulator)
     at = bare.at(leader.linear.solution.parameters, leader.linear.solution.free)
     return replace(leader.linear, problem=bare, solution=at)
 
@@ -111,7 +126,7 @@ class _Table:
     shared: Shared
     absent: FloatArray
     additions: dict[str, list[Addition]]
-    progress: Callable[[str], None]
+    budget: Budget
     refits: dict[tuple[str, ...], Refitted] = field(default_factory=dict)
     scores: dict[tuple[str, ...], float] = field(default_factory=dict)
     proposed: set[tuple[str, ...]] = field(default_factory=set)
@@ -135,6 +150,18 @@ class _Table:
         """The refitted explanation with the largest score."""
         return self.refits[max(self.refits, key=lambda parts: graded(self.scores[parts]))]
 
+    @property
+    def _goes_on(self) -> bool:
+        return len(self.expanded) < COMPARED and not self.budget.ended
+
+    def _report(self, sentence: str) -> None:
+        """Report what is done, and what leads with its probability."""
+        parts = self.leader.explanation.parts
+        highest = max(self.scores.values())
+        share = np.exp(self.scores[parts] - highest) / sum(np.exp(score - highest) for score in self.scores.values())
+        leading = ", ".join(parts) or "the baseline model"
+        self.budget.report(f"{sentence}; {leading} leads with {100.0 * share:.0f} % of the probability so far")
+
     def leads_again(self, seen: Collection[tuple[str, ...]], explanation: Explanation) -> bool:
         """Return whether the leader is one of those seen, and not larger than the explanation of the noise."""
         parts = self.leader.explanation.parts
@@ -149,7 +176,7 @@ class _Table:
         if linear.explanation.parts:
             self._add(refitted(self.shared, linear.explanation, [linear.solution.parameters], linear.simulator))
         best, limit = None, GROWTH * inflation(self.shared.explained)
-        while best is not self.leader and len(self.expanded) < COMPARED and inflation(self.explained) < limit:
+        while best is not self.leader and self._goes_on and inflation(self.explained) < limit:
             best = self.leader
             self._extend(best)
             if best is self.leader:
@@ -158,7 +185,7 @@ class _Table:
 
     def compare(self) -> None:
         """Extend the best explanations, and reduce those that nearly lead, until none of them is left."""
-        while len(self.expanded) < COMPARED:
+        while self._goes_on:
             remaining = [parts for parts in self._near() if parts not in self.expanded]
             if not remaining:
                 return
@@ -179,9 +206,9 @@ class _Table:
         self._reduce(leader)
         less = [leader.explanation.without(part).parts for part in leader.explanation.effects]
         for parts in dict.fromkeys([(), *less, leader.explanation.parts]):
-            self._propose(self.refits[parts])
-            if self.leader is not leader:
+            if self.leader is not leader or self.budget.ended or parts not in self.refits:
                 break
+            self._propose(self.refits[parts])
         self.compare()
 
     def _propose(self, refit: Refitted) -> None:
@@ -193,7 +220,7 @@ class _Table:
         if parts in self.proposed:
             return
         self.proposed.add(parts)
-        self.progress(f"searching for a formula in addition to {', '.join(parts[:-1]) or 'the baseline model'}")
+        self._report(f"searching for a formula in addition to {', '.join(parts[:-1]) or 'the baseline model'}")
         formula, errors = self._without_idle_terms(self._formula(refit)), refit.linear.form_errors
         terms = formula.explanation.terms
         if all(errors.contain(term.location, term.depends_on) for term in terms):
@@ -277,12 +304,12 @@ class _Table:
         simulator, explanation = refit.linear.simulator, refit.explanation
         for part in explanation.parts:
             less = explanation.without(part)
-            if less.parts not in self.refits:
+            if less.parts not in self.refits and not self.budget.ended:
                 start = refit.linear.solution.parameters.copy()
                 forms = [form for effect, form in explanation.forms if effect == part]
                 freed = [simulator.index[name] for form in forms for name in form.free]
                 start[freed] = self.absent[freed]
-                self.progress(f"comparing {part} with other explanations")
+                self._report(f"comparing {part} with other explanations")
                 self._add(refitted(self.shared, less, [start], simulator))
 
     def _extend(self, refit: Refitted) -> None:
@@ -291,7 +318,7 @@ class _Table:
         Others are from `REFIT_MARGIN` on. In rivals of the leading explanation the first `RIVALS` effects also are if
         they act through time: these are not linear in their coefficients.
         """
-        self.progress(f"adding an effect to {', '.join(refit.explanation.parts) or 'the baseline model'}")
+        self._report(f"adding an effect to {', '.join(refit.explanation.parts) or 'the baseline model'}")
         candidates, model = refit.linear.candidates, refit.linear.simulator.symbolic_model
         parts = self.leader.explanation.parts
         rivals = RIVALS if len(refit.explanation.parts) < len(parts) or not parts else 0
@@ -305,7 +332,7 @@ class _Table:
                 continue
             self.scores[parts] = max(score, self.scores.get(parts, -np.inf))
             rival = number < rivals and (candidates[name].has_states or name in model.relaxing_effects)
-            if rival or score > max(self.scores.values()) + REFIT_MARGIN:
+            if (rival or score > max(self.scores.values()) + REFIT_MARGIN) and not self.budget.ended:
                 self._add(self._with_effect(refit, best))
 
     def _extended(self, refit: Refitted, gain: Gain) -> Explanation:

@@ -2,12 +2,13 @@
 
 A tire contains no discrepancies and no errors of its functional form, so these are left out. Channels are weighted by
 their residuals, so that a channel with an inexact formula does not make the others worse; the baseline tire is fitted
-with the same weights. If nothing is missing, both are one tire.
+with the same weights. If nothing is missing, both are one tire. In each fit, states are driven by
+the forces of the fit before.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,6 +25,8 @@ from ..unexplained.structure import Structure
 from .compare import Comparison
 from .effect_evidence import Evidence, effect_evidence
 from .explanation import Explanation
+from .form import Form as FormCorrection
+from .form import form_of
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -53,6 +56,8 @@ class Final:
         The unknown component; at most one.
     unknown_evidence : Evidence or None
         For its formula, if this was added.
+    form : FormCorrection or None
+        The correction of the formula's own form in the model with the effects, if it predicts the hold-out set better.
     """
 
     before: Screen
@@ -64,11 +69,12 @@ class Final:
     refinements: tuple[tuple[str, Form], ...]
     unknown: tuple[Unknown, ...]
     unknown_evidence: Evidence | None
+    form: FormCorrection | None = None
 
 
 def final_fits(
     comparison: Comparison, problem: LeastSquares, baseline: Solution, start: Tire, report: Callable[[str], None],
-    *, no_formula: str = "",
+    *, no_formula: str = "", correct_form: bool = True,
 ) -> Final:  # fmt: skip
     """Return the final fits.
 
@@ -84,36 +90,52 @@ def final_fits(
         Called with a sentence.
     no_formula : str
         The reason why the formula of an unknown component may not be added to the model, if any.
+    correct_form : bool
+        Whether the model may have a correction of the formula's own form.
     """
     linear = comparison.leader.linear
     disturbances = problem.disturbances.without(linear.unneeded_cross_talk())
     signals = problem.simulator.signals
     aligned = signals.delayed(linear.simulator.signals.skew - signals.skew)
     problem = replace(problem, disturbances=disturbances).over(problem.simulator.with_signals(aligned))
-    base = problem.solve(baseline.parameters, baseline.free, iterations=FINAL_ITERATIONS)
+    problem, base = _fitted(driven(problem, baseline), baseline.parameters, baseline.free)
     refinements = linear.needed_refinements()
     extended, solution = problem, base
     freed = {*linear.solution.free, *(name for _, form in refinements for name in form.free)}
     if freed > set(base.free):
         free = tuple(sorted(freed, key=linear.simulator.names.index))
-        solution = problem.solve(linear.solution.parameters, free, iterations=FINAL_ITERATIONS)
-    unknown, added = _unknown(comparison, start, problem, solution, report, no_formula)
+        extended, solution = _fitted(driven(problem, linear.solution), linear.solution.parameters, free)
+    unknown, added = _unknown(comparison, start, extended, solution, report, no_formula)
     if added is not None:
         extended, solution, start = added.problem, added.solution, added.tire
+    form = form_of(extended, solution, start) if correct_form else None
+    if form is not None:
+        extended, solution, start = form.problem, form.solution, form.start
     for _ in range(BALANCING):
-        extended = balanced(extended, solution)
-        solution = extended.solve(solution.parameters, solution.free, iterations=FINAL_ITERATIONS)
+        extended, solution = _fitted(balanced(extended, solution), solution.parameters, solution.free)
     before = Screen(extended, solution)
     if solution.free != base.free:  # with the same weights: a channel could give way to another one in one fit only
         problem = replace(problem, inverse_noise=extended.inverse_noise)
-        before = Screen(problem, problem.solve(base.parameters, base.free, iterations=FINAL_ITERATIONS))
+        before = Screen(*_fitted(problem, base.parameters, base.free))
     before, solution, whitened = _whitened(extended, solution, before)
     after, explanation = Screen(extended, solution), linear.explanation
     effects = {name: _coefficients(name, explanation, after) for name in explanation.effects}
     evidence = {name: effect_evidence(after, coefficients) for name, coefficients in effects.items()}
     formula = [declaration.name for declaration in added.effect.declarations] if added else []
     of_formula = effect_evidence(after, formula) if added else None
-    return Final(before, after, whitened, start, effects, evidence, refinements, unknown, of_formula)
+    return Final(before, after, whitened, start, effects, evidence, refinements, unknown, of_formula, form)
+
+
+def driven(problem: LeastSquares, solution: Solution) -> LeastSquares:
+    """Return a problem whose states are driven by the forces of a solution."""
+    return problem.over(problem.simulator.driven_at(solution.parameters))
+
+
+def _fitted(problem: LeastSquares, start: FloatArray, free: Collection[str]) -> tuple[LeastSquares, Solution]:
+    """Return a solution, and the problem with states that its forces drive."""
+    solution = problem.solve(start, tuple(free), iterations=FINAL_ITERATIONS)
+    after = driven(problem, solution)
+    return after, after.at(solution.parameters, solution.free)
 
 
 def _unknown(

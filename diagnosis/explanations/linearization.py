@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -113,22 +113,14 @@ class Linearization:
             np.append(base.gradient, np.zeros(added.shape[1])),
         )  # fmt: skip
 
-    @cached_property
+    @property
     def _own_equations(self) -> NormalEquations:
-        _, deviation, distance = self._contained
-        first, products = self.problem.disturbance_products
-        cross = first.T @ self._rows
-        matrix = np.block([[products, cross], [cross.T, self._rows.T @ self._rows]])
-        deviations = np.concatenate([self.problem.disturbances.deviation, deviation])
-        distances = np.concatenate([np.zeros(len(deviations) - len(distance)), distance])
-        power = float(matrix[-1, -1]) + float(np.sum(distances**2))
-        return NormalEquations(matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations)
+        return _rows_and_equations(self)[1]
 
-    @cached_property
+    @property
     def _rows(self) -> FloatArray:
         """The weighted columns beside the disturbances, and the misfit, shape (n_channels * n, k + 1)."""
-        misfit = self.problem.misfit(self.solution.parameters)[:, :, None]
-        return self._weighted(np.concatenate([self._contained[0], misfit], axis=-1))
+        return _rows_and_equations(self)[0]
 
     def _weighted(self, columns: FloatArray) -> FloatArray:
         return self.problem.weighted(columns).reshape(-1, columns.shape[-1])
@@ -136,9 +128,8 @@ class Linearization:
     @property
     def contained(self) -> FloatArray:
         """What the explanation contains beside the disturbances, N and N m, shape (n_channels, n, k)."""
-        return self._contained[0]
+        return self._contained()[0]
 
-    @cached_property
     def _contained(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Columns beside the disturbances, their prior deviations, and distances from the means in deviations.
 
@@ -333,3 +324,21 @@ class Linearization:
             prior = float(np.log(EFFECT_ODDS / (len(points) * len(alone))))
             added += [Addition(name, columns[:, :, probes], deviation[probes], form, prior) for probes in alone]
         return added
+
+
+@lru_cache(maxsize=4)
+def _rows_and_equations(linear: Linearization) -> tuple[FloatArray, NormalEquations]:
+    """Return the weighted columns with the misfit, and the normal equations, of what an explanation contains.
+
+    They are stored for the latest linearizations only: with three channels they take 60 MB.
+    """
+    problem, (columns, deviation, distance) = linear.problem, linear._contained()
+    misfit = problem.misfit(linear.solution.parameters)[:, :, None]
+    rows = linear._weighted(np.concatenate([columns, misfit], axis=-1))
+    first, products = problem.disturbance_products
+    cross = first.T @ rows
+    matrix = np.block([[products, cross], [cross.T, rows.T @ rows]])
+    deviations = np.concatenate([problem.disturbances.deviation, deviation])
+    distances = np.concatenate([np.zeros(len(deviations) - len(distance)), distance])
+    power = float(matrix[-1, -1]) + float(np.sum(distances**2))
+    return rows, NormalEquations(matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations)

@@ -27,6 +27,8 @@ FloatArray = npt.NDArray[np.float64]
 DISCREPANCY, BENCH = "discrepancy_", "bench_"
 #: Iterations of a refit under the common noise, and before it with independent rows; corrections of the skew.
 ITERATIONS, COARSE_ITERATIONS, ALIGNMENTS = 3, 8, 3
+#: Share of the cost by which a coarse fit may still fall.
+COARSE = 1e-3
 #: A smaller change of the evidence is none: a factor of 1.1 between two explanations.
 SAME_EVIDENCE = 0.1
 
@@ -84,7 +86,7 @@ def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArr
     fitted = {*shared.free, *(name for _, form in explanation.forms for name in form.free)}
     free = tuple(sorted(fitted, key=simulator.names.index))
     coarse = replace(problem, whitening=None)
-    tried = [coarse.solve(start, free, iterations=COARSE_ITERATIONS) for start in starts]
+    tried = [coarse.solve(start, free, iterations=COARSE_ITERATIONS, tolerance=COARSE) for start in starts]
     start = min(tried, key=lambda solution: graded(solution.cost)).parameters
     best, estimate = _evaluated(shared, explanation, problem, start, free)
     for _ in range(ALIGNMENTS if simulator.signals.timed else 0):

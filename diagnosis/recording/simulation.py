@@ -1,18 +1,26 @@
-"""Forces of a tire over signals and their derivatives by its coefficients, with transient slip."""
+"""Forces of a tire over signals and their derivatives by its coefficients, with transient slip.
+
+In a comparison of explanations a state follows from the recording: from its inputs and the forces at parameters that
+fit it (`Simulator.driven_at`). Its course then depends on the coefficients in its own equation only, by which it is
+stored. A simulator without such parameters solves states and forces together.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from ...measurements.state_starts import estimated_starts
 from ...symbolic.added.effect import owners_of
+from ...symbolic.added.state import State
 from ...tires.code import Code, chosen_derivatives, fastest_code
+from ...tires.code.given_lines import GivenLines, given_lines
 from ...tires.states.simulation import StateSimulation, equilibrium
 from ...tires.states.transient import Course, lagged_course, lateral_slip, segment_starts
 from ...tires.tire import Tire
@@ -25,6 +33,8 @@ IntArray = npt.NDArray[np.intp]
 REMEMBERED = 4
 #: Share by which the iterations of a state change its largest value last.
 STATE_TOLERANCE = 1e-5
+#: Courses that are stored of each group of states: those of a refit with their differences.
+STORED = 16
 
 
 @dataclass
@@ -45,6 +55,12 @@ class Simulator:
     _acting: Callable[[bytes, tuple[int, ...]], FloatArray] = field(init=False)
     _slips: Callable[[bytes, tuple[int, ...]], dict[str, Course]] = field(init=False)
     _stateful: Callable[[bytes, tuple[int, ...], tuple[str, ...]], FloatArray] = field(init=False)
+    #: The courses of states for the coefficients of their equations, and what drives them.
+    _stored: Callable[[bytes, tuple[int, ...], tuple[str, ...]], FloatArray] = field(init=False)
+    _driving: Callable[[tuple[int, ...]], dict[str, FloatArray]] = field(init=False)
+    #: Parameters at which forces drive the states, empty for those of the trial; the states at them, (n_states, n).
+    _driven_at: FloatArray = field(init=False, default_factory=lambda: np.empty(0))
+    _held: FloatArray = field(init=False, default_factory=lambda: np.empty((0, 0)))
 
     #: The latest courses of states, from which the next iteration starts, and their times.
     _courses: dict[str, FloatArray] = field(init=False, default_factory=dict)
@@ -70,10 +86,21 @@ class Simulator:
         #: Coefficients that act through time, and the steps of their differences.
         relaxing = (declaration.name for declaration in declarations)
         self._by_difference = {name: self._step(name) for name in (*lengths, *relaxing)}
+        #: Coefficients of relaxation alone.
+        self._relaxing = frozenset(self._by_difference)
+        self._lags = np.isin(np.arange(len(self._off)), [self.index[name] for name in self._relaxing])
         self._sizes_of_states = dict(self._amplitudes())
         shapes = {name for effect in self.symbolic_model.added for state in effect.states for name in state.reads}
         self._by_difference |= {name: self._step(name) for name in self.symbolic_model.coefficients.keys() & shapes}
+        states = self.symbolic_model.states
+        reads = {group: {name for state in group for name in states[state].reads} for group in _groups_of(states)}
+        #: The groups of states with the indices of the coefficients in their equations.
+        self._groups = {
+            group: [self.index[name] for name in sorted(read & self.index.keys())] for group, read in reads.items()
+        }
+        self._state_rows = [list(self.tire.inputs).index(name) for name in self.symbolic_model.states]
         self._remember()
+        self._store()
 
     def _amplitudes(self) -> Iterator[tuple[str, IntArray]]:
         """Yield each state of an effect that the tire lacks, with the coefficients without which it does not act."""
@@ -100,11 +127,33 @@ class Simulator:
         self._stateful = lru_cache(REMEMBERED)(self._with_states)
         self._slips = lru_cache(REMEMBERED)(self._lagged)
 
+    def _store(self) -> None:
+        """Keep courses of states at all rows: they serve for any of these."""
+        self._stored = lru_cache(STORED)(self._followed)
+        self._driving = lru_cache(1)(self._driving_values)
+
     def with_signals(self, signals: Signals) -> Simulator:
         """Return a simulator of the same tire over other signals."""
         other = copy(self)
         other.signals = signals
         other._remember()
+        if signals.inputs is not self.signals.inputs or signals.t is not self.signals.t:
+            other._store()
+        return other
+
+    def driven_at(self, parameters: FloatArray) -> Simulator:
+        """Return a simulator whose states are driven by the forces at given parameters.
+
+        So are relaxation lengths: what else than their own coefficients they depend on has these values.
+        """
+        other = copy(self)
+        other._driven_at = np.empty(0)
+        other._remember()
+        every = other.with_signals(replace(self.signals, rows=np.arange(len(self.signals.t))))
+        other._held = every.effective_inputs(parameters)[self._state_rows]
+        other._driven_at = parameters.copy()
+        other._remember()
+        other._store()
         return other
 
     def _inactive_inputs(self) -> list[tuple[int, IntArray, FloatArray]]:
@@ -127,10 +176,18 @@ class Simulator:
         unused = tuple(row for row, indices, values in self._inactive if np.array_equal(parameters[indices], values))
         if acting := self._acting_states(parameters):
             return self._stateful(parameters.tobytes(), unused, acting)
-        if self.signals.timed and self._sigma and parameters[self._relaxation].any():
-            relevant = np.where(self._determines_lag, parameters, self._off)
-            return self._acting(relevant.tobytes(), unused)
-        return self._active(unused)[:, self.signals.rows]
+        return self._with_lagged_slips(parameters, unused)
+
+    def _with_lagged_slips(self, parameters: FloatArray, unused: tuple[int, ...]) -> FloatArray:
+        """Return the inputs at the compared rows with lagged slips, shared by all callers."""
+        lags = self.signals.timed and self._sigma and parameters[self._relaxation].any()
+        return self._acting(self._determining_lag(parameters) if lags else b"", unused)
+
+    def _determining_lag(self, parameters: FloatArray) -> bytes:
+        """Return parameters without differences that do not change the relaxation lengths."""
+        if not len(self._driven_at):
+            return np.where(self._determines_lag, parameters, self._off).tobytes()
+        return np.where(self._determines_lag & self._lags, parameters, self._driven_at).tobytes()
 
     def _active(self, unused: tuple[int, ...]) -> FloatArray:
         """Return the inputs of all rows, with 0 in unused ones."""
@@ -142,10 +199,12 @@ class Simulator:
 
     def _computed_acting(self, relevant: bytes, unused: tuple[int, ...]) -> FloatArray:
         """Return the inputs at the compared rows with lagged slips, for the parameters that determine them."""
-        acts = self._active(unused).copy()
-        for name, course in self._slips(relevant, unused).items():
-            acts[self.signals.names.index(name)] = np.arctan(course.value) if name == "alpha" else course.value
-        return acts[:, self.signals.rows]
+        acts = np.ascontiguousarray(self._active(unused)[:, self.signals.rows])
+        for name, course in self._slips(relevant, unused).items() if relevant else ():
+            value = course.value[self.signals.rows]
+            acts[self.signals.names.index(name)] = np.arctan(value) if name == "alpha" else value
+        acts.flags.writeable = False
+        return acts
 
     def _acting_states(self, parameters: FloatArray) -> tuple[str, ...]:
         """Return the names of the states whose effects are not switched off."""
@@ -166,8 +225,10 @@ class Simulator:
         )
         if not signals.timed:
             return equilibrium(model, self._code, inputs[:, signals.rows], values, states)
-        relevant = np.where(self._determines_lag, values, self._off)
-        slips = self._slips(relevant.tobytes(), unused)
+        fitted = [name for name in states if model.states[name].start_is_fitted]
+        if len(self._driven_at) and not fitted:
+            return self._with_stored_states(values, unused, states)
+        slips = self._slips(self._determining_lag(values), unused)
 
         def simulated(starts: Mapping[str, FloatArray]) -> FloatArray:
             simulation = StateSimulation(model, self._code, signals.t, inputs, values, False, slips, states, starts)
@@ -177,8 +238,63 @@ class Simulator:
             return rows
 
         rows = simulated({})
-        fitted = [name for name in states if model.states[name].start_is_fitted]
         return (self._with_fitted_starts(fitted, rows, values, simulated) if fitted else rows)[:, signals.rows]
+
+    def _with_stored_states(self, values: FloatArray, unused: tuple[int, ...], states: tuple[str, ...]) -> FloatArray:
+        """Return the inputs at the compared rows with lagged slips and states that given forces drive."""
+        rows = self._with_lagged_slips(values, unused).copy()
+        for group, indices in self._groups.items():
+            if names := tuple(name for name in group if name in states):
+                trial = self._driven_at.copy()
+                trial[indices] = values[indices]
+                courses = self._stored(trial.tobytes(), unused, names)
+                rows[[self.signals.names.index(name) for name in names]] = courses[:, self.signals.rows]
+        return rows
+
+    def _followed(self, parameters: bytes, unused: tuple[int, ...], names: tuple[str, ...]) -> FloatArray:
+        """Return the courses of states at all rows, shape (n_states, n)."""
+        model, signals, values = self.symbolic_model, self.signals, np.frombuffer(parameters)
+        lines, inputs = self._lines_of(names), self._active(unused)
+        given = self._given(lines, values, unused)
+
+        def driving(states: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+            return lines({**given, **states}, len(signals.t))
+
+        simulation = StateSimulation(model, self._code, signals.t, inputs, values, False, {}, names, driving=driving)
+        return simulation.histories_by_given_forces(STATE_TOLERANCE)
+
+    def _lines_of(self, states: tuple[str, ...]) -> GivenLines:
+        lines = tuple(line for name in states for line in self.symbolic_model.states[name].line_names[:3])
+        return given_lines(self.symbolic_model, "drives", lines)
+
+    @property
+    def _lag_lines(self) -> GivenLines:
+        lines = tuple(self._code.quantities_names[i] for i in self._sigma)
+        return given_lines(self.symbolic_model, "relaxation", lines, self._relaxing)
+
+    def _given(self, lines: GivenLines, parameters: FloatArray, unused: tuple[int, ...]) -> dict[str, Any]:
+        """Return what lines read: coefficients by name, and what drives states."""
+        driving = self._driving(unused)
+        return {name: parameters[self.index[name]] if name in self.index else driving[name] for name in lines.reads}
+
+    def _driving_values(self, unused: tuple[int, ...]) -> dict[str, FloatArray]:
+        """Return what lines of states may read at the parameters that drive them: inputs, quantities and forces.
+
+        The acting inputs have the lagged slips, and the states at these parameters.
+        """
+        rows, at, code = self._active(unused).copy(), self._driven_at, self._code
+        lags = at[self._relaxation].any() if self._sigma else False
+        for name, course in self._courses_of_slips(rows, self._sigma_at(rows, at)).items() if lags else ():
+            rows[self.signals.names.index(name)] = np.arctan(course.value) if name == "alpha" else course.value
+        rows[self._state_rows] = self._held
+        lines = [self._lines_of(group) for group in self._groups] + ([self._lag_lines] if self._sigma else [])
+        read = frozenset[str]().union(*(part.reads for part in lines))
+        named = [(self.signals.names, rows), (code.quantities_names, code.quantities(rows, at))]
+        if read & set(self.tire.outputs):
+            named.append((self.tire.outputs, code.forces(rows, at)))
+        return {
+            name: row.copy() for names, table in named for name, row in zip(names, table, strict=True) if name in read
+        }
 
     def _with_fitted_starts(
         self,
@@ -217,8 +333,19 @@ class Simulator:
         inputs, parameters = self._active(unused), np.frombuffer(relevant)
         if not self._sigma or not parameters[self._relaxation].any():
             return {}
+        if not len(self._driven_at):
+            return self._courses_of_slips(inputs, self._sigma_at(inputs, parameters))
+        lines = self._lag_lines
+        sigma = lines(self._given(lines, parameters, unused), inputs.shape[1])
+        return self._courses_of_slips(inputs, np.maximum(np.stack(list(sigma.values())), 0.0))
+
+    def _sigma_at(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        """Return the relaxation lengths at inputs, m, shape (2, n)."""
+        return np.maximum(self._code.quantities(inputs, parameters)[self._sigma], 0.0)
+
+    def _courses_of_slips(self, inputs: FloatArray, sigma: FloatArray) -> dict[str, Course]:
+        """Return the courses of the lagged slips behind relaxation lengths, shape (2, n)."""
         named = dict(zip(self.signals.names, inputs, strict=True))
-        sigma = np.maximum(self._code.quantities(inputs, parameters)[self._sigma], 0.0)
         targets = {"kappa": named["kappa"], "alpha": lateral_slip(named["alpha"])}
         return {
             name: lagged_course(self.signals.t, target, named["V"], length, hold=False)
@@ -280,3 +407,15 @@ class Simulator:
         ]
         entries, channels, columns = np.array(chosen, dtype=np.intp).reshape(-1, 3).T
         return entries, channels, columns
+
+
+def _groups_of(states: Mapping[str, State]) -> tuple[tuple[str, ...], ...]:
+    """Return the names of states in groups: a state that reads another one, or is its speed, is in its group."""
+    groups = list[tuple[str, ...]]()
+    for name, state in states.items():
+        read = state.reads | {
+            other for other in states if states[other].oscillates and states[other].speed_name == name
+        }
+        joined = tuple(other for group in groups if not read.isdisjoint(group) for other in group)
+        groups = [group for group in groups if set(joined).isdisjoint(group)] + [(*joined, name)]
+    return tuple(groups)

@@ -19,6 +19,7 @@ from ...tires.tire import Tire
 from ..verdict.result import Diagnosis
 from ..verdict.verdict import percent
 from .curves_figure import curves_figure
+from .form_figure import form_figure
 from .memory_figure import memory_figure
 from .residual_figure import residual_location_figure
 
@@ -105,6 +106,7 @@ def report_page(
         maps=_maps(diagnosis),
         curves=[shown for name in _by_reduction(diagnosis) if (shown := curves_figure(diagnosis, name)).panels],
         memory=[memory_figure(diagnosis, name) for name in _with_memory(diagnosis)],
+        form=[form_figure(diagnosis)] if diagnosis.form.delivered else [],
         changes=changed_lines(diagnosis.base_tire, diagnosis.tire),
         recording=recording,
         simulated=simulated or {},

@@ -206,6 +206,8 @@ def directions(simulator: Simulator, parameters: FloatArray) -> dict[str, FloatA
 def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]]:
     """Return even features (operating conditions, magnitudes of slip) and odd features (sign of a lateral input).
 
+    An input that does not vary is in no formula; a memory of several inputs depends on those that vary.
+
     Parameters
     ----------
     signals : Signals
@@ -216,11 +218,16 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
     even_ones: list[Feature] = []
     odd_ones: list[Feature] = []
     rows = signals.rows
+    constant = frozenset(name for name in signals.names if not varies(signals, tire, name))
 
     def add(text: str, depends: str, values: FloatArray, *, odd: bool = False, past: Past | None = None) -> None:
         at = values[rows]
         size = float(np.std(at))
         names = frozenset(depends.split())
+        rates = {name[1:].partition("/")[0] for name in names if name.endswith("/dt")}
+        if constant & (rates if past else names):
+            return
+        names -= constant
         if size > 1e-9 and names & (signals.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}):
             slips = names & {"alpha", "kappa"}
             slips = slips if len(slips) == 1 else frozenset()

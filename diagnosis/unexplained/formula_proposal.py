@@ -174,6 +174,6 @@ def with_formula(
         parameters[simulator.index[name]] = solution.parameters[problem.simulator.index[name]]
     for declaration, size in zip(effect.declarations, structure.sizes, strict=True):
         parameters[simulator.index[declaration.name]] = size
-    extended = replace(problem, simulator=simulator)
+    extended = replace(problem, simulator=simulator.driven_at(parameters))
     free = (*solution.free, *(declaration.name for declaration in effect.declarations))
     return Added(effect, tire, extended, extended.solve(parameters, free, iterations=8))

@@ -19,6 +19,7 @@ from ..explanations.answer import Answer
 from ..explanations.effect_evidence import Evidence
 from ..explanations.explanation import UNKNOWN
 from ..explanations.final import Final
+from ..explanations.form import FORM
 from ..probing.candidates import Candidate
 from ..probing.confounding import UNRECORDED_TEMPERATURE, alias_columns, correlations, separating_measurement
 from ..probing.effect_probing import Screen, Tried, tried
@@ -31,11 +32,11 @@ from .adequacy import Adequacy, adequacies
 from .delivery import reasons_against
 from .detectability import detectable_sizes
 from .extrapolation import extrapolations
-from .findings import Finding, Interval
+from .findings import Finding, FormCorrection, Interval
 from .fit_error import FitErrors, Residuals, delivered_residuals, fit_errors, floors_of, preprocessed, without_skew
 from .improved_tire import tire_of
 from .residual_location import residual_maps, time_course
-from .result import Diagnosis
+from .result import NO_FORM, Diagnosis
 from .verdict import verdict_text
 
 FloatArray = npt.NDArray[np.float64]
@@ -57,12 +58,15 @@ class Outcome:
         The final fits.
     answer : Answer
         The probabilities.
+    stopped : str
+        Why the comparison ended although explanations remained, or ''.
     """
 
     recording: Recording
     candidates: Mapping[str, Candidate]
     final: Final
     answer: Answer
+    stopped: str = ""
 
     @property
     def signals(self) -> Signals:
@@ -110,8 +114,14 @@ def composed(outcome: Outcome, began: float) -> Diagnosis:
     refined = tuple(f"{name}: {', '.join(form.free)}" for name, form in fits.refinements)
     detectable, not_identifiable = detectable_sizes(fits.after, lacking, tested, fits.start)
     of_recording = _recording_errors(outcome, delivery)
+    verdict = verdict_text(findings, unknown, confounded, refined, adequacy, detectable, against, of_recording)
+    form = _form(fits, delivered=not against)
+    verdict += f". {form.sentence}" if form.delivered else ""
+    marked = f"Best explanation so far, {outcome.stopped}: {verdict}" if outcome.stopped else verdict
     return Diagnosis(
-        verdict=verdict_text(findings, unknown, confounded, refined, adequacy, detectable, against, of_recording),
+        verdict=marked,
+        stopped=outcome.stopped,
+        form=form,
         found=findings,
         answer=outcome.answer,
         confounded_with=confounded,
@@ -145,6 +155,15 @@ def composed(outcome: Outcome, began: float) -> Diagnosis:
     )
 
 
+def _form(fits: Final, *, delivered: bool) -> FormCorrection:
+    """Return the sizes of the correction of the form by channel."""
+    if fits.form is None:
+        return NO_FORM
+    change = zip(fits.after.signals.channels, fits.form.change, strict=True)
+    sizes = {name: (float(np.sqrt(np.mean(row**2))), float(np.abs(row).max())) for name, row in change if np.any(row)}
+    return FormCorrection(sizes, delivered)
+
+
 def _added(fits: Final) -> dict[str, tuple[str, ...]]:
     """Return the effects of the improved tire that the baseline tire lacks, with their free coefficients."""
     formulas = [part.effect for part in fits.unknown if part.added and part.effect]
@@ -158,7 +177,7 @@ def _delivery(outcome: Outcome, added: Mapping[str, tuple[str, ...]]) -> _Delive
     fits = outcome.final
     before, after = fits.before, fits.after
     base_tire = tire_of(before.problem.simulator.tire, before.problem, before.solution, ())
-    tire = tire_of(fits.start, after.problem, after.solution, added)
+    tire = tire_of(fits.start, after.problem, after.solution, (*added, *((FORM,) if fits.form else ())))
     # The equations of all effects are compiled already; those of the delivered tires alone would take seconds.
     complete = tuple(replace(either, added=fits.start.added) for either in (base_tire, tire))
     screens, rows = (before, after), outcome.signals.table_rows
@@ -171,7 +190,7 @@ def _delivery(outcome: Outcome, added: Mapping[str, tuple[str, ...]]) -> _Delive
         judged = delivered_residuals(complete, without_noise, screens, rows)
         compared = fit_errors(*screens, judged, floors)
     against: tuple[str, ...] = ()
-    if added or fits.refinements:
+    if added or fits.refinements or fits.form:
         against = reasons_against(compared, judged)
     if not against:
         return _Delivery(base_tire, tire, (), after, residuals, errors, floors)

@@ -10,7 +10,7 @@ from ..explanations.answer import RankedExplanation
 from .findings import Interval
 
 #: Version of diagnosis.json. New keys increment the second number, changed meanings the first.
-VERSION = "4.0"
+VERSION = "4.1"
 
 
 class Size(TypedDict):
@@ -76,6 +76,13 @@ class ExtrapolationContent(TypedDict):
     doubtful: bool
 
 
+class FormContent(TypedDict):
+    """The correction of the formula's own form."""
+
+    channels: Annotated[Mapping[str, Size], "change of the forces by it"]
+    delivered: bool
+
+
 class DiagnosisContent(TypedDict):
     """The keys of diagnosis.json; `Diagnosis` explains those with its names."""
 
@@ -110,6 +117,8 @@ class DiagnosisContent(TypedDict):
     base_tire: str
     base_fmu: str
     seconds: float
+    form: Annotated[FormContent, "the correction of the formula's own form, effect form of the tire"]
+    stopped: Annotated[str, "why explanations that remained were not compared, or empty"]
     ok: NotRequired[Annotated[bool, "of the command's --json only: whether each FMU agrees with direct evaluation"]]
     simulated: NotRequired[Annotated[dict[str, Any], "errors of both FMUs over the recordings"]]
 

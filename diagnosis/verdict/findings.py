@@ -65,6 +65,34 @@ class Finding:
         return replace(self, coefficients={**self.coefficients, **mirrored})
 
 
+@dataclass(frozen=True)
+class FormCorrection:
+    """The correction of the formula's own form; it is no effect.
+
+    Attributes
+    ----------
+    channels : mapping of str to (float, float)
+        Root mean square and largest change of the force by it in the recording, N and N m; empty if there is none.
+    delivered : bool
+        Whether the delivered tire has it.
+    """
+
+    channels: Mapping[str, tuple[float, float]]
+    delivered: bool
+
+    @property
+    def sentence(self) -> str:
+        """The sentence of the verdict.
+
+        >>> FormCorrection({"Fy": (20.7, 60.0)}, True).sentence
+        "The formula's own form errs by 20.7 N rms in Fy within the tested range; corrected"
+        """
+        sizes = [
+            f"{rms:.3g} {'N' if name[0] == 'F' else 'N m'} rms in {name}" for name, (rms, _) in self.channels.items()
+        ]
+        return f"The formula's own form errs by {', '.join(sizes)} within the tested range; corrected"
+
+
 def turned_sign(value: float, turned: bool = True) -> float:
     """Return a number with the opposite sign if `turned`; never -0.0."""
     return 0.0 - value if turned else value

@@ -33,8 +33,11 @@ from .content import (
     UnknownContent,
 )
 from .extrapolation import Extrapolation
-from .findings import Finding, turned_sign
+from .findings import Finding, FormCorrection, turned_sign
 from .summary import diagnosis_html, diagnosis_text
+
+#: Of a diagnosis whose tires have no correction of the form.
+NO_FORM = FormCorrection({}, False)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -92,6 +95,10 @@ class Diagnosis:
     recording_signs : str
         Sign convention of the recording and of ``rows``.
     seconds : float
+    stopped : str
+        Why explanations that remained were not compared, or ''.
+    form : FormCorrection
+        The correction of the formula's own form in the delivered tire.
     """
 
     verdict: str
@@ -120,6 +127,8 @@ class Diagnosis:
     recording_signs: str
     seconds: float
     rows: pd.DataFrame
+    stopped: str = ""
+    form: FormCorrection = NO_FORM
 
     def in_signs(self, signs: str) -> Diagnosis:
         """Return the same diagnosis in another sign convention.
@@ -249,6 +258,10 @@ class Diagnosis:
             base_tire=base_tire,
             base_fmu=base_fmu,
             seconds=round(self.seconds, 2),
+            form={
+                "channels": {name: {"rms": rms, "largest": most} for name, (rms, most) in self.form.channels.items()},
+                "delivered": self.form.delivered,
+            },
         )
         return dict(json_value(content))
 

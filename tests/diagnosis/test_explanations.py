@@ -8,6 +8,7 @@ from scipy.stats import multivariate_normal
 
 from tirefmu.diagnosis.diagnose import _start_model
 from tirefmu.diagnosis.explanations.answer import answer_of
+from tirefmu.diagnosis.explanations.budget import Budget
 from tirefmu.diagnosis.explanations.compare import compared
 from tirefmu.diagnosis.explanations.discrepancy import effect_discrepancy, model_discrepancy, smooth_functions
 from tirefmu.diagnosis.explanations.evidence import NormalEquations, Projected
@@ -197,6 +198,10 @@ def test_an_explanation_without_a_part():
 # ------------------------------------------------------------------ the comparison
 
 
+def unlimited():
+    return Budget(lambda sentence: None, None)
+
+
 def of_case(hidden):
     """Return the baseline problem of a made recording, its solution, and some candidates."""
     case = make_case(13, hidden)
@@ -213,7 +218,7 @@ def sideways():
 
 
 def test_noise_alone_has_neither_an_effect_nor_a_formula():
-    comparison = compared(*of_case(()), lambda sentence: None)
+    comparison = compared(*of_case(()), unlimited())
     assert comparison.leader.explanation.effects == ()
     assert max(comparison.answer.probabilities.values()) < 0.1
 
@@ -226,16 +231,30 @@ def test_an_error_of_the_form_of_a_moment_is_no_effect():
     measured[signals.channels.index("Mz")] += 0.02 * slip * named["Fz"] * values["UNLOADED_RADIUS"]
     moved = problem.over(problem.simulator.with_signals(replace(signals, measured=measured)))
     fitted = moved.solve(solution.parameters, solution.free)
-    comparison = compared(moved, fitted, candidates, lambda sentence: None)
+    comparison = compared(moved, fitted, candidates, unlimited())
     assert comparison.leader.explanation.parts == ()
 
 
 def test_the_best_explanation_is_the_true_one(sideways):
-    comparison = compared(*sideways, lambda sentence: None)
+    comparison = compared(*sideways, unlimited())
     assert comparison.leader.explanation.effects == ("conicity",)
     assert comparison.answer.probabilities["conicity"] > 0.9
     assert comparison.answer.explanations[0].effects == ("conicity",)
+    assert not comparison.stopped
     assert comparison.shared.explained > 0.0  # the last comparison counts by what the leader explains
+
+
+def test_a_comparison_that_ends_early_has_the_best_so_far(sideways):
+    def cancelled(sentence):
+        raise KeyboardInterrupt
+
+    with Budget(cancelled, None) as budget:
+        comparison = compared(*sideways, budget)
+    assert comparison.stopped == "stopped on request"
+    assert sum(explanation.probability for explanation in comparison.answer.explanations) == pytest.approx(1.0)
+    comparison = compared(*sideways, Budget(lambda sentence: None, 1e-9))
+    assert comparison.stopped == "stopped by the time limit of 1e-09 s"
+    assert comparison.leader.explanation.parts in {one.parts for one in comparison.answer.explanations}
 
 
 def test_a_misfit_counts_less_where_more_is_explained(sideways):
@@ -253,7 +272,7 @@ def test_a_misfit_counts_less_where_more_is_explained(sideways):
 def test_what_is_compared_does_not_depend_on_the_order_of_the_candidates(sideways):
     problem, solution, candidates = sideways
     reverse = dict(reversed(candidates.items()))
-    both = [compared(problem, solution, one, lambda sentence: None).answer for one in (candidates, reverse)]
+    both = [compared(problem, solution, one, unlimited()).answer for one in (candidates, reverse)]
     assert both[0].probabilities == pytest.approx(both[1].probabilities, abs=1e-6)
 
 

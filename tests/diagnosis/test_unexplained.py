@@ -33,6 +33,17 @@ def test_the_shortlist_contains_the_term_that_a_recording_has(at_true_values):
     assert (dictionary.terms[first][0].name, dictionary.terms[first][1].text) == ("friction", "5*absolute(tan(alpha))")
 
 
+@pytest.mark.parametrize("name", ["kappa", "Fz", "gamma"])
+def test_an_input_that_does_not_vary_is_in_no_formula(at_true_values, name):
+    signals, tire = at_true_values.signals, at_true_values.problem.simulator.tire
+    inputs = signals.inputs.copy()
+    row = signals.names.index(name)
+    inputs[row] = inputs[row].mean()
+    for feature in [one for many in features(replace(signals, inputs=inputs), tire) for one in many]:
+        assert not {name, f"d{name}/dt"} & feature.depends_on
+        assert not feature.expressible or name not in feature.text
+
+
 def test_a_product_is_odd_if_one_of_its_factors_is():
     values = np.array([1.0, -2.0])
     even, odd = Feature("Fz", frozenset({"Fz"}), values), Feature("10*gamma", frozenset({"gamma"}), values, odd=True)

@@ -14,9 +14,9 @@ Hochbruck and Ostermann, Exponential integrators, Acta Numerica (2010), section 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -68,6 +68,8 @@ class StateSimulation:
     - `names`: the states that are simulated; the others are 0.
     - `starts`, shape (n,): the initial values of states at the rows where a segment begins
       (`transient.segment_starts`), by name.
+    - `driving`: returns the lines of the states, for given forces, from the values of states by name
+      (`histories_by_given_forces`).
     """
 
     symbolic_model: Model
@@ -79,12 +81,14 @@ class StateSimulation:
     slips: Mapping[str, Course]
     names: Collection[str]
     starts: Mapping[str, FloatArray] = field(default_factory=dict)
+    driving: Callable[[Mapping[str, FloatArray]], dict[str, FloatArray]] | None = None
     _courses: dict[str, _Course] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.index = {quantity.name: i for i, quantity in enumerate(self.symbolic_model.inputs)}
-        self.rows = self.rows.copy()
-        self.rows[[self.index[name] for name in self.symbolic_model.states]] = 0.0
+        if self.driving is None:
+            self.rows = self.rows.copy()
+            self.rows[[self.index[name] for name in self.symbolic_model.states]] = 0.0
         self.states = [state for name, state in self.symbolic_model.states.items() if name in self.names]
         self.h = np.diff(self.t)
         self._begins = segment_starts(self.t) if self.starts else np.zeros(len(self.t), dtype=bool)
@@ -130,9 +134,37 @@ class StateSimulation:
             before, lines = rows[indices], self._lines(rows)
             for state in driven:
                 rows[self.index[state.name]] = self._course(state, lines).value
-            if (np.abs(rows[indices] - before) <= tolerance * np.abs(rows[indices]).max(axis=1, keepdims=True)).all():
+            if self._settled(rows[indices], before, tolerance):
                 break
         return rows
+
+    def histories_by_given_forces(self, tolerance: float) -> FloatArray:
+        """Return the states if `driving` has their lines, linear between rows: one pass.
+
+        States that read each other are iterated until they change by less than `tolerance`, as a share of their largest
+        value. Returns shape (n_states, n), in the order of `states`.
+        """
+        values = {name: course.value for name, course in self._courses.items()}
+        driven = [state for state in self.states if state.name not in self._courses]
+        names = [state.name for state in driven]
+        circular = any(not _read_by(state).isdisjoint(names[i:]) for i, state in enumerate(driven))
+        lines, before = self._given, np.full((len(driven), len(self.t)), np.inf)
+        for _ in range(MAX_ITERATIONS if driven else 0):
+            for i, state in enumerate(driven):
+                if self.driving and not _read_by(state).isdisjoint(names[:i]):
+                    lines = self.driving(values)
+                values[state.name] = self._course(state, lines).value
+            after = np.stack([values[name] for name in names])
+            if not circular or self._settled(after, before, tolerance):
+                break
+            lines, before = self.driving(values) if self.driving else lines, after
+        return np.stack([values[state.name] for state in self.states])
+
+    @staticmethod
+    def _settled(values: FloatArray, before: FloatArray, tolerance: float) -> bool:
+        """Return whether states, shape (n_states, n), changed by no more than a share of their largest value."""
+        largest = np.abs(values).max(axis=1, keepdims=True, initial=0.0)
+        return bool((np.abs(values - before) <= tolerance * largest).all())
 
     def _with_slips(self, rows: FloatArray, slips: Mapping[str, FloatArray]) -> FloatArray:
         rows = rows.copy()
@@ -142,8 +174,8 @@ class StateSimulation:
 
     @cached_property
     def _given(self) -> dict[str, FloatArray]:
-        """The lines of the states at the given inputs, with every state 0."""
-        return self._lines(self.rows)
+        """The lines of the states at the given inputs, with every state 0, or for given forces."""
+        return self.driving({}) if self.driving else self._lines(self.rows)
 
     def _lines(self, rows: FloatArray) -> dict[str, FloatArray]:
         return dict(zip(self.symbolic_model.drives, self.code.drives(rows, self.parameters), strict=True))
@@ -333,6 +365,12 @@ class StateSimulation:
         for state in (state for state in self.states if state.is_temperature):
             nodes[self.index[state.name]] = rows[self.index[state.name], interval]
         return nodes
+
+
+@lru_cache(maxsize=256)
+def _read_by(state: State) -> frozenset[str]:
+    """Return the names that the formulas of a state read, which are parsed once."""
+    return state.reads
 
 
 def equilibrium(

@@ -1,0 +1,200 @@
+"""The correction of the formula's own form: what is left of friction, slip stiffness and trail over load and slip.
+
+Every explanation contains a discrepancy of the form; this is what the tire is given of it. The quantities are
+multiplied by 1 plus smooth bumps over the tested loads and slips, each with a coefficient whose prior has the deviation
+of the largest discrepancy. They are fitted together with all other coefficients. A bump is 0 at 1.25 times the distance
+of the bumps from its center: outside the tested range the correction falls to 0 within three quarters of this distance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from ...boundary.errors import EffectError
+from ...numerics.block_regression import error_of_sum
+from ...symbolic.added import AddedEffect, read_effect
+from ...symbolic.model import Model
+from ...tires.tire import Tire
+from ..least_squares import LeastSquares, Solution
+from ..recording.signals import Signals
+from ..recording.simulation import Simulator
+from ..thresholds import DISCREPANCIES, FINAL_ITERATIONS
+from .discrepancy import model_discrepancy
+from .evidence import likelihood_power
+
+FloatArray = npt.NDArray[np.float64]
+
+#: The name of the effect, and how the names of its shares of bumps begin.
+FORM, PREFIX = "form", "FORM_"
+#: Root mean square residual over short-range noise from which a form is corrected: a third of its power. Convention.
+MIN_MISFIT = 1.25
+#: Numbers of bumps over load and slip, and the half width of a bump in distances of two. Conventions.
+LOADS, SLIPS, HALF_WIDTH = 4, 3, 1.25
+#: Smallest ranges of Fz/FNOMIN and slip that have a form. Convention.
+MIN_LOADS, MIN_SLIPS = 0.2, 0.02
+#: Coordinates whose 0 is the center of the first bump and whose 1 that of the second one.
+LOAD = "(Fz/FNOMIN - FORMF0)/FORMFW"
+SLIP = "(sqrt(tan(alpha)**2 + kappa**2 + 1e-12) - FORMS0)/FORMSW"
+#: By role of a quantity: the channel that determines it, how names of its coefficients go on, and its bumps over slip.
+CORRECTED = {
+    "friction_x": ("Fx", "MX", SLIPS), "friction_y": ("Fy", "MY", SLIPS), "stiffness_x": ("Fx", "KX", 1),
+    "stiffness_y": ("Fy", "KY", 1), "trail": ("Mz", "T", SLIPS),
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """A correction of the form, fitted together with the tire.
+
+    - `start`: the model with it.
+    - `problem`, `solution`: of the model with it.
+    - `change`, shape (n_channels, n): of the residual by it, N and N m: what the tire without it errs by.
+    """
+
+    start: Tire
+    problem: LeastSquares
+    solution: Solution
+    change: FloatArray
+
+
+def form_of(problem: LeastSquares, solution: Solution, start: Tire) -> Form | None:
+    """Return a correction of the form; None if nothing is to be corrected, or the hold-out set not predicted better.
+
+    `problem`: weighted by the short-range noise: where the residual is not far above it, nothing is corrected.
+    `start`: the model with all effects. For the fit, the noise of a channel is its residual, and the likelihood is
+    raised to the power of the comparison.
+    """
+    used, signals = problem.inverse_noise > 0.0, problem.simulator.signals
+    size = np.sqrt(np.sum((problem.inverse_noise * solution.residual) ** 2, axis=1) / np.maximum(used.sum(axis=1), 1))
+    geometry = _geometry(signals, start)
+    if geometry is None or FORM in start.has or size.max() < MIN_MISFIT:
+        return None
+    power = likelihood_power(int(used.any(axis=0).sum()))
+    weights = problem.inverse_noise * (np.sqrt(power) / np.where(size > 0.0, size, 1.0))[:, None]
+    if not _predicts_better(problem, solution.residual, _smoothed(problem, solution, weights)):
+        return None
+    roles = _roles(start.symbolic_model, signals.channels)
+    try:
+        tire = replace(start, added=(*start.added, form_effect(roles)))
+        simulator = Simulator(tire, signals.with_inputs_of(tire))
+    except EffectError:  # an effect of this name, or a quantity that cannot be acted on
+        return None
+    parameters = tire.parameters()
+    for name in problem.simulator.names:
+        parameters[simulator.index[name]] = solution.parameters[problem.simulator.index[name]]
+    for name, value in geometry.items():
+        parameters[simulator.index[name]] = value
+    wider = replace(problem, inverse_noise=weights, simulator=simulator.driven_at(parameters))
+    free = tuple(sorted((*solution.free, *_coefficients(roles)), key=simulator.names.index))
+    best = wider.solve(parameters, free, iterations=FINAL_ITERATIONS)
+    wider = wider.over(wider.simulator.driven_at(best.parameters))
+    best = wider.at(best.parameters, free)
+    if not _predicts_better(problem, solution.residual, best.residual):
+        return None
+    change = np.where(signals.present, solution.residual - best.residual, 0.0)
+    return Form(tire, replace(wider, inverse_noise=problem.inverse_noise), best, change)
+
+
+def _smoothed(problem: LeastSquares, solution: Solution, weights: FloatArray) -> FloatArray:
+    """Return the residual without the posterior mean of the discrepancy of the model: a form without its equations."""
+    columns = model_discrepancy(problem.simulator.signals, problem.simulator.forces(solution.parameters))
+    flat = (weights[:, :, None] * columns).reshape(-1, columns.shape[-1])
+    matrix = flat.T @ flat + np.eye(flat.shape[1]) / max(DISCREPANCIES) ** 2
+    return np.asarray(
+        solution.residual - columns @ np.linalg.solve(matrix, flat.T @ (weights * solution.residual).ravel())
+    )
+
+
+def _predicts_better(problem: LeastSquares, before: FloatArray, after: FloatArray) -> bool:
+    """Return whether the density of the hold-out set is larger, by more than twice its standard error over blocks.
+
+    `before`, `after`: residuals, shape (n_channels, n).
+    """
+    signals, gains = problem.simulator.signals, np.zeros(len(problem.simulator.signals.rows))
+    used, held = problem.inverse_noise > 0.0, signals.present & signals.holdout
+    for i in range(len(signals.channels)):
+        if used[i].any() and held[i].any():
+            densities = [
+                -0.5 * (np.log(variance) + residual[i] ** 2 / variance)
+                for residual in (before, after)
+                for variance in [float(np.mean(residual[i][used[i]] ** 2))]
+            ]
+            gains += np.where(held[i], densities[1] - densities[0], 0.0)
+    blocks = signals.block[signals.holdout]
+    by_block = np.array([np.sum(gains, where=signals.block == block) for block in np.unique(blocks)])
+    return len(by_block) > 1 and bool(by_block.sum() > 2.0 * error_of_sum(by_block))
+
+
+def _geometry(signals: Signals, tire: Tire) -> dict[str, float] | None:
+    """Return the coefficients of the coordinates; None if a recording has too few loads or slips."""
+    named = signals.named()
+    load = named["Fz"] / tire.values["FNOMIN"]
+    slip = np.hypot(np.tan(named["alpha"]), named["kappa"])
+    width = float(np.ptp(load)) / LOADS, float(slip.max()) / SLIPS
+    if width[0] < MIN_LOADS / LOADS or width[1] < MIN_SLIPS / SLIPS:
+        return None
+    return {
+        "FORMF0": float(load.min()) + 0.5 * width[0], "FORMFW": width[0], "FORMS0": 0.5 * width[1], "FORMSW": width[1],
+    }  # fmt: skip
+
+
+def _names(role: str, load: int) -> tuple[str, ...]:
+    _, short, slips = CORRECTED[role]
+    return tuple(f"{PREFIX}{short}{load + 1}{k + 1}" for k in range(slips))
+
+
+def without_form(tire: Tire) -> Tire:
+    """Return a tire whose correction is zero; its other coefficients were fitted together with it."""
+    return tire.with_values(**{name: 0.0 for name in tire.symbolic_model.coefficients if name.startswith(PREFIX)})
+
+
+def _roles(model: Model, channels: Collection[str]) -> tuple[str, ...]:
+    """Return the roles whose quantities are corrected: those of measured channels."""
+    return tuple(role for role, (channel, *_) in CORRECTED.items() if channel in channels and model.leading(role))
+
+
+def _coefficients(roles: Collection[str]) -> list[str]:
+    return [name for role in roles for load in range(LOADS) for name in _names(role, load)]
+
+
+@lru_cache(maxsize=8)
+def form_effect(roles: tuple[str, ...]) -> AddedEffect:
+    """Return the effect of the correction for quantities by their roles, the same for all recordings."""
+    bound = 2.0 * max(DISCREPANCIES)
+    ranges = (
+        ("FORMF0", "center of the first bump over Fz/FNOMIN", -100.0, 100.0, 0.0),
+        ("FORMFW", "distance of the bumps over Fz/FNOMIN", 1e-3, 100.0, 1.0),
+        ("FORMS0", "center of the first bump over slip", -100.0, 100.0, 0.0),
+        ("FORMSW", "distance of the bumps over slip", 1e-3, 100.0, 1.0),
+    )
+    rows = [*ranges, *((name, "share of a bump", -bound, bound, None) for name in _coefficients(roles))]
+    declared = [
+        f'{name} = {{description = "{what}", unit = "1", lower = {lower!r}, upper = {upper!r}'
+        + ("}" if neutral is None else f", neutral = {neutral!r}}}")
+        for name, what, lower, upper, neutral in rows
+    ]
+    acts = [
+        f'[[acts]]\non = "{role}"\nfactor = "1 + {_bump(LOAD, load)}*({_over_slip(_names(role, load))})"'
+        for role in roles
+        for load in range(LOADS)
+    ]
+    head = f'name = "{FORM}"\nphysics = "correction of the formula\'s own form within the tested loads and slips"'
+    source = 'source = "diagnosis of a recording"\n[coefficients]'
+    return read_effect("\n".join((head, source, *declared, *acts, "")), f"{FORM}.toml")
+
+
+def _over_slip(names: tuple[str, ...]) -> str:
+    if len(names) == 1:
+        return names[0]
+    return " + ".join(f"{name}*{_bump(SLIP, k)}" for k, name in enumerate(names))
+
+
+def _bump(coordinate: str, number: int) -> str:
+    """Return a bump: (1 - x^2)^2 within its half width, 0 beyond."""
+    inner = f"(1 - (({coordinate} - {number})/{HALF_WIDTH})**2)"
+    return f"(0.5*({inner} + absolute({inner})))**2"

@@ -1,0 +1,67 @@
+"""The correction of the formula's own form: within the tested range, and only if it predicts what no fit has used."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.diagnosis.diagnose import _start_model
+from tirefmu.diagnosis.explanations.form import FORM, form_effect, form_of
+from tirefmu.diagnosis.probing.baseline_fit import fit_baseline
+from tirefmu.diagnosis.recording.signals import signals_of
+from tirefmu.diagnosis.verdict.improved_tire import tire_of
+from tirefmu.tires import tire_from
+
+from .suite import make_case
+
+
+@pytest.fixture(scope="module")
+def made():
+    """Return the problem of a recording whose tire is of the model, the solution, and the model."""
+    case = make_case(13, ())
+    start = _start_model("mf96", case.effects, case.nominal, None, ())
+    return *fit_baseline(start, signals_of(case.table, start, case.signs), fitted=False), start
+
+
+def distorted(problem, share):
+    """Return a problem whose measured side force is larger at a medium load."""
+    signals = problem.simulator.signals
+    load, measured = signals.named()["Fz"], signals.measured.copy()
+    place = (load - load.min()) / np.ptp(load)
+    measured[signals.channels.index("Fy")] *= 1.0 + share * np.exp(-(((place - 0.4) / 0.2) ** 2))
+    return problem.over(problem.simulator.with_signals(replace(signals, measured=measured)))
+
+
+def test_an_exact_form_is_not_corrected(made):
+    assert form_of(*made) is None
+
+
+def test_what_the_formula_errs_by_is_corrected_on_rows_that_no_fit_used(made):
+    problem, solution, start = made
+    wrong = distorted(problem, 0.08)
+    fitted = wrong.solve(solution.parameters, solution.free)
+    form = form_of(wrong, fitted, start)
+    signals = wrong.simulator.signals
+    side = signals.channels.index("Fy")
+    held = signals.present[side] & signals.holdout
+    before, after = (np.sqrt(np.mean(one.residual[side][held] ** 2)) for one in (fitted, form.solution))
+    assert after < 0.8 * before
+    assert np.sqrt(np.mean(form.change[side] ** 2)) > 0.3 * before
+    assert FORM in tire_of(form.start, form.problem, form.solution, [FORM]).has
+
+
+def test_the_correction_is_zero_outside_the_tested_range():
+    tire = tire_from("trento_hoosier")
+    geometry = {"FORMF0": 0.5, "FORMFW": 0.25, "FORMS0": 0.03, "FORMSW": 0.06}
+    effect = form_effect(("friction_y", "stiffness_y"))
+    shares = {one.name: 0.1 for one in effect.declarations if one.name not in geometry}
+    corrected = replace(tire, added=(*tire.added, effect), effects=(*tire.has, FORM)).with_values(**geometry, **shares)
+    nominal = tire.values["FNOMIN"]
+    ratios = {}
+    for share in (0.15, 0.8, 1.6):  # of the nominal load; bumps are from 0.19 to 1.56 of it
+        table = pd.DataFrame({"Fz": share * nominal, "alpha": [-0.1, 0.02, 0.1]})
+        before, after = (one.evaluate(table)["Fy"] for one in (tire, corrected))
+        ratios[share] = np.abs(after / before - 1.0).max()
+    assert ratios[0.15] == ratios[1.6] == 0.0
+    assert ratios[0.8] > 0.02
