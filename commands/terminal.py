@@ -15,7 +15,7 @@ from rich.table import Table
 from rich.text import Text
 
 from ..boundary.escaping import visible
-from ..fitting.reporting.text_tables import fit_lines, plain_table, verdict_lines
+from ..boundary.terminal_table import plain_table
 from ..tires import Tire
 from . import progress
 
@@ -115,6 +115,8 @@ class Terminal:
 
         With `every` also all coefficients, constraints and stages.
         """
+        from ..fitting.reporting.text_tables import fit_lines, verdict_lines
+
         self.print(*verdict_lines(result.verdict))
         self.findings(result.data_findings)
         for line in fit_lines(result, every):

@@ -15,10 +15,16 @@ MAX_MODULES = 15
 FILES = [path.relative_to(ROOT).as_posix() for room in ROOMS for path in sorted((ROOT / room).rglob("*.py"))]
 
 
-def absolute_imports(source: str) -> list[str]:
+@pytest.fixture(scope="module")
+def trees() -> dict[str, ast.Module]:
+    """Return the syntax trees of the product's files: to parse them takes seconds."""
+    return {path: ast.parse((ROOT / path).read_text(encoding="utf-8")) for path in [*FILES, "__init__.py"]}
+
+
+def absolute_imports(tree: ast.Module) -> list[str]:
     """Return the imports of the package by its name, or of a room as a top-level package."""
     wrong = []
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import) or (isinstance(node, ast.ImportFrom) and not node.level):
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else [node.module or ""]
             if {name.split(".")[0] for name in names} & {"tirefmu", *ROOMS}:
@@ -26,15 +32,14 @@ def absolute_imports(source: str) -> list[str]:
     return wrong
 
 
-def test_imports_are_relative():
-    found = {path: absolute_imports((ROOT / path).read_text(encoding="utf-8")) for path in [*FILES, "__init__.py"]}
-    assert not {path: wrong for path, wrong in found.items() if wrong}
+def test_imports_are_relative(trees):
+    assert not {path: wrong for path, tree in trees.items() if (wrong := absolute_imports(tree))}
 
 
 @pytest.mark.parametrize("source", ["from tirefmu.tires.signs import flip", "import symbolic.model"])
 def test_a_wrong_import_is_found(source):
-    assert absolute_imports(source)
-    assert not absolute_imports("from ..signs import flip\nimport numpy")
+    assert absolute_imports(ast.parse(source))
+    assert not absolute_imports(ast.parse("from ..signs import flip\nimport numpy"))
 
 
 def test_folders_are_small():
@@ -54,12 +59,12 @@ AS_THEY_ARE = {
 }  # fmt: skip
 
 
-def test_names_of_variables_say_what_they_are():
+def test_names_of_variables_say_what_they_are(trees):
     empty = {
         f"{path}: {name}"
-        for path in FILES
+        for path, tree in trees.items()
         if not path.startswith(tuple(f"{folder}/" for folder in NOT_NAMED))
-        for node in ast.walk(ast.parse((ROOT / path).read_text(encoding="utf-8")))
+        for node in ast.walk(tree)
         for name in EMPTY_WORDS & {getattr(node, "arg", None), node.id if _is_stored(node) else None}
     }
     assert empty == AS_THEY_ARE

@@ -115,7 +115,8 @@ class VerifiedConstraints:
         if np.min(distance) > near * constraint.size:
             return points, values
         between, extrema = local_extrema(self._model, constraint, points, distance, self._ranges, parameters)
-        return np.concatenate([points, between], axis=1), np.concatenate([values, extrema])
+        # Extrema first: they are chosen before the grid points from which they differ by less than ties do.
+        return np.concatenate([between, points], axis=1), np.concatenate([extrema, values])
 
     def _values(self, constraint: Constraint, points: FloatArray, parameters: FloatArray) -> FloatArray:
         """Return the values that a constraint bounds; quantities on one grid are evaluated together."""

@@ -12,9 +12,9 @@ import pytest
 from rich.console import Console
 
 from tirefmu.boundary.errors import LONGEST, TirefmuError, UnknownName
+from tirefmu.boundary.terminal_table import LONGEST_CELL, plain_table
 from tirefmu.commands.cli import main
 from tirefmu.commands.terminal import LINE, Terminal, wrapped
-from tirefmu.fitting.reporting.text_tables import LONGEST_CELL, plain_table
 from tirefmu.tires import published
 
 from ..hostile import HOSTILE, is_plain

@@ -208,7 +208,7 @@ def test_the_step_that_the_window_runs_is_that_of_the_command(window, monkeypatc
     """`tirefmu run` afterwards finds the window's results up to date."""
     started = {}
 
-    async def start(title, arguments):
+    async def start(title, arguments, tire_file):
         started[title] = arguments
 
     monkeypatch.setattr(window.server.window.work, "start", start)
