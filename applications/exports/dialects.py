@@ -155,6 +155,7 @@ HOSTS: dict[str, Host] = {
             "inclination is limited to 3 deg, slip to -1..1; LMUY also scales the cornering stiffness",
             "B times slip is limited to 1.56: forces beyond differ (two tested tires: by up to 11 %); at kappa = 0,"
             " USE_MODE 4 computes Mz with the trail at zero slip angle",
+            "QSY1, QSY2 and QSY8 are not read: the tire has no constant rolling resistance there",
         ),
     ),
     "mfeval": Host(

@@ -1,0 +1,89 @@
+#!/usr/bin/env bash
+# Jolt's wheeled vehicle has no friction circle: braking and cornering forces do not share the grip.
+#
+# Expected:  a car with locked wheels that slides at an angle to its wheels is slowed by friction times load, whatever
+#            the angle: the forces along and across a tire stay within a circle.
+# Happens:   with friction 1 both ways a car is slowed by 1.00 g straight ahead and 1.00 g sideways, but by 1.39 g
+#            at 45 degrees (1.41 is the diagonal of a square). The two limits of a tire are applied one
+#            by one; a friction circle is left to a callback of the program.
+# Matters:   braking in a bend costs no side force, so that a driver or a controller tuned there has 40 % too much.
+# Source:    jolt-physics 1.1.0 on npm (WebAssembly of Jolt Physics), run under Node 20 on 2026-11-28.
+# Guess written down before: a friction circle, 1.0 g at every angle.
+set -euo pipefail
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+npm install --silent --no-audit --no-fund --prefix . jolt-physics@1.1.0 >/dev/null
+cat >car.mjs <<'END'
+import start from "./node_modules/jolt-physics/dist/jolt-physics.wasm-compat.js";
+const J = await start();
+
+/** Mean deceleration, in g, of a car with locked wheels that moves at 20 m/s at an angle to its wheels. */
+function brake(tire, ground, degrees) {
+  const settings = new J.JoltSettings();
+  const pairs = new J.ObjectLayerPairFilterTable(2);
+  pairs.EnableCollision(0, 1);
+  const layers = new J.BroadPhaseLayerInterfaceTable(2, 2);
+  layers.MapObjectToBroadPhaseLayer(0, new J.BroadPhaseLayer(0));
+  layers.MapObjectToBroadPhaseLayer(1, new J.BroadPhaseLayer(1));
+  settings.mObjectLayerPairFilter = pairs;
+  settings.mBroadPhaseLayerInterface = layers;
+  settings.mObjectVsBroadPhaseLayerFilter = new J.ObjectVsBroadPhaseLayerFilterTable(layers, 2, pairs, 2);
+  const world = new J.JoltInterface(settings);
+  const system = world.GetPhysicsSystem();
+  const bodies = system.GetBodyInterface();
+  const upright = new J.Quat(0, 0, 0, 1);
+  const slab = new J.BoxShape(new J.Vec3(1000, 1, 1000), 0.05);
+  const floor = bodies.CreateBody(
+    new J.BodyCreationSettings(slab, new J.RVec3(0, -1, 0), upright, J.EMotionType_Static, 0));
+  floor.SetFriction(ground);
+  bodies.AddBody(floor.GetID(), J.EActivation_DontActivate);
+  const box = new J.BoxShapeSettings(new J.Vec3(0.9, 0.2, 2), 0.05);
+  const shape = new J.OffsetCenterOfMassShapeSettings(new J.Vec3(0, -0.3, 0), box).Create().Get();
+  const turned = J.Quat.prototype.sRotation(new J.Vec3(0, 1, 0), (degrees * Math.PI) / 180);
+  const chassis = new J.BodyCreationSettings(shape, new J.RVec3(0, 0.9, 0), turned, J.EMotionType_Dynamic, 1);
+  chassis.mOverrideMassProperties = J.EOverrideMassProperties_CalculateInertia;
+  chassis.mMassPropertiesOverride.mMass = 1500;
+  chassis.mLinearDamping = 0;
+  chassis.mAngularDamping = 0;
+  const car = bodies.CreateBody(chassis);
+  bodies.AddBody(car.GetID(), J.EActivation_Activate);
+  const vehicle = new J.VehicleConstraintSettings();
+  vehicle.mWheels.clear();
+  for (const [x, z] of [[0.8, 1.4], [-0.8, 1.4], [0.8, -1.4], [-0.8, -1.4]]) {
+    const wheel = new J.WheelSettingsWV();
+    wheel.mPosition = new J.Vec3(x, -0.1, z);
+    wheel.mMaxBrakeTorque = 1e5;
+    for (const [curve, last] of [[wheel.mLongitudinalFriction, 1], [wheel.mLateralFriction, 90]]) {
+      curve.Clear();
+      curve.AddPoint(0, tire);
+      curve.AddPoint(last, tire);
+    }
+    vehicle.mWheels.push_back(wheel);
+  }
+  const drive = new J.WheeledVehicleControllerSettings();
+  drive.mDifferentials.clear();
+  vehicle.mController = drive;
+  const constraint = new J.VehicleConstraint(car, vehicle);
+  constraint.SetVehicleCollisionTester(new J.VehicleCollisionTesterRay(1));
+  system.AddConstraint(constraint);
+  system.AddStepListener(new J.VehicleConstraintStepListener(constraint));
+  for (let i = 0; i < 300; i++) world.Step(1 / 120, 1);
+  bodies.SetLinearVelocity(car.GetID(), new J.Vec3(0, 0, 20));
+  J.castObject(constraint.GetController(), J.WheeledVehicleController).SetDriverInput(0, 0, 1, 0);
+  for (let i = 0; i < 20; i++) world.Step(1 / 120, 1);
+  const before = car.GetLinearVelocity().GetZ();
+  for (let i = 0; i < 40; i++) world.Step(1 / 120, 1);
+  return ((before - car.GetLinearVelocity().GetZ()) * 3) / 9.81;
+}
+const angle = Number(process.argv[2]);
+console.log(`${angle} ${brake(1, 1, angle).toFixed(1)}`);
+END
+{ for angle in 0 45 90; do node car.mjs "$angle"; done; } >seen
+echo "angle in degrees  slowed by, in g"
+cat seen
+diff seen - <<'END'
+0 1.0
+45 1.4
+90 1.0
+END
