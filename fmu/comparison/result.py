@@ -167,11 +167,15 @@ class CheckResult:
         return str(self)
 
     def _repr_html_(self) -> str:
-        """Return the comparison as HTML, for a notebook."""
+        """Return the comparison as HTML with the picture of the first channel, for a notebook."""
         first, _, *rest = str(self).split("\n")
         rows = [(c.name, c.measured, c.rmse, c.unit, c.relative_rmse, c.r2, c.r2_uncentred) for c in self.channels]
         header = ["channel", "rows", "RMSE", "unit", "of max", "R2", "R2 uncentred"]
-        return html_summary(first, html_table(header, rows), html_summary("\n".join(rest[len(rows) :])))
+        from ...drawing.picture import html_image  # imports matplotlib, which is slow
+        from .figures import check_figures
+
+        notes = html_summary("\n".join(rest[len(rows) :]))
+        return html_summary(first, html_table(header, rows), notes, *map(html_image, check_figures(self)[:1]))
 
     def __str__(self) -> str:
         lines = [
