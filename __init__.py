@@ -14,14 +14,20 @@ if TYPE_CHECKING:
     from .applications.batch.fit_many import fit_many
     from .applications.batch.intervals import bootstrap
     from .applications.batch.study import study
+    from .applications.comparison.comparison import compare
     from .applications.driving.drive import drive
     from .applications.driving.result import Drive
+    from .applications.explorer.explore import explore
+    from .applications.exports.convert import convert
+    from .applications.exports.lint import lint
+    from .applications.planning.plan import plan
     from .boundary.errors import TirefmuError
     from .diagnosis import Diagnosis, diagnose
     from .fitting import FitResult, fit
     from .fmu import CheckResult, ProofResult, add_proof, check, export, repeat_proof
     from .measurements import Recording, VirtualBench, read_recording
     from .measurements.evaluation import evaluate
+    from .measurements.inspection.inspection import inspect
     from .tires import Tire, published
     from .tires import read_tir as load
     from .tires.drawing.files import draw
@@ -34,11 +40,17 @@ _NAMES = {
     "applications.batch.fit_many": ("fit_many",),
     "applications.batch.intervals": ("bootstrap",),
     "applications.batch.study": ("study",),
+    "applications.comparison.comparison": ("compare",),
+    "applications.explorer.explore": ("explore",),
+    "applications.exports.convert": ("convert",),
+    "applications.exports.lint": ("lint",),
+    "applications.planning.plan": ("plan",),
     "boundary.errors": ("TirefmuError",),
     "diagnosis": ("Diagnosis", "diagnose"),
     "applications.driving.drive": ("drive",),
     "applications.driving.result": ("Drive",),
     "measurements.evaluation": ("evaluate",),
+    "measurements.inspection.inspection": ("inspect",),
     "fitting": ("FitResult", "fit"),
     "fmu": ("CheckResult", "ProofResult", "add_proof", "check", "export", "repeat_proof"),
     "measurements": ("Recording", "VirtualBench", "read_recording"),
@@ -59,15 +71,21 @@ __all__ = [
     "add_proof",
     "bootstrap",
     "check",
+    "compare",
+    "convert",
     "diagnose",
     "diagnose_many",
     "draw",
     "drive",
     "evaluate",
+    "explore",
     "export",
     "fit",
     "fit_many",
+    "inspect",
+    "lint",
     "load",
+    "plan",
     "published",
     "read_recording",
     "repeat_proof",

@@ -90,7 +90,7 @@ def main() -> None:
     tire = published("trento_hoosier").in_signs("iso")
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as running:
         path = Path(folder) / "page.html"
-        explore(tire, path, recordings=[recording(tire)])
+        explore(tire, path, tables=[recording(tire)])
         chromium = running.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
         page = chromium.new_page(viewport={"width": 1400, "height": 900})
         page.goto(f"{path.as_uri()}#loads=5")

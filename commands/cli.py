@@ -162,7 +162,9 @@ def check(
     with terminal.working(f"simulating {fmu.name} over {table.name}"):
         result = run(fmu, recording, tolerance=tolerance, timeout=timeout)
     write_json(json_file, result.to_json())
-    terminal.print(f"verdict: {result.verdict}", result.agreement, *str(result).split("\n"))
+    for name, statement in (("FMU", result.of_fmu), ("tire", result.of_tire)):
+        terminal.graded(f"{name}: ", statement.text, statement.grade)
+    terminal.print(*str(result).split("\n"))
     if figures:
         from ..fmu.comparison.figures import draw_check
 

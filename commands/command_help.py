@@ -65,7 +65,7 @@ EXAMPLES = {
     "compare": ("compare old.tir new.tir run.csv -o comparison", "compare my.tir trento_hoosier -o comparison"),
     "generate": ("generate my.tir --language cpp -o code", "generate mf61 --language matlab --only Fy,Mz -o code"),
     "convert": ("convert my.tir --for adams -o adams.tir",),
-    "lint": ("lint my.tir --for carsim",),
+    "lint": ("lint my.tir", "lint my.tir --for carsim"),
     "info": ("info my.tir", "info trento_hoosier --all"),
     "draw": ("draw my.tir -o figures", "draw unicamp_small_tire points.csv --kappa -1.1,1.1 -o figures"),
     "columns": ("columns",),

@@ -130,8 +130,7 @@ def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[DemoSte
         recording = VirtualBench(truth, Noise(), seed=SEED).run(trento_program(sample_rate=SAMPLE_RATE))
         write_table(recording.table, folder / "bench.csv")
         truth.save(folder / "truth.tir")
-        inspections, findings = inspect([recording])
-        write_inspection(inspections, findings, folder / "inspection.html")
+        write_inspection(inspect([recording]), folder / "inspection.html")
     table = recording.table
     text = (
         f"{len(table)} rows, loads {table.Fz.min():.0f} to {table.Fz.max():.0f} N, "
@@ -175,7 +174,7 @@ def _fits(
 
 def _drawn_fits(tires: Mapping[str, Tire], truth: Tire, recording: Recording, folder: Path) -> list[Path]:
     """Draw the fitted tires, by recipe, and write the page with sliders."""
-    explore(tires["joint"], folder / "explorer.html", recordings=[recording])
+    explore(tires["joint"], folder / "explorer.html", tables=[recording])
     return [
         path
         for recipe, tire in tires.items()

@@ -9,13 +9,13 @@ import click
 from ..applications.exports.dialects import HOSTS
 from .arguments import FILE, check_input_paths, check_output_paths, common, write_json
 
-FOR = click.option("--for", "host", required=True, help=f"Program that reads the file: {', '.join(HOSTS)}.")
+PROGRAMS = ", ".join(HOSTS)
 
 
 @click.command()
 @click.argument("tire", type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="Property file (.tir) to write.")
-@FOR
+@click.option("--for", "host", required=True, help=f"Program that reads the file: {PROGRAMS}.")
 @click.option("--model", help="Model of the file; coefficients of another model than the tire's are fitted to its "
                               "forces  [default: that of the tire if the program has it]")  # fmt: skip
 @common
@@ -47,28 +47,28 @@ def convert(tire: Path, output: Path, host: str, model: str | None, quiet: bool,
 
 @click.command()
 @click.argument("file", type=FILE)
-@FOR
+@click.option("--for", "host", help=f"Program that reads the file: {PROGRAMS}  [default: the file itself is checked]")
 @common
-def lint(file: Path, host: str, quiet: bool, json_file: Path | None) -> int:
-    """Check whether another program accepts the .tir file FILE.
+def lint(file: Path, host: str | None, quiet: bool, json_file: Path | None) -> int:
+    """Check whether the .tir file FILE is sound, or with --for whether a program accepts it.
 
-    Effects that the program does not evaluate and values that no tire has are reported. Exit code 1 if the program
-    would refuse or misread the file.
+    Without --for, values that no tire has are errors, and the programs that accept the file are listed. With --for,
+    effects that the program does not evaluate are reported, too. Exit code 1 if there is an error.
     """
     check_output_paths(json_file)
     check_input_paths(file)
-    from ..applications.exports.lint import LintMessage
     from ..applications.exports.lint import lint as run
-    from ..tires import tire_from
-    from ..tires.implausible import implausible
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
-    findings = [*run(file, host), *(LintMessage("note", 0, str(doubt)) for doubt in implausible(tire_from(file)))]
+    findings = run(file, host)
     ok = not any(finding.severity == "error" for finding in findings)
     write_json(json_file, {"ok": ok, "host": host, "findings": [vars(finding) for finding in findings]})
     for finding in findings:
         where = f"{file}:{finding.line}" if finding.line else str(file)
         terminal.print(f"{where}: {finding.severity}: {finding.text}")
-    terminal.print("no errors" if ok else "the program would refuse or misread the file")
+    good, bad = ("the file is sound", "the file is not sound") if host is None else (
+        "no errors", "the program would refuse or misread the file"
+    )  # fmt: skip
+    terminal.print(good if ok else bad)
     return 0 if ok else 1

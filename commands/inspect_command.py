@@ -60,38 +60,25 @@ def inspect(
         content = read_content(tables[0])
         if output or is_drive_log(content):
             return _log(tables[0], content, output, quiet, json_file)
-    from ..measurements import check_columns, recordings_from, write_table
-    from ..measurements.checks.recordings.finding import verdict_on
+    from ..measurements import recordings_from, write_table
     from ..measurements.inspection import tables as texts
     from ..measurements.inspection.inspection import inspect as run
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
     recordings = recordings_from(tables, **vars(selection))
-    for recording in recordings:
-        recording.measured()  # raises for a table without a measured output
-        check_columns(recording)
     with terminal.working("inspecting"):
-        inspections, findings = run(recordings)
+        result = run(recordings)
         if selected:
             write_table(recordings[0].table, selected)
         if output:
             from ..measurements.inspection.report import write_inspection
 
-            write_inspection(inspections, findings, output, command=command_line())
-    ok = not any(finding.serious for finding in findings)
-    write_json(
-        json_file,
-        {
-            "ok": ok,
-            "verdict": verdict_on(findings),
-            "findings": [vars(finding) for finding in findings],
-            "recordings": [inspection.to_json() for inspection in inspections],
-        },
-    )
-    terminal.print(f"verdict: {verdict_on(findings)}")
-    terminal.findings(findings)
-    for inspection in inspections:
+            write_inspection(result, output, command=command_line())
+    write_json(json_file, result.to_json())
+    terminal.print(f"verdict: {result.verdict}")
+    terminal.findings(result.findings)
+    for inspection in result.recordings:
         terminal.heading(inspection.recording.source, texts.title(inspection))
         if ignored := inspection.recording.about.get("ignored"):
             terminal.print(f"not read: {ignored}")
@@ -104,11 +91,11 @@ def inspect(
     for path, kind in ((output, "page"), (selected, "selected rows")):
         if path:
             terminal.print(f"{kind}: {path}")
-    if ok:
+    if result.ok:
         name = file_name(tables[0].stem)
         written = ("-o", f"{name}.tir", "--report", f"{name}_fit.html")
         terminal.print(f"next: {command_text('fit', *tables, *selection.arguments, *written)}")
-    return 0 if ok else 1
+    return 0 if result.ok else 1
 
 
 def _log(path: Path, content: Content, output: Path | None, quiet: bool, json_file: Path | None) -> int:

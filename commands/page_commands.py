@@ -101,7 +101,7 @@ def explore(
     recordings = recordings_from(tables, **vars(selection)) if tables else []
     terminal.selection(*recordings)
     with terminal.working("writing the page"):
-        run(tire, output, recordings=recordings, compare=compare, intervals=intervals)
+        run(tire, output, tables=recordings, compare=compare, intervals=intervals)
     size = output.stat().st_size
     write_json(json_file, {"ok": True, "page": str(output), "bytes": size})
     terminal.print(f"page: {output} ({size / 1024:.0f} KB)")

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 #: Columns of the output.
 LINE = 100
+#: Styles of the grades of a result.
+GRADES = {"good": "bold green", "limited": "bold yellow", "bad": "bold red"}
 #: A command to enter, with the words that introduce it.
 COMMAND = re.compile(r"(?:[\w ]{1,40}: |\()?tirefmu [a-z-]+ .*")
 
@@ -74,6 +76,10 @@ class Terminal:
     def heading(self, title: str, text: str) -> None:
         """Print the heading of a part of the output."""
         self._styled(visible(title), f" {text}", "bold")
+
+    def graded(self, begin: str, text: str, grade: str) -> None:
+        """Print a result whose begin has the color of its grade: "good", "limited" or "bad"."""
+        self._styled(begin, text, GRADES[grade])
 
     def _styled(self, begin: str, text: str, style: str = "") -> None:
         """Print a wrapped text; its printable begin has a style."""

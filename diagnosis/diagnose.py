@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 
 from ..boundary.errors import UnknownName, no_single_text
+from ..boundary.named_options import named
 from ..measurements import Recording, TableLike, check_columns, recording_from
 from ..measurements.nominal_values import check_nominal
 from ..measurements.turn_slip import with_turn_slip
@@ -48,6 +49,7 @@ STEPS = ("fitting the baseline model", "comparing explanations", "fitting the be
 BASELINE, COMPARING, FINAL = STEPS
 
 
+@named()
 def diagnose(
     table: TableLike,
     *,

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import textwrap
 import warnings
+from base64 import b64encode
 from collections.abc import Sequence
+from html import escape
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -69,6 +71,12 @@ def png(figure: Figure, dpi: float) -> bytes:
     made = picture(figure)
     FigureCanvasAgg(made)
     return rendered(made, "png", dpi)
+
+
+def html_image(figure: Figure) -> str:
+    """Return a figure as an image in HTML, for a notebook."""
+    image = b64encode(png(figure, PAGE_DPI)).decode("ascii")
+    return f'<img alt="{escape(figure.title)}" src="data:image/png;base64,{image}">'
 
 
 @own_settings()

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..boundary.errors import FitError
+from ..boundary.named_options import named
 from ..measurements import Recording, TableLike, group_by_condition, recordings_from
 from ..measurements.nominal_values import NOMINAL
 from ..measurements.operating_conditions.levels import MAX_LEVELS
@@ -40,6 +41,7 @@ def tire_of_fold(task: FoldTask) -> Tire:
     return fit(task.recordings, task.model, **task.options).tire
 
 
+@named(fit)
 def cross_validate(
     tables: TableLike | Iterable[TableLike],
     model: str | None = None,

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..boundary.errors import FitError
+from ..boundary.named_options import named
 from ..measurements import TableLike, check_columns, recordings_from
 from ..numerics.one_thread import one_blas_thread
 from ..tires import TireLike
@@ -22,6 +23,7 @@ from .temperature.selection import forces_alone, temperature_column, with_temper
 from .temperature.temperature_fit import fit_temperature
 
 
+@named(FitOptions)
 def fit(
     tables: TableLike | Iterable[TableLike],
     model: str | None = None,
@@ -69,8 +71,8 @@ def fit(
         contradict their sign convention.
     WrongType
         If a table or the start has a wrong type.
-    TypeError
-        If `settings` has a name that is no field of `FitOptions`.
+    UnknownOption
+        If `settings` has a name that is no field of `FitOptions`; a `TypeError` with the nearest one.
 
     Examples
     --------

@@ -2,20 +2,32 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import pandas as pd
 
+from ..boundary.named_options import named
 from ..tires import Tire, TireLike, tire_from
 from ..tires.evaluation import Conventions
 from ..tires.evaluation import evaluate as evaluate_rows
 from .channels import OUTPUTS
 from .column_names import check_names
 from .recording import Recording
-from .table_argument import recording_from
+from .table_argument import TableLike, recording_from
 
 
-def evaluate(tire: TireLike, table: Any, **options: Any) -> pd.DataFrame:
+@named()
+def evaluate(
+    tire: TireLike,
+    table: TableLike,
+    *,
+    signs: str | None = None,
+    convention: str = "tno",
+    slip_angle: str = "tan",
+    limits: bool = False,
+    mirror: bool = False,
+    steady: bool = False,
+    hold: bool = False,
+    code: str = "auto",
+) -> pd.DataFrame:
     """Evaluate forces, moments and every named quantity of a tire for each row of a table.
 
     Parameters
@@ -24,8 +36,8 @@ def evaluate(tire: TireLike, table: Any, **options: Any) -> pd.DataFrame:
         In any signs.
     table : pandas.DataFrame, path or Recording
         Input columns in SI units.
-    **options
-        Those of `Tire.evaluate`: signs, convention, slip_angle, limits, mirror, steady, hold, code.
+    signs, convention, slip_angle, limits, mirror, steady, hold, code
+        As for `Tire.evaluate`.
 
     Returns
     -------
@@ -46,8 +58,12 @@ def evaluate(tire: TireLike, table: Any, **options: Any) -> pd.DataFrame:
     if isinstance(table, pd.DataFrame):
         check_names(map(str, table.columns), "table")
     else:
-        table = recording_from(table, signs=options.pop("signs", None))
-    return tire_from(tire).evaluate(table, **options)
+        table = recording_from(table, signs=signs)
+        signs = None
+    return tire_from(tire).evaluate(
+        table, signs=signs, convention=convention, slip_angle=slip_angle, limits=limits, mirror=mirror, steady=steady,
+        hold=hold, code=code,
+    )  # fmt: skip
 
 
 def predicted_outputs(tire: Tire, recording: Recording) -> pd.DataFrame:

@@ -74,6 +74,7 @@ class Doubt:
 
     - `name`: the coefficient, input or quantity.
     - `reason`: the problem, and the probable mistake.
+    - `serious`: whether no tire has this value, in contrast to a shape that measured tires may have.
 
     >>> print(Doubt("INFLPRES", 2.2, "outside 10000 .. 2e+06: in bar?"))
     INFLPRES = 2.2: outside 10000 .. 2e+06: in bar?
@@ -82,6 +83,7 @@ class Doubt:
     name: str
     value: float
     reason: str
+    serious: bool = True
 
     def __str__(self) -> str:
         return f"{self.name} = {self.value:g}: {self.reason}"
@@ -133,7 +135,7 @@ def _coefficients(tire: Tire) -> Iterator[Doubt]:
             else f"{declared.lower:g} .. {declared.upper:g}"
         )
         converted = "" if value == tire.values[name] else " with the sign of adapted SAE"
-        yield Doubt(name, tire.values[name], ": ".join([f"outside {shown}{converted}", *hints]))
+        yield Doubt(name, tire.values[name], ": ".join([f"outside {shown}{converted}", *hints]), within or bool(hints))
 
 
 def _plausible(tire: Tire, declared: Coefficient) -> tuple[float, float]:
@@ -177,7 +179,7 @@ def _behaviour(tire: Tire) -> Iterator[Doubt]:
             yield from _sign(stiffness, computed[stiffness], load)
         first, last = computed[friction][0], computed[friction][-1]
         if computed[friction].min() > 0 and last > first * (1 + 1e-9):
-            yield Doubt(friction, float(last), f"increases with load, from {first:.3g} at {load[0]:g} N")
+            yield Doubt(friction, float(last), f"increases with load, from {first:.3g} at {load[0]:g} N", False)
 
 
 def _sign(name: str, values: FloatArray, load: FloatArray) -> Iterator[Doubt]:
@@ -234,7 +236,7 @@ def _constraints(tire: Tire) -> Iterator[Doubt]:
         row = int(graded(values).argmax())
         if values[row] > bound.upper:
             at = ", ".join(f"{key} = {given[row]:.3g}" for key, given in inputs.items())
-            yield Doubt(bound.quantity, float(values[row]), f"above {bound.upper:g} at {at}")
+            yield Doubt(bound.quantity, float(values[row]), f"above {bound.upper:g} at {at}", False)
 
 
 def _end(tire: Tire, name: str, default: float) -> float:

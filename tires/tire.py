@@ -209,15 +209,25 @@ class Tire(TireDefinition):
         """
         write_tir(self, path)
 
-    def plot(self, kind: str = "pure", *, loads: Sequence[float] | None = None, signs: str = "iso") -> MatplotlibFigure:
-        r"""Draw the tire.
+    def plot(
+        self,
+        data: pd.DataFrame | SignedTable | str | None = None,
+        kind: str = "pure",
+        *,
+        loads: Sequence[float] | None = None,
+        signs: str = "iso",
+    ) -> MatplotlibFigure:
+        r"""Draw the tire, and measured rows with it.
 
         Parameters
         ----------
+        data : pandas.DataFrame (SI units, ISO signs) or Recording, optional
+            Rows that are drawn as crosses at the loads at which they were measured. A str is taken as `kind`:
+            ``plot("combined")``.
         kind : {"pure", "surfaces", "combined"}
             Fx over kappa, Fy and Mz over alpha in pure slip; Fx and Fy over both slips; Fy against Fx.
         loads : sequence of float, N, optional
-            Three over the tire's range if None. Surfaces are drawn at the middle one.
+            By default those of the data, or three over the tire's range. Surfaces are drawn at the middle one.
         signs : {"iso", "adapted-sae", "sae"}
             Convention in which the figure is drawn.
 
@@ -232,6 +242,8 @@ class Tire(TireDefinition):
             If the kind or the convention does not exist.
         TirefmuError
             If a load is not positive, or the tire has no force or one that is not finite.
+        DataError, WrongType
+            If the data are in another unit or sign, or no table.
 
         Examples
         --------
@@ -241,13 +253,18 @@ class Tire(TireDefinition):
         'Fy over α at κ = 0'
         """
         from .drawing.surface_figure import plot  # imports matplotlib, which is slow
+        from .drawing.tire_figures import points_of
 
-        return plot(self, kind, loads=loads, signs=signs)
+        data, kind = (None, data) if isinstance(data, str) else (data, kind)
+        points = None if data is None else points_of(self, data)
+        return plot(self, kind, loads=loads, signs=signs, points=points)
 
     def __repr__(self) -> str:
         """Return a few lines: model, signs, nominal inputs, ranges, effects."""
         return tire_text(self)
 
     def _repr_html_(self) -> str:
-        """Return the same as a table, and the coefficients, for a notebook."""
-        return tire_html(self)
+        """Return the same as a table, the coefficients, and the curves in pure slip, for a notebook."""
+        from .drawing.surface_figure import notebook_figure  # imports matplotlib, which is slow
+
+        return tire_html(self) + notebook_figure(self)

@@ -63,6 +63,15 @@ def tire_from(tire: TireLike, parameter: str = "tire", *, radius: float | None =
     return published(name)
 
 
+def tire_label(tire: TireLike) -> str:
+    """Return a short name of a tire: of its file without the extension, its own, or that of its model.
+
+    >>> tire_label("tires/front.tir"), tire_label(Tire("fiala", {"FNOMIN": 1.0, "UNLOADED_RADIUS": 0.3}))
+    ('front', 'fiala')
+    """
+    return (tire.name or tire.model) if isinstance(tire, Tire) else Path(tire).stem
+
+
 def tires_from(tire: TireLike, parameter: str = "tire") -> list[Tire]:
     """Return a tire as a list, or the tires of all .tir files in a folder.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
+from ...boundary.named_options import named
 from ...fitting import HeldOut
 from ...fitting import cross_validate as in_this_process
 from ...fitting.cross_validation import FoldTask
@@ -14,6 +15,7 @@ from ...tires.tire import Tire
 from .workers import Progress, all_results
 
 
+@named(in_this_process)
 def cross_validate(
     tables: TableLike | Iterable[TableLike],
     model: str | None = None,

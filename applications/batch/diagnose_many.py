@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from inspect import signature
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -14,6 +13,7 @@ import pandas as pd
 
 from ...boundary.errors import TirefmuError, path_from
 from ...boundary.escaping import file_name
+from ...boundary.named_options import named
 from ...diagnosis import Diagnosis, diagnose, export_and_simulate, write_report
 from ...measurements import Recording, recording_from
 from ...tires import Tire, tire_from
@@ -75,6 +75,7 @@ class DiagnosisTask:
     recording: Recording
 
 
+@named(diagnose)
 def diagnose_many(
     tables: str | Path | Sequence[str | Path],
     folder: str | Path,
@@ -123,7 +124,7 @@ def diagnose_many(
         If there is no recording, two have the same name, or the cluster cannot be used.
     DataError
         If the folder cannot be written.
-    TypeError
+    UnknownOption
         If `options` has a name that is no option of `tirefmu.diagnose`.
 
     Notes
@@ -142,7 +143,6 @@ def diagnose_many(
     given = [tables] if isinstance(tables, (str, Path)) else list(tables)
     paths = [path_from(path) for path in given]
     files = [file for path in paths for file in (recordings_in(path) if path.is_dir() else [path])]
-    signature(diagnose).bind(None, **options)
     chosen = {key: value for key, value in options.items() if value is not None}
     chosen |= {key: tuple(chosen[key]) for key in ("effects", "candidates") if key in chosen}
     baseline = tire_from(chosen.pop("tire")) if "tire" in chosen else None

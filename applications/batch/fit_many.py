@@ -12,11 +12,12 @@ from typing import Any
 import pandas as pd
 
 from ...boundary.errors import FitError, TirefmuError, path_from
+from ...boundary.named_options import named
 from ...fitting import fit
 from ...measurements import Recording, recordings_from
 from ...tires import tire_from
 from ...tires.tire import Tire
-from .jobs import FitJob, read_jobs, unique
+from .jobs import OPTIONS, READING, FitJob, read_jobs, unique
 from .records import JobResult, result_of_fit, table_of
 from .resumable import FAILED, LOST, Kind, Outcome, compute, digest_of, write_summary
 
@@ -60,6 +61,7 @@ class FitTask:
     start: Tire | str | None
 
 
+@named(OPTIONS, READING)
 def fit_many(
     jobs: str | Path | Sequence[FitJob],
     folder: str | Path,

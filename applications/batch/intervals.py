@@ -6,12 +6,14 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from ...boundary.named_options import named
 from ...fitting import FitResult
 from ...fitting.resampling.bootstrap import bootstrap_of, replicate_tasks, replicates_of
 from ...measurements import TableLike, recordings_from
 from .workers import Progress, all_results
 
 
+@named()
 def bootstrap(
     result: FitResult,
     tables: TableLike | Iterable[TableLike],

@@ -14,6 +14,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from ...boundary.errors import DataError, FmuError, UnknownName, path_from
+from ...boundary.named_options import named
 from ...fmu.comparison.resources import axes_of_inputs
 from ...fmu.simulation.archive import unpacked
 from ...fmu.simulation.simulate import read_description, simulate
@@ -55,6 +56,7 @@ class StudyTask:
     values: tuple[Mapping[str, float], ...]
 
 
+@named()
 def study(
     fmu: str | Path,
     plan: str | Path | Study,

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from ...measurements import Recording, exclude_rows
-from ...tires import Tire
+from ...boundary.escaping import visible
+from ...boundary.named_options import named
+from ...measurements import Recording, TableLike, exclude_rows, recordings_from
+from ...tires import Tire, TireLike, tire_from
 from ...tires.property_file.names import unmeasured_coefficients
+from ...tires.tire_argument import tire_label
 
 #: Quantities over load, by role, and what they are.
 ROLES = {
@@ -99,6 +102,14 @@ class Comparison:
     characteristics: tuple[ComparedCharacteristic, ...]
     errors: tuple[ComparedChannel, ...]
 
+    def __repr__(self) -> str:
+        """Return the verdict and the characteristics at the nominal load of the first tire."""
+        shown = (
+            f"  {c.remark} at {c.load:g} N: {c.first:.4g} and {c.second:.4g} {'' if c.unit == '1' else c.unit}".rstrip()
+            for c in self.characteristics
+        )
+        return "\n".join(map(visible, [f"{self.names[0]} and {self.names[1]}: {self.verdict}", *shown]))
+
     @property
     def verdict(self) -> str:
         """Which tire is closer to the recordings, by channel; without recordings how many coefficients differ."""
@@ -135,25 +146,54 @@ class Comparison:
         }
 
 
-def compare(first: Tire, second: Tire, recordings: Sequence[Recording] = (), *, names: tuple[str, str]) -> Comparison:
+@named()
+def compare(
+    first: TireLike,
+    second: TireLike,
+    tables: TableLike | Iterable[TableLike] = (),
+    *,
+    signs: str | None = None,
+    names: tuple[str, str] | None = None,
+) -> Comparison:
     """Compare two tires of any models.
 
-    `recordings`: both tires are evaluated over their rows. `names`: shown for the tires; numbered if they are the same.
-    Raises `DataError` if a recording has no measured output, or an input is not finite.
+    Parameters
+    ----------
+    first, second : Tire, path of a .tir file, or name of a published tire
+        In any signs.
+    tables : path, DataFrame or Recording, or a sequence of them
+        Both tires are evaluated over their rows.
+    signs : str, optional
+        Sign convention of the tables, as for `tirefmu.fit`.
+    names : (str, str), optional
+        Shown for the tires; numbered if they are the same. By default the names of their files or models.
 
+    Returns
+    -------
+    Comparison
+        Coefficients and effects that differ, friction and slip stiffness of both, errors over the tables.
+
+    Raises
+    ------
+    DataError
+        If a table has no measured output, or an input is not finite.
+    UnknownName, TirError, WrongType
+        If a tire does not exist or cannot be read.
+
+    Examples
+    --------
     >>> from tirefmu.tires import published
     >>> old = published("trento_hoosier")
     >>> [difference.name for difference in compare(old, old.with_values(PDY1=2.5), names=("old", "new")).differences]
     ['PDY1']
     """
-    tires = (first.in_signs("iso"), second.in_signs("iso"))
+    tires = (tire_from(first, "first").in_signs("iso"), tire_from(second, "second").in_signs("iso"))
+    recordings = recordings_from(tables, signs=signs)
+    names = names or (tire_label(first), tire_label(second))
     if names[0] == names[1]:
         names = (f"{names[0]} (1)", f"{names[1]} (2)")
     errors = tuple(error for recording in recordings for error in _errors(tires, recording))
-    effects = (
-        tuple(sorted(first.has - second.has)),
-        tuple(sorted(second.has - first.has)),
-    )
+    effects = (tuple(sorted(tires[0].has - tires[1].has)), tuple(sorted(tires[1].has - tires[0].has)))
     differences, characteristics = tuple(_differences(tires, names)), tuple(_characteristics(tires, names))
     return Comparison(tires, names, effects, differences, characteristics, errors)
 

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...boundary.errors import DataError
+from ...boundary.named_options import named
 from ...tires import Tire, tire_from
 from ...tires.description import limits_of
 from ...tires.tire_argument import TireLike
@@ -33,6 +34,7 @@ from .verdict import verdict_on
 FloatArray = npt.NDArray[np.float64]
 
 
+@named()
 def drive(
     log: LogLike,
     *,

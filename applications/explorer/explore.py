@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 from ...boundary.errors import UnknownName, path_from, writing
 from ...boundary.escaping import html_text, script_json
+from ...boundary.named_options import named
 from ...drawing.chart_library import LIBRARY_SCRIPT, LIBRARY_STYLE, allowed, library_file
 from ...drawing.page import style_sheet, write_page
-from ...measurements import Recording
+from ...measurements import Recording, TableLike, recordings_from
 from ...tires import Tire, TireLike, tire_from
+from ...tires.tire_argument import tire_label
 from .measured_rows import measured_rows, rows_data
 from .page_code import lagged_slips, module_expression, program_for_page
 from .tire_data import switchable, tire_data
@@ -26,11 +28,13 @@ SCRIPTS = (
 )  # fmt: skip
 
 
+@named()
 def explore(
     tire: TireLike,
     path: str | Path,
     *,
-    recordings: Sequence[Recording] = (),
+    tables: TableLike | Iterable[TableLike] = (),
+    signs: str | None = None,
     compare: TireLike | None = None,
     intervals: Mapping[str, tuple[float, float]] | None = None,
 ) -> None:
@@ -38,12 +42,32 @@ def explore(
 
     The page is one file without connections to others: chart library, measured rows and the tire's code are in it.
 
-    `tire`: a tire, a .tir file or the name of a published tire. The page is in ISO-W. `path`: the HTML file.
-    `recordings`: their rows are drawn under the curves. `compare`: a second tire, of any model. `intervals`: 95 %
-    intervals of coefficients in ISO-W, as in `FitResult.to_json`. Raises `TirefmuError` if the page cannot be written,
-    or the chart library is not installed. Raises `UnknownName` if an interval belongs to no coefficient of the tire's
-    model.
+    Parameters
+    ----------
+    tire : Tire, path of a .tir file, or name of a published tire
+        The page is in ISO-W.
+    path : str or Path
+        The HTML file.
+    tables : path, DataFrame or Recording, or a sequence of them
+        Their rows are drawn under the curves.
+    signs : str, optional
+        Sign convention of the tables, as for `tirefmu.fit`.
+    compare : Tire, path or name, optional
+        A second tire, of any model.
+    intervals : mapping of str to (float, float), optional
+        95 % intervals of coefficients in ISO-W, as in `FitResult.to_json`.
 
+    Raises
+    ------
+    TirefmuError
+        If the page cannot be written, or the chart library is not installed.
+    UnknownName
+        If an interval belongs to no coefficient of the tire's model.
+    DataError, WrongType
+        If a table cannot be read.
+
+    Examples
+    --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     explore("trento_hoosier", Path(folder) / "tire.html")
@@ -51,7 +75,7 @@ def explore(
     True
     """
     path = path_from(path)
-    text = page_text(tire, recordings=recordings, compare=compare, intervals=intervals or {})
+    text = page_text(tire, recordings=recordings_from(tables, signs=signs), compare=compare, intervals=intervals or {})
     with writing(path):
         write_page(text, path)
 
@@ -65,7 +89,7 @@ def page_text(
 ) -> str:
     """Return the text of the page; `explore` documents the parameters."""
     given = [tire] if compare is None else [tire, compare]
-    tires = [(tire_from(tire).in_signs("iso"), _name(tire)) for tire in given]
+    tires = [(tire_from(tire).in_signs("iso"), tire_label(tire)) for tire in given]
     first = tires[0][0]
     for name in intervals:
         if name not in first.symbolic_model.coefficients:
@@ -105,10 +129,6 @@ def _coefficient_table(tire: Tire, name: str) -> str:
         for c in tire.symbolic_model.coefficients.values()
     ]
     return f"<h2>{html_text(name)}</h2>\n<table>\n" + "\n".join(rows) + "\n</table>"
-
-
-def _name(tire: TireLike) -> str:
-    return tire.model if isinstance(tire, Tire) else Path(tire).stem
 
 
 def _file(name: str) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from ...boundary.errors import TirefmuError
+from ...boundary.named_options import named
 from ...fitting import fit
 from ...measurements import CHANNELS
 from ...symbolic.models import MODELS
@@ -18,7 +19,7 @@ from ...tires import Tire, TireLike, tire_from, write_tir
 from ...tires.property_file.use import use_notes
 from .dialects import Host
 from .lacking import acting, nearest
-from .lint import LintMessage, host_named, lint, lost_effects
+from .lint import LintMessage, host_messages, host_named, lost_effects
 
 #: Typical dimensions where a model has none, as shares of the unloaded radius; hosts draw the tire and do not compute
 #: forces with them.
@@ -54,14 +55,43 @@ class Conversion:
     findings: list[LintMessage]
 
 
+@named()
 def convert(tire: TireLike, path: str | Path, host: str, model: str | None = None) -> Conversion:
     """Write a tire as a property file for another program.
 
-    `host`: one of `tirefmu.applications.exports.dialects.HOSTS`. `model`: one of the models that the host has;
-    default: that of the tire if the host has it, else the host's first. The coefficients of another model than the
-    tire's are fitted to its forces, and so are those of its own model if it has coefficients that the host's model
-    lacks, or added effects that change the forces at nominal conditions. Raises `UnknownName` if
-    there is no such host, `TirefmuError` if it has no such model or the file cannot be written.
+    The coefficients of another model than the tire's are fitted to its forces, and so are those of its own model if it
+    has coefficients that the host's model lacks, or added effects that change the forces at nominal conditions.
+
+    Parameters
+    ----------
+    tire : Tire, path of a .tir file, or name of a published tire
+        In any signs.
+    path : str or Path
+        The file to write.
+    host : str
+        One of `tirefmu.applications.exports.dialects.HOSTS`.
+    model : str, optional
+        One of the models that the host has; default: that of the tire if the host has it, else the host's first.
+
+    Returns
+    -------
+    Conversion
+        What the file contains, its errors, and what the host does not evaluate.
+
+    Raises
+    ------
+    UnknownName
+        If there is no such host.
+    TirefmuError
+        If the host has no such model, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     written = convert("trento_hoosier", Path(folder, "hoosier.tir"), "mfeval", "mf52")
+    ...     written.model, written.refitted
+    ('mf52', True)
     """
     rules, whole = host_named(host), tire_from(tire).in_signs("iso")
     chosen = model or (whole.model if whole.model in rules.dialects else next(iter(rules.dialects)))
@@ -84,7 +114,7 @@ def convert(tire: TireLike, path: str | Path, host: str, model: str | None = Non
         errors = relative_errors(converted, wide, whole.evaluate(wide, steady=True))
     written = _for_host(converted if refitted else whole, rules, chosen)
     write_tir(written, path, line_end="\r\n" if rules.expects_crlf else "\n")
-    findings = lint(path, host)
+    findings = host_messages(path, host)
     stated = {finding.text for finding in findings}
     lost = [*lost_effects(whole, rules, folded), *_lost_relaxation(whole, written), *use_notes(whole)]
     if not whole.side:

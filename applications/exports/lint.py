@@ -1,4 +1,4 @@
-"""Whether a program accepts a property file, and which parts of the tire it does not evaluate."""
+"""Whether a property file is sound, whether a program accepts it, and which effects that does not evaluate."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
-from ...boundary.errors import UnknownName
+from ...boundary.errors import UnknownName, path_from
 from ...boundary.escaping import quoted
+from ...boundary.named_options import named
 from ...tires import Tire
-from ...tires.property_file.reading import read_tir
+from ...tires.implausible import Doubt, implausible
+from ...tires.property_file.reading import read_tir, read_tir_with_notes
 from ...tires.property_file.use import use_notes
 from .dialects import HOSTS, Dialect, Host
 from .lacking import acting
@@ -26,7 +28,7 @@ class LintMessage:
     Attributes
     ----------
     severity : str
-        "error": the host refuses or misreads the file. "note": it accepts the file, but something differs.
+        "error": the file is not sound, or the host refuses or misreads it. "note": anything else worth knowing.
     line : int
         Of the file; 0: the file as a whole.
     text : str
@@ -52,17 +54,65 @@ def host_named(name: str) -> Host:
     return HOSTS[name]
 
 
-def lint(path: str | Path, host: str) -> list[LintMessage]:
-    """Check a property file for a host.
+@named()
+def lint(path: str | Path, host: str | None = None) -> list[LintMessage]:
+    """Check a property file: whether it is sound, or whether a host accepts it.
 
-    `host`: one of `HOSTS`. Returns: errors first. Raises `UnknownName` if there is no such host. Raises `TirError` if
-    the file is no property file that tirefmu can read.
+    Parameters
+    ----------
+    path : str or Path
+        A .tir file.
+    host : str, optional
+        One of `tirefmu.applications.exports.dialects.HOSTS`. By default the file itself is checked: values that no tire
+        has are errors, and a note states which hosts accept the file.
 
+    Returns
+    -------
+    list of LintMessage
+        Errors first.
+
+    Raises
+    ------
+    UnknownName
+        If there is no such host.
+    TirError
+        If the file is no property file that tirefmu can read.
+
+    Examples
+    --------
     >>> from importlib.resources import files
     >>> path = files("tirefmu.tires.published_tires") / "trento_hoosier.tir"
-    >>> [finding.text for finding in lint(path, "chrono")]
+    >>> [message.text for message in lint(path) if message.severity == "error"]
+    []
+    >>> [message.text for message in lint(path, "chrono") if message.severity == "error"]
     ['Project Chrono (ChPac02Tire, ChFialaTire) has no mf96: convert with --model mf52']
     """
+    if host is not None:
+        doubts = [LintMessage("note", 0, str(doubt)) for doubt in _doubts(read_tir(path))]
+        return [*host_messages(path, host), *doubts]
+    read = read_tir_with_notes(path_from(path))
+    doubts = [LintMessage("error" if doubt.serious else "note", 0, str(doubt)) for doubt in _doubts(read.tire)]
+    notes = [LintMessage("note", 0, note) for note in dict.fromkeys((*read.notes, *use_notes(read.tire)))]
+    numbers = [*_number_errors(read.tire), *_range_errors(read.tire, "note")]
+    messages = [*numbers, *doubts, *notes, LintMessage("note", 0, _accepting(path))]
+    return sorted(messages, key=lambda message: message.severity != "error")
+
+
+def _doubts(tire: Tire) -> list[Doubt]:
+    """Return the implausible values of a tire that can be evaluated."""
+    return [] if _number_errors(tire) else implausible(tire)
+
+
+def _accepting(path: str | Path) -> str:
+    """Return which hosts accept a file as it is."""
+    accepting = [host for host in HOSTS if not any(found.severity == "error" for found in host_messages(path, host))]
+    others = [host for host in HOSTS if host not in accepting]
+    names = ", ".join(accepting) or "none of the known programs"
+    return f"accepted as it is by {names}" + (f"; --for {'|'.join(others)} states what others refuse" if others else "")
+
+
+def host_messages(path: str | Path, host: str) -> list[LintMessage]:
+    """Check a property file for a host: errors first. Raises `UnknownName` and `TirError`, as `lint` does."""
     rules, tire = host_named(host), read_tir(path)
     if tire.model not in rules.dialects:
         model = next(iter(rules.dialects))
@@ -70,7 +120,7 @@ def lint(path: str | Path, host: str) -> list[LintMessage]:
     text = Path(path).read_text(encoding="utf-8", errors="replace")
     entries = _entries(text)
     errors = [*_model_errors(entries, rules.dialects[tire.model]), *_unit_errors(entries, rules)]
-    errors += [*_layout_errors(text, rules), *_number_errors(tire)]
+    errors += [*_layout_errors(text, rules), *_number_errors(tire), *_range_errors(tire, "error")]
     errors += _line_end_errors(path, text, rules)
     errors += _lacking_errors(entries, tire, rules.dialects[tire.model].lacking)
     notes = [*_line_end_notes(path, rules), *lost_effects(tire, rules), *use_notes(tire), *rules.notes]
@@ -203,13 +253,18 @@ def _line_end_notes(path: str | Path, rules: Host) -> list[str]:
 
 
 def _number_errors(tire: Tire) -> list[LintMessage]:
-    """Check values that every host uses as a divisor or as the limit of a range."""
-    messages = [
+    """Check values that every host uses as a divisor."""
+    return [
         LintMessage("error", 0, f"{key} is {tire.values[key]:g}: a positive value expected")
         for key in ("FNOMIN", "UNLOADED_RADIUS", "VERTICAL_STIFFNESS", "LONGVL", "NOMPRES")
         if key in tire.values and not tire.values[key] > 0
     ]
-    for name, (low, high) in tire.ranges.items():
-        if not low < high:
-            messages.append(LintMessage("error", 0, f"the range of {name} is empty: {low:g} to {high:g}"))
-    return messages
+
+
+def _range_errors(tire: Tire, constant: str) -> list[LintMessage]:
+    """Check the limits of ranges; `constant`: severity of a range of one value, such as of the pressure of a test."""
+    return [
+        LintMessage("error" if low > high else constant, 0, f"the range of {name} is empty: {low:g} to {high:g}")
+        for name, (low, high) in tire.ranges.items()
+        if not low < high
+    ]

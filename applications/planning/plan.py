@@ -5,18 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Annotated, Any, TypedDict
 
 import numpy as np
 import numpy.typing as npt
 
+from ...boundary.errors import no_single_text
 from ...boundary.json_schema import document, json_value, schema_of
+from ...boundary.named_options import named
 from ...fitting.evidence.residuals import Residuals
 from ...fitting.evidence.undetermined import undetermined
-from ...measurements import Recording, VirtualBench
+from ...measurements import Recording, TableLike, VirtualBench, recording_from
 from ...tires import TireLike, tire_from
 from .aims import Target, targets
-from .bench_file import Bench, PlanError
+from .bench_file import Bench, PlanError, read_bench
 from .information import Experiment, Information, covariances, information, sandwich, tires_around, with_offsets
 from .maneuvers import library
 from .program import TestProgram
@@ -175,28 +178,61 @@ class PlanResult:
         return dict(json_value(content))
 
 
+@named()
 def plan(
-    tire: TireLike | Sequence[TireLike], bench: Bench, *, aims: Sequence[str] = ("all",), minutes: float = 20.0,
-    today: Recording | None = None, progress: Progress = lambda what, share: None,
-) -> PlanResult:  # fmt: skip
+    tire: TireLike | Sequence[TireLike],
+    bench: Bench | str | Path,
+    *,
+    aims: Sequence[str] = ("all",),
+    minutes: float = 20.0,
+    today: TableLike | None = None,
+    progress: Progress = lambda what, share: None,
+) -> PlanResult:
     """Plan the program that determines a tire best in a given bench time.
 
-    `tire`: what is known of it; several of one model are a family, over which the program is averaged, otherwise random
-    tires around it are. `aims`: of `aims.AIMS`, or coefficients. `minutes`: with warm-up and pauses. `today`: a program
-    of inputs over time to compare with. `progress`: called with the activity and the share of the time that is planned.
-    Raises `PlanError` if the time is too short, or no program on this bench determines an aim, and `UnknownName`.
+    Parameters
+    ----------
+    tire : Tire, path of a .tir file or name of a published tire, or a sequence of them
+        What is known of the tire. Several of one model are a family, over which the program is averaged; otherwise
+        random tires around it are.
+    bench : path of a bench file, or Bench
+        What the bench can do; ``tirefmu plan --example`` prints such a file.
+    aims : sequence of str
+        "all", "forces", "friction", "stiffness", or names of coefficients.
+    minutes : float
+        Bench time with warm-up and pauses.
+    today : path, DataFrame or Recording, optional
+        A program of inputs over time to compare with.
+    progress : callable
+        Called with the activity and the share of the time that is planned.
 
+    Returns
+    -------
+    PlanResult
+        The program, and the intervals that it will give.
+
+    Raises
+    ------
+    PlanError
+        If the bench file is invalid, the time is too short, or no program on this bench determines an aim.
+    UnknownName, WrongType
+        If an aim or a tire does not exist.
+
+    Examples
+    --------
     >>> from tirefmu.applications.planning.bench_file import Limits
     >>> bench = Bench({"Fz": Limits(220.0, 1120.0, 3.0, levels=2), "alpha": Limits(-0.2, 0.2, 2.0, 0.14)})
     >>> result = plan("trento_hoosier", bench, aims=["stiffness"], minutes=2.0)
     >>> result.program.seconds <= 120.0, list(result.prediction.widths)
     (True, ['stiffness_y'])
     """
+    bench = bench if isinstance(bench, Bench) else read_bench(bench)
+    no_single_text("aims", aims)
     experiment = Experiment(_tires(tire), bench.noise)
     wanted = targets(experiment, bench, aims)
     if not wanted:
         raise PlanError(f"no slip of this bench has an influence on {', '.join(aims)}")
-    current = _predicted(experiment, today, wanted, bench) if today is not None else None
+    current = _predicted(experiment, recording_from(today), wanted, bench) if today is not None else None
     progress("library of maneuvers", 0.0)
     maneuvers = library(bench, experiment.tires[0])
     of_library = information(experiment, [maneuver.table(bench.sample_rate) for maneuver in maneuvers])

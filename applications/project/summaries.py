@@ -74,7 +74,9 @@ def _generate(result: Mapping[str, Any]) -> _Parts:
 
 def _check(result: Mapping[str, Any]) -> _Parts:
     lines = [f"{name}: {_quality(channel)}" for name, channel in result["channels"].items()]
-    return "FMU check passed" if result["ok"] else "FMU check failed", False, lines
+    tire = result["statements"]["tire"]
+    doubtful, shown = tire["grade"] != "good", [tire["text"], *lines]
+    return "FMU check passed" if result["ok"] else "FMU check failed", doubtful, shown
 
 
 def _diagnose(result: Mapping[str, Any]) -> _Parts:

@@ -30,7 +30,7 @@ from ...measurements import (
 from ...measurements.checks.columns.check import MAX_READINGS
 from ...measurements.checks.columns.explanation import explanation
 from ...measurements.checks.columns.meanings import column_meanings
-from ...measurements.inspection.inspection import inspect
+from ...measurements.inspection.inspection import inspected
 from ...measurements.inspection.tables import channel_table, title
 from ...measurements.row_selection.selected import matching
 from ...measurements.units import UNITS_OF_TABLES
@@ -121,7 +121,7 @@ def _table_view(path: Path, recording: Recording | str, common: Sequence[str], p
         return shown | {"error": recording}
     try:
         states = RowStates.of(recording, project)
-        (inspection,), _ = inspect([recording])
+        inspection = inspected(recording)
     except TirefmuError as error:
         return shown | {"error": excerpt(error)}
     header, rows = channel_table(inspection)
@@ -196,7 +196,7 @@ def series(recording: Recording, channel: str, project: Project) -> dict[str, An
     step = -(-len(recording) // MAX_SHOWN)
     values = recording.table[channel].to_numpy(dtype=np.float64)[::step] * per_si(channel)
     codes = RowStates.of(recording, project).codes[::step]
-    (inspection,), _ = inspect([recording])
+    inspection = inspected(recording)
     clock = recording.table["t"].to_numpy(dtype=np.float64)[::step] if "t" in recording.table else None
     return {
         "step": step,

@@ -9,15 +9,17 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ...boundary.errors import FitError
+from ...boundary.errors import FitError, UnknownName
 from ...boundary.escaping import figure_text
 from ...drawing.figure import Figure, Panel, Series, band, curve, in_rows, measured
 from ...drawing.labels import LEVEL, axis_label, drawn_unit, held_text, letter, level_text, note, per_si
 from ...drawing.residual_panels import residuals_over_inputs
 from ...drawing.style import BLUE, DOTTED, level_styles, some_of
-from ...measurements import TableLike, recordings_from
+from ...measurements import Recording, TableLike, recordings_from
 from ...measurements.checks.recordings.coverage import Coverage
 from ...tires import TireLike
+from ...tires.drawing.tire_figures import PURE
+from ...tires.signs import SIGNS
 from ...tires.tire import Tire
 from ..evidence.curves import CurveFamily, MeasuredCurves, compare
 from ..results.fit_result import FitResult
@@ -119,6 +121,44 @@ def figures_of(
         else None,
     ]
     return [figure for figure in drawn if figure]
+
+
+class NotDrawn(FitError):
+    """A fit without rows that can be drawn."""
+
+
+def figure_of_fit(result: FitResult, kind: str = "pure", *, bands: bool = False, signs: str = "iso") -> Figure:
+    """Return a figure of the fitted rows and the tire; `FitResult.plot` documents the parameters.
+
+    Raises `UnknownName` for a kind that does not exist or has no data, `NotDrawn` for a fit without such rows.
+    """
+    if signs not in SIGNS:
+        raise UnknownName("sign convention", signs, SIGNS)
+    recordings = _fitted_recordings(result)
+    if kind == "pure":
+        comparison = compare(result.tire, recordings, signs)
+        families = [comparison.pure(channel, slip)[:1] for channel, slip in PURE]
+        drawn = [family for families_of_channel in families for family in families_of_channel]
+        if not drawn:
+            raise NotDrawn("no fitted row is in pure slip: another kind of figure may have data")
+        name = figure_text(result.tire.name or result.tire.model)
+        return _families(comparison, drawn, "pure", f"{name}: data and fit", result if bands else None)
+    figures = {figure.name: figure for figure in figures_of(result if bands else result.tire, recordings, signs=signs)}
+    if kind not in figures:
+        raise UnknownName("kind of figure of this fit", kind, ("pure", *figures))
+    return figures[kind]
+
+
+def _fitted_recordings(result: FitResult) -> list[Recording]:
+    """Return the fitted rows of each recording."""
+    residuals = result.solution.residuals
+    if residuals is None:
+        raise NotDrawn("the result has no fitted rows")
+    table = residuals.table.drop(columns=["segment"], errors="ignore")
+    return [
+        Recording(rows.drop(columns="recording").reset_index(drop=True), "adapted-sae", residuals.sources[int(number)])
+        for number, rows in table.groupby("recording")
+    ]
 
 
 def _families(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf, nan
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -30,6 +30,9 @@ from .resampled import Bootstrap
 from .solved_stage import FitSolution
 from .summary import fit_html, fit_text
 from .verdict import Verdict, verdict_of
+
+if TYPE_CHECKING:
+    from ...drawing.own_matplotlib import MatplotlibFigure
 
 
 @dataclass(frozen=True, repr=False)
@@ -143,8 +146,14 @@ class FitResult:
         return fit_text(self)
 
     def _repr_html_(self) -> str:
-        """Return the same with a table of the coefficients, for a notebook."""
-        return fit_html(self)
+        """Return the same with a table of the coefficients and the fitted rows under the tire, for a notebook."""
+        from ...drawing.picture import html_image  # imports matplotlib, which is slow
+        from ..reporting.figures import NotDrawn, figure_of_fit
+
+        try:
+            return fit_html(self) + html_image(figure_of_fit(self))
+        except NotDrawn:
+            return fit_html(self)
 
     @cached_property
     def findings(self) -> Findings:
@@ -234,6 +243,36 @@ class FitResult:
         from ..reporting.report import write_report  # imports matplotlib, which is slow
 
         write_report(self, recordings, path, findings=self.data_findings)
+
+    def plot(self, kind: str = "pure", *, bands: bool = False, signs: str = "iso") -> MatplotlibFigure:
+        """Draw the fitted rows and the tire.
+
+        Parameters
+        ----------
+        kind : str
+            "pure": the force or moment of each measured channel in pure slip, a line for each load. Otherwise the name
+            of a figure of `tirefmu.fitting.draw_figures`, such as "pure_Fy", "combined", "stiffness" or "residuals".
+        bands : bool
+            Whether curves have their 95 % bands.
+        signs : {"iso", "adapted-sae", "sae"}
+            Convention in which the figure is drawn.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Not registered in pyplot: ``figure.savefig("fit.png")`` writes it.
+
+        Raises
+        ------
+        UnknownName
+            If the kind or the convention does not exist, or the rows have no data for this kind.
+        FitError
+            If the result has no rows that can be drawn, such as one without pure slip.
+        """
+        from ...drawing.picture import picture  # imports matplotlib, which is slow
+        from ..reporting.figures import figure_of_fit
+
+        return picture(figure_of_fit(self, kind, bands=bands, signs=signs))
 
     def channel(self, recording: str, channel: str) -> ChannelFit:
         """Return the goodness of fit of a channel of a recording."""

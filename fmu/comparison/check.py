@@ -13,6 +13,7 @@ import pandas as pd
 
 from ...boundary.errors import DataError, FmuError, path_from
 from ...boundary.escaping import excerpt
+from ...boundary.named_options import named
 from ...measurements.checks.columns.check import check_columns
 from ...measurements.recording import Recording
 from ...measurements.table_argument import TableLike, recording_from
@@ -35,6 +36,7 @@ LONGEST_UNIT = 20
 SHOWN_NAMES = 8
 
 
+@named()
 def check(
     fmu_path: str | os.PathLike[str],
     recording: TableLike,

@@ -25,7 +25,7 @@ def write_check(result: CheckResult, path: str | Path, *, command: str = "") -> 
     >>> table = pd.DataFrame({"alpha": [-0.1, 0.0, 0.1], "Fz": 900.0, "Fy": [2100.0, 10.0, -2000.0]})
     >>> result = check(export(published("trento_hoosier"), "tire.fmu"), table)
     >>> write_check(result, "check.html")
-    >>> "Check passed" in Path("check.html").read_text(encoding="utf-8")
+    >>> "The FMU computes its tire" in Path("check.html").read_text(encoding="utf-8")
     True
     """
     path = path_from(path)
@@ -53,8 +53,7 @@ def _reasons(result: CheckResult) -> list[str]:
     difference = result.evaluation_difference
     if difference is not None and not difference <= EVALUATION_TOLERANCE:
         reasons.append(f"The FMU differs from direct evaluation of its tire by {difference:.1e}.")
-    for channel in result.channels:
-        if result.tolerance is not None and not channel.relative_rmse <= result.tolerance:
-            share = f"{channel.relative_rmse:.2%} of its largest value, more than {result.tolerance:.2%}"
-            reasons.append(f"The error of {channel.name} is {share}.")
+    for channel in result.beyond_tolerance:
+        share = f"{channel.relative_rmse:.2%} of its largest value, more than {result.tolerance:.2%}"
+        reasons.append(f"The error of {channel.name} is {share}.")
     return reasons

@@ -17,6 +17,16 @@ from ...tires.notebook import html_summary, html_table
 EVALUATION_TOLERANCE = 1e-9
 #: Coefficient of determination from which a channel counts as described. It is judgement and does not affect the check.
 GOOD_R2 = 0.9
+#: Below this one, the error has twice the variance of the channel: a channel that only has noise is not that wrong.
+WRONG_R2 = -1.0
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One of the two results of a check: `grade`, "good", "limited" or "bad", and a sentence."""
+
+    grade: str
+    text: str
 
 
 @dataclass(frozen=True)
@@ -117,32 +127,43 @@ class CheckResult:
     @property
     def ok(self) -> bool:
         """True if the FMU is valid, agrees with direct evaluation, and satisfies the tolerance, if any."""
-        accurate = self.evaluation_difference is None or self.evaluation_difference <= EVALUATION_TOLERANCE
-        within_tolerance = self.tolerance is None or all(c.relative_rmse <= self.tolerance for c in self.channels)
-        return not self.problems and accurate and within_tolerance
+        return self.of_fmu.grade == "good" and not self.beyond_tolerance
 
     @property
-    def verdict(self) -> str:
-        """What was checked of the FMU, in one line; how well its tire describes the data is `agreement`."""
-        if not self.ok:
-            return "check failed"
-        equal = "" if self.evaluation_difference is None else " and computes its tire as direct evaluation does"
-        within = "" if self.tolerance is None else f"; every error is within {self.tolerance:.3g} of the largest value"
-        return f"check passed: the FMU is valid{equal}{within}"
+    def beyond_tolerance(self) -> tuple[CheckedChannel, ...]:
+        """The channels whose error exceeds the tolerance; none without one."""
+        limit = self.tolerance
+        return () if limit is None else tuple(c for c in self.channels if not c.relative_rmse <= limit)
 
     @property
-    def poorly_described(self) -> tuple[str, ...]:
-        """The channels with an R2 below `GOOD_R2`, or without one."""
-        return tuple(channel.name for channel in self.channels if not channel.r2 >= GOOD_R2)
+    def of_fmu(self) -> Statement:
+        """Whether the FMU computes its tire, whatever the data."""
+        difference = self.evaluation_difference
+        if self.problems:
+            return Statement("bad", "the FMU is invalid")
+        if difference is None:
+            return Statement("good", "the FMU is valid; it contains no tire to compare with")
+        if not difference <= EVALUATION_TOLERANCE:
+            return Statement("bad", f"the FMU does not compute its tire: it differs by {difference:.1e}")
+        return Statement("good", "the FMU computes its tire")
 
     @property
-    def agreement(self) -> str:
-        """How well the tire of the FMU describes the data, in one line."""
-        described = [channel for channel in self.channels if channel.name not in self.poorly_described]
-        poor = [channel for channel in self.channels if channel.name in self.poorly_described]
-        good, bad = (", ".join(f"{channel.name} {channel.r2:.3f}" for channel in some) for some in (described, poor))
-        below = f"below {GOOD_R2}: {bad} (poorly described, or hardly varies here)" if bad else ""
-        return f"agreement with the data, R2: {'; '.join(filter(None, (good, below)))}"
+    def of_tire(self) -> Statement:
+        """Whether the tire describes this recording. It decides about `ok` by the tolerance only."""
+        described = [channel for channel in self.channels if channel.r2 >= GOOD_R2]
+        poor = [channel for channel in self.channels if channel not in described]
+        numbers = ", ".join(f"{channel.name} {channel.r2:.3g}" for channel in (*described, *poor))
+        if not poor:
+            grade, text = "good", "the tire describes this recording"
+        elif described and all(channel.r2 > WRONG_R2 for channel in poor):
+            names = ", ".join(channel.name for channel in poor)
+            grade, text = "limited", f"the tire describes this recording in part: not {names}, or it hardly varies here"
+        else:
+            grade, text = "bad", "the tire does not describe this recording"
+        if self.beyond_tolerance:
+            names = ", ".join(channel.name for channel in self.beyond_tolerance)
+            grade, text = "bad", f"{text}; the error of {names} exceeds {self.tolerance:.3g} of the largest value"
+        return Statement(grade, f"{text} (R2: {numbers})")
 
     def to_json(self) -> dict[str, Any]:
         """Return the result as plain values for json.dump; NaN and infinity become None."""
@@ -154,6 +175,7 @@ class CheckResult:
             "rows": self.rows,
             "segments": self.segments,
             "ok": self.ok,
+            "statements": {"fmu": vars(self.of_fmu), "tire": vars(self.of_tire)},
             "tolerance": self.tolerance,
             "problems": list(self.problems),
             "evaluation_difference": self.evaluation_difference
@@ -167,11 +189,15 @@ class CheckResult:
         return str(self)
 
     def _repr_html_(self) -> str:
-        """Return the comparison as HTML, for a notebook."""
+        """Return the comparison as HTML with the picture of the first channel, for a notebook."""
         first, _, *rest = str(self).split("\n")
         rows = [(c.name, c.measured, c.rmse, c.unit, c.relative_rmse, c.r2, c.r2_uncentred) for c in self.channels]
         header = ["channel", "rows", "RMSE", "unit", "of max", "R2", "R2 uncentred"]
-        return html_summary(first, html_table(header, rows), html_summary("\n".join(rest[len(rows) :])))
+        from ...drawing.picture import html_image  # imports matplotlib, which is slow
+        from .figures import check_figures
+
+        notes = html_summary("\n".join(rest[len(rows) :]))
+        return html_summary(first, html_table(header, rows), notes, *map(html_image, check_figures(self)[:1]))
 
     def __str__(self) -> str:
         lines = [

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from ...boundary.errors import FmuError, WrongType, path_from, writing
+from ...boundary.named_options import named
 from ...boundary.whole_file import write_whole
 from ...symbolic.reserved import C_KEYWORDS
 from ...tires import Tire, TireLike, tire_from, write_tir
@@ -38,6 +39,7 @@ AXES_NAMES = {"iso": "ISO-W", "sae": "SAE"}
 KINDS = {"native": VERSIONS, "pythonfmu": (2,)}
 
 
+@named()
 def export(
     tire: TireLike,
     path: str | os.PathLike[str],

@@ -16,6 +16,7 @@ import pandas as pd
 from ...boundary.bounded_file import read_bounded
 from ...boundary.errors import FmuError, path_from
 from ...boundary.escaping import excerpt, visible
+from ...boundary.named_options import named
 from ..comparison.check import largest_difference
 from ..comparison.result import EVALUATION_TOLERANCE
 from ..simulation.archive import unpacked
@@ -86,6 +87,7 @@ class ProofResult:
         return "\n".join(visible(line) for line in lines)
 
 
+@named()
 def repeat_proof(fmu_path: str | os.PathLike[str], *, timeout: float | None = None) -> ProofResult:
     """Repeat the proof inside an FMU, which `add_proof` wrote.
 

@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from ...boundary.errors import FmuError, path_from
+from ...boundary.named_options import named
 from ...measurements.provenance import provenance
 from ...measurements.recording import Recording
 from ...measurements.table_argument import TableLike, recording_from
@@ -30,6 +31,7 @@ from . import layout
 from .stimuli import proof_rows, stimuli
 
 
+@named()
 def add_proof(
     fmu_path: str | os.PathLike[str],
     recording: TableLike,

@@ -9,6 +9,7 @@ from os import PathLike
 from pathlib import Path
 
 from ...boundary.errors import DataError, TirefmuError, nearest, path_from
+from ...boundary.named_options import named
 from ...boundary.plugins import described, loaded, plugins
 from ...tires.signs import reversed_columns
 from ..checks.rows.incomplete_rows import without_incomplete_rows
@@ -64,6 +65,7 @@ def _from_plugin(entry: EntryPoint, path: Path, signs: str) -> Content:
     return Content(tuple(frame_columns(recording.table)), signs=recording.signs, about=recording.about)
 
 
+@named()
 def read_recording(
     path: str | PathLike[str],
     *,

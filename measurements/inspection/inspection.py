@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isnan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
+from ...boundary.escaping import excerpt, visible
+from ...boundary.named_options import named
 from ...numerics.arrays import BoolArray, FloatArray, IndexArray
 from ..channels import CHANNELS
+from ..checks.columns.check import check_columns
 from ..checks.columns.meanings import ColumnMeaning, column_meanings
 from ..checks.recordings.data_findings import data_findings
-from ..checks.recordings.finding import Finding
+from ..checks.recordings.finding import Finding, verdict_on
 from ..checks.rows.row_exclusion import RowExclusion, exclude_rows
 from ..operating_conditions.grouping import group_by_condition
 from ..operating_conditions.levels import held_levels
 from ..operating_conditions.phases import Phase, phases
 from ..operating_conditions.time_series import sample_interval
 from ..recording import Recording
+from ..table_argument import TableLike, recordings_from
 
 #: s, time over which the speed of a sweep is measured. A sweep of a bench takes several seconds.
 RATE_TIME = 0.5
@@ -137,12 +141,87 @@ def _without_nan(values: Mapping[str, Any]) -> dict[str, Any]:
     return {name: None if isinstance(value, float) and isnan(value) else value for name, value in values.items()}
 
 
-def inspect(recordings: Sequence[Recording]) -> tuple[list[Inspection], list[Finding]]:
-    """Return the contents of recordings of one tire, and what they lack or contradict (`data_findings`)."""
-    return [_inspected(recording) for recording in recordings], data_findings(recordings)
+class InspectionResult(NamedTuple):
+    """The contents of recordings of one tire, and what they lack or contradict."""
+
+    recordings: tuple[Inspection, ...]
+    findings: tuple[Finding, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether no finding is serious."""
+        return not any(finding.serious for finding in self.findings)
+
+    @property
+    def verdict(self) -> str:
+        """What the findings mean for a fit, in one line."""
+        return verdict_on(self.findings)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the result as JSON values."""
+        return {
+            "ok": self.ok,
+            "verdict": self.verdict,
+            "findings": [vars(finding) for finding in self.findings],
+            "recordings": [inspection.to_json() for inspection in self.recordings],
+        }
+
+    def __repr__(self) -> str:
+        """Return the verdict, the findings, and a line for each recording."""
+        contents = (
+            f"  {excerpt(i.recording.source)}: {len(i.recording)} rows, {len(i.conditions)} operating conditions"
+            for i in self.recordings
+        )
+        return "\n".join([self.verdict, *(f"  {visible(str(finding))}" for finding in self.findings), *contents])
 
 
-def _inspected(recording: Recording) -> Inspection:
+@named()
+def inspect(
+    tables: TableLike | Iterable[TableLike],
+    *,
+    signs: str | None = None,
+    where: str | None = None,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+) -> InspectionResult:
+    """Return what recordings of one tire contain, lack and contradict.
+
+    Parameters
+    ----------
+    tables : path, DataFrame or Recording, or a sequence of them
+        Each with at least one measured output.
+    signs, where, columns, units
+        As for `tirefmu.measurements.recordings_from`.
+
+    Returns
+    -------
+    InspectionResult
+        Channels, sweeps and operating conditions of each recording, and the findings.
+
+    Raises
+    ------
+    DataError
+        If a table cannot be read, has no measured output, or contradicts its sign convention or its units.
+    UnknownName, WrongType
+        As for `tirefmu.measurements.recordings_from`.
+
+    Examples
+    --------
+    >>> from tirefmu.measurements import VirtualBench, alpha_sweeps
+    >>> from tirefmu.tires import published
+    >>> result = inspect(VirtualBench(published("trento_hoosier")).run(alpha_sweeps([220.0, 700.0])))
+    >>> result.ok, [channel.name for channel in result.recordings[0].channels][:3]
+    (True, ['t', 'kappa', 'alpha'])
+    """
+    recordings = recordings_from(tables, signs=signs, where=where, columns=columns, units=units)
+    for recording in recordings:
+        recording.measured()  # raises for a table without a measured output
+        check_columns(recording)
+    return InspectionResult(tuple(map(inspected, recordings)), tuple(data_findings(recordings)))
+
+
+def inspected(recording: Recording) -> Inspection:
+    """Return the contents of one recording."""
     pieces = recording.segments()
     clock = recording.table["t"].to_numpy(dtype=np.float64) if "t" in recording.table else None
     interval = sample_interval(recording, max(pieces, key=lambda piece: piece.stop - piece.start))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from importlib.metadata import version
+from inspect import signature
 
 import pytest
 
@@ -15,8 +16,9 @@ from tirefmu.tires.code.printed import printed_folder
 #: The public contract.
 NAMES = {
     "CheckResult", "Diagnosis", "Drive", "FitResult", "ProofResult", "Recording", "Tire", "TirefmuError",
-    "VirtualBench", "add_proof", "bootstrap", "check", "diagnose", "diagnose_many", "draw", "drive", "evaluate",
-    "export", "fit", "fit_many", "load", "published", "read_recording", "repeat_proof", "study",
+    "VirtualBench", "add_proof", "bootstrap", "check", "compare", "convert", "diagnose", "diagnose_many", "draw",
+    "drive", "evaluate", "explore", "export", "fit", "fit_many", "inspect", "lint", "load", "plan", "published",
+    "read_recording", "repeat_proof", "study",
 }  # fmt: skip
 
 
@@ -46,6 +48,20 @@ def test_an_unknown_name_is_an_attribute_error():
     with pytest.raises(AttributeError, match="'tirefmu' has no attribute 'fitt'"):
         _ = tirefmu.fitt
     assert not hasattr(tirefmu, "undeclared")
+
+
+FUNCTIONS = sorted(name for name in NAMES - {"load", "published"} if name[0].islower())
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_the_signature_of_a_function_names_every_option_and_a_wrong_one_gets_the_nearest(name):
+    function = getattr(tirefmu, name)
+    parameters = signature(function).parameters.values()
+    assert not [p for p in parameters if p.kind in (p.VAR_KEYWORD, p.VAR_POSITIONAL)]
+    option = max((p.name for p in parameters if p.default is not p.empty), key=len)
+    with pytest.raises(TypeError, match=f"{option}s.*did you mean {option}") as raised:
+        function(**{f"{option}s": None})
+    assert isinstance(raised.value, tirefmu.TirefmuError)
 
 
 def test_the_version_is_the_packages():

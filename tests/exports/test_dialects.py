@@ -16,7 +16,7 @@ from tirefmu.applications.exports.self_test import operating_conditions
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.commands.cli import main
 from tirefmu.symbolic.models import MODELS
-from tirefmu.tires import read_tir
+from tirefmu.tires import published, read_tir
 from tirefmu.tires.evaluation import forces
 
 CASES = [(host, model) for host, rules in HOSTS.items() for model in rules.dialects]
@@ -179,3 +179,15 @@ def test_another_model_is_fitted_to_the_tire(trento, tmp_path):
     assert result.errors["Fy"] < 0.01
     with pytest.raises(TirefmuError):
         convert(trento, tmp_path / "x.tir", "chrono", "mf96")
+
+
+def test_a_file_is_sound_or_not_whatever_reads_it(tmp_path):
+    tire = published("trento_hoosier")
+    tire.save(tmp_path / "sound.tir")
+    messages = lint(tmp_path / "sound.tir")
+    assert {message.severity for message in messages} == {"note"}
+    assert messages[-1].text.startswith("accepted as it is by")
+    faults = {"UNLOADED_RADIUS": tire["UNLOADED_RADIUS"] * 1000.0, "PDY1": -tire["PDY1"], "PKX1": -tire["PKX1"]}
+    for name, value in faults.items():
+        tire.with_values(**{name: value}).save(tmp_path / "fault.tir")
+        assert errors_of(tmp_path / "fault.tir", None), name

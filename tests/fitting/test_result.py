@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from tirefmu.boundary.errors import UnknownName
+from tirefmu.boundary.errors import FitError, UnknownName
 from tirefmu.fitting.constraints.verification import Margin
 from tirefmu.fitting.results.records import StageFit, quality
 from tirefmu.fitting.uncertainty.sandwich import QUANTILE
@@ -166,6 +166,25 @@ def test_a_result_is_shown_in_a_few_lines(side_fit):
     assert "<script" not in page
     assert "\x1b" not in page + repr(replace(result, channels=(hostile,)))
     assert "<td>PKY1</td>" in page
+
+
+def test_a_result_draws_the_fitted_rows_and_the_tire(side_fit):
+    result, recording = side_fit
+    (panel,) = [ax for ax in result.plot().axes if ax.get_ylabel().startswith("Fy")]
+    points = [line for line in panel.get_lines() if line.get_linestyle() == "None"]
+    drawn = np.concatenate([line.get_ydata() for line in points])
+    assert set(np.round(drawn, 6)) <= set(np.round(recording.with_signs("iso").table["Fy"], 6))
+    assert not panel.patches
+    (banded,) = [ax for ax in result.plot(bands=True).axes if ax.get_ylabel().startswith("Fy")]
+    assert banded.patches
+    assert "<img" in result._repr_html_()
+    assert "stiffness" in result.plot("stiffness").get_suptitle().lower()
+    with pytest.raises(UnknownName, match="did you mean stiffness"):
+        result.plot("stifness")
+    empty = replace(result, solution=replace(result.solution, residuals=None))
+    assert "<img" not in empty._repr_html_()
+    with pytest.raises(FitError, match="no fitted rows"):
+        empty.plot()
 
 
 def test_the_stages_report_rows_and_coefficients(side_fit):

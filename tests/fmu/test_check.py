@@ -137,6 +137,21 @@ def test_tolerance_decides(fmu, table):
     assert not check(fmu, data, tolerance=0.99 * share).ok
 
 
+def test_an_exact_fmu_of_a_wrong_tire_is_stated_apart(fmu, table):
+    right = check(fmu, table)
+    assert (right.of_fmu.grade, right.of_tire.grade) == ("good", "good")
+    wrong = check(fmu, table.assign(**{name: 0.6 * table[name] for name in ("Fx", "Fy", "Mz")}))
+    assert wrong.ok
+    assert (wrong.of_fmu.text, wrong.of_tire.grade) == (right.of_fmu.text, "bad")
+    noise = np.random.default_rng(1).normal(0.0, 1.0, len(table))
+    silent = check(fmu, table.assign(Fx=table["Fx"].mean() + noise).drop(columns="Mz").query("kappa == 0"))
+    assert silent.of_tire.grade == "limited" or silent.channels[0].r2 < -1.0
+    assert "Fx" in silent.of_tire.text
+    refused = check(fmu, table.assign(Fy=1.1 * table["Fy"]), tolerance=0.01)
+    assert (refused.of_fmu.grade, refused.of_tire.grade, refused.ok) == ("good", "bad", False)
+    assert "Fy exceeds 0.01" in refused.of_tire.text
+
+
 def test_an_invalid_fmu_is_not_ok(fmus, table, tmp_path):
     files = unzipped(fmus["first", 3])
     files[DESCRIPTION] = re.sub(rb'<InitialUnknown valueReference="7"[^>]*/>', b"", files[DESCRIPTION])

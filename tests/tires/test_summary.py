@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
+import pandas as pd
 import pytest
 
-from tirefmu.boundary.errors import TireError, UnknownName
+from tirefmu.boundary.errors import DataError, TireError, UnknownName
 from tirefmu.tires import PUBLISHED, Tire, published
 
 SIZE = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
@@ -53,6 +55,25 @@ def test_text_of_a_file_is_escaped():
     page = tire._repr_html_()
     assert "<script" not in page
     assert "\x1b" not in shown + page
+
+
+def test_a_tire_is_drawn_over_measured_rows_at_their_loads():
+    tire = published("trento_hoosier")
+    rows = pd.DataFrame({"alpha": np.tile(np.linspace(-0.2, 0.2, 40), 2), "Fz": np.repeat([300.0, 900.0], 40)})
+    rows["Fy"] = tire.in_signs("iso").forces(alpha=rows["alpha"], Fz=rows["Fz"])["Fy"]
+    (panel,) = [ax for ax in tire.plot(rows).axes if ax.get_title().startswith("Fy")]
+    curves, crosses = panel.get_lines()[0:4:2], panel.get_lines()[1:4:2]
+    assert [len(line.get_xdata()) for line in crosses] == [40, 40]
+    for curve, points in zip(curves, crosses, strict=True):
+        on_curve = np.interp(points.get_xdata(), curve.get_xdata(), curve.get_ydata())
+        assert np.allclose(on_curve, points.get_ydata(), atol=2.0)
+    with pytest.raises(DataError, match="alpha"):
+        tire.plot(rows.assign(alpha=10.0 * rows["alpha"] * 57.3))
+
+
+def test_a_notebook_shows_a_picture_of_each_tire_that_can_be_drawn():
+    assert "<img" in published("trento_hoosier")._repr_html_()
+    assert "<img" not in Tire("mf61", SIZE | {"PDX1": 0.0, "PDY1": 0.0}, effects=())._repr_html_()
 
 
 @pytest.mark.parametrize("kind", ["pure", "surfaces", "combined"])

@@ -8,6 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from ...boundary.errors import UnknownName, path_from, writing
+from ...boundary.named_options import named
 from ...boundary.whole_file import write_whole
 from ...drawing.picture import DPI, picture, rendered
 from ..tire_argument import TireLike, tire_from
@@ -18,6 +19,7 @@ FORMATS = ("png", "svg", "pdf")
 _DATELESS = {"png": None, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
 
 
+@named()
 def draw(
     tire: TireLike,
     folder: str | Path,

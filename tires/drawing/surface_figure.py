@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import pandas as pd
 
-from ...boundary.errors import UnknownName
+from ...boundary.errors import TirefmuError, UnknownName
 from ...drawing.labels import axis_label, held_text, letter, note, per_si
 from ...drawing.own_matplotlib import (
     Axes,
@@ -20,7 +21,7 @@ from ...drawing.own_matplotlib import (
     colormaps,
     own_settings,
 )
-from ...drawing.picture import picture, write_note
+from ...drawing.picture import html_image, picture, write_note
 from ..definition import TireDefinition
 from .tire_figures import Sketch, combined, pure, sketched
 
@@ -34,9 +35,14 @@ _MESH = 81  # points of a surface along each slip
 
 
 def plot(
-    tire: TireDefinition, kind: str = "pure", *, loads: Sequence[float] | None = None, signs: str = "iso"
+    tire: TireDefinition,
+    kind: str = "pure",
+    *,
+    loads: Sequence[float] | None = None,
+    signs: str = "iso",
+    points: pd.DataFrame | None = None,
 ) -> MatplotlibFigure:
-    """Return one figure of a tire; `Tire.plot` documents the parameters.
+    """Return one figure of a tire; `Tire.plot` documents the parameters, `points` are measured rows in ISO.
 
     Raises `UnknownName` if the kind or the convention does not exist. Raises `TirefmuError` if a load is not positive,
     or the tire has no force or one that is not finite.
@@ -47,10 +53,18 @@ def plot(
     """
     if kind not in KINDS:
         raise UnknownName("kind of figure", kind, KINDS)
-    sketch = sketched(tire, loads, signs)
+    sketch = sketched(tire, loads, signs, points)
     if kind == "surfaces":
         return surfaces(sketch, sketch.loads[len(sketch.loads) // 2])
     return picture(pure(sketch) if kind == "pure" else combined(sketch))
+
+
+def notebook_figure(tire: TireDefinition) -> str:
+    """Return the curves in pure slip as an image in HTML; empty for a tire that cannot be drawn."""
+    try:
+        return html_image(pure(sketched(tire, None, "iso")))
+    except TirefmuError:
+        return ""
 
 
 @own_settings()

@@ -19,7 +19,7 @@ from ...drawing.labels import axis_label, held_text, letter, level_text, note, p
 from ...drawing.style import BLACK, LIGHT_GRAY, level_styles, some_of
 from ..definition import TireDefinition
 from ..evaluation import Conventions, evaluate
-from ..input_check import checked_inputs
+from ..input_check import SignedTable, checked_inputs, checked_table
 from ..property_file.names import not_measured
 from ..signs import REVERSED, SIGNS, convert_signs
 
@@ -35,6 +35,8 @@ PURE = (("Fx", "kappa"), ("Fy", "alpha"), ("Mz", "alpha"))
 MARKED = (-0.5, -0.2, -0.1, -0.05, 0.05, 0.1, 0.2, 0.5)
 #: Measured rows are drawn at a load and as upright or in pure slip within these limits: a share, rad, 1.
 NEAR_LOAD, NEAR_ZERO = 0.1, {"gamma": radians(0.5), "alpha": radians(0.5), "kappa": 0.01}
+#: Largest number of loads of measured rows that are drawn, and the smallest share of rows of one.
+MAX_LOADS, MIN_LOAD_SHARE = 5, 0.05
 #: Measured rows are drawn within this distance of the pressure of the curves, Pa.
 NEAR_PRESSURE = 3000.0
 #: Crosses of a curve, because more would cover it.
@@ -51,12 +53,14 @@ def sketched(
 ) -> Sketch:
     """Return the common parts of the figures of a tire, or report what cannot be drawn.
 
-    `points` are measured rows in ISO, `kappa` is the drawn range of it, by default that of the tire.
+    `points` are measured rows in ISO; their loads are the default. `kappa` is the drawn range of it, by default that of
+    the tire.
     """
     if signs not in SIGNS:
         raise UnknownName("sign convention", signs, SIGNS)
     measured = None if points is None else convert_signs(points, "iso", signs)
-    given = default_loads(tire) if loads is None else _checked(tire, loads)
+    default = default_loads(tire) if points is None else (measured_loads(points) or default_loads(tire))
+    given = default if loads is None else _checked(tire, loads)
     return Sketch(tire, signs, given, measured, None if kappa is None else _checked_range(kappa))
 
 
@@ -78,6 +82,34 @@ def default_loads(tire: TireDefinition) -> tuple[float, ...]:
     rounded = (float(f"{load:.2g}") for load in even)
     loads = (near if low <= near <= high else load for near, load in zip(rounded, even, strict=True))
     return tuple(dict.fromkeys(loads))
+
+
+def points_of(tire: TireDefinition, data: pd.DataFrame | SignedTable) -> pd.DataFrame:
+    """Return measured rows in ISO; an absent slip has its nominal value. Raises as `checked_table`."""
+    rows, written = checked_table(tire, data, None)
+    absent = {name: 0.0 for name in ("kappa", "alpha") if name not in rows}
+    return convert_signs(rows, written, "iso").assign(**absent)
+
+
+def measured_loads(points: pd.DataFrame) -> tuple[float, ...]:
+    """Return the loads of measured rows, in ascending order: the medians of the most frequent ones.
+
+    >>> measured_loads(pd.DataFrame({"Fz": [698.0, 700.0, 703.0, 221.0, 220.0]}))
+    (220.0, 700.0)
+    """
+    remaining = points["Fz"].abs().to_numpy(dtype=float) if "Fz" in points else np.empty(0)
+    remaining = np.sort(remaining[remaining > 0.0])
+    least, loads = MIN_LOAD_SHARE * len(remaining), list[float]()
+    while len(remaining) and len(loads) < MAX_LOADS:
+        last = np.searchsorted(remaining, remaining * (1.0 + NEAR_LOAD), side="right")
+        counts = last - np.arange(len(remaining))
+        first = int(counts.argmax())
+        if counts[first] < least:
+            break
+        load = float(np.median(remaining[first : last[first]]))
+        loads.append(float(f"{load:.2g}"))
+        remaining = remaining[np.abs(remaining - load) > 2.0 * NEAR_LOAD * load]
+    return tuple(sorted(set(loads)))
 
 
 class Sketch:

@@ -9,7 +9,7 @@ import pytest
 from tirefmu.drawing.style import LIGHT_GRAY
 from tirefmu.measurements import Recording
 from tirefmu.measurements.inspection.figures import inspection_figures
-from tirefmu.measurements.inspection.inspection import inspect
+from tirefmu.measurements.inspection.inspection import inspect, inspected
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,7 @@ def test_drift_within_a_condition():
     clock = np.arange(4000) / 100.0
     alpha = 0.2 * np.sin(2.0 * np.pi * clock / 10.0)
     rows = {"t": clock, "alpha": alpha, "Fz": 900.0, "p": 80e3 + 50.0 * clock, "T": 50.0 + 0.5 * clock, "Fy": -alpha}
-    ((inspection,), _) = inspect([Recording(pd.DataFrame(rows), "iso", "a.csv")])
+    inspection = inspected(Recording(pd.DataFrame(rows), "iso", "a.csv"))
     (condition,) = inspection.conditions
     assert condition.drift == pytest.approx({"p": 0.9 * 40.0 * 50.0, "T": 0.9 * 40.0 * 0.5}, rel=0.01)
 
@@ -66,7 +66,7 @@ def test_a_panel_over_slip_has_one_level_of_the_other_inputs():
         ignore_index=True,
     )
     table["t"], table["Fy"] = 0.01 * np.arange(len(table)), -1000.0 * table["alpha"] + 10.0 * table["part"]
-    ((inspection,), _) = inspect([Recording(table.drop(columns="part"), "iso", "a.csv")])
+    inspection = inspected(Recording(table.drop(columns="part"), "iso", "a.csv"))
     (panel,) = inspection_figures(inspection)[1].panels
     drawn = {series.color: np.sort(series.points[1]) for series in panel.series}
     included = table[inspection.exclusion.included]
