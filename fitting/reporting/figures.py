@@ -156,8 +156,9 @@ def _fitted_recordings(result: FitResult) -> list[Recording]:
         raise NotDrawn("the result has no fitted rows")
     table = residuals.table.drop(columns=["segment"], errors="ignore")
     return [
-        Recording(rows.drop(columns="recording").reset_index(drop=True), "adapted-sae", residuals.sources[int(number)])
-        for number, rows in table.groupby("recording")
+        Recording(rows.drop(columns="recording").reset_index(drop=True), "adapted-sae", source)
+        for number, source in enumerate(residuals.sources)
+        if len(rows := table[table["recording"] == number])
     ]
 
 
