@@ -65,7 +65,7 @@ def reaches(residuals: Residuals, slip: str, channel: str) -> list[Reach]:
         levels = np.unique(np.quantile(load[rows], (np.arange(PARTS) + 0.5) / PARTS))
     nearest = np.abs(load[:, None] - levels).argmin(axis=1)
     size = np.abs(table[slip].to_numpy(dtype=float))
-    rows &= np.isin(nearest, np.unique(nearest[rows & (size >= SWEPT * size[rows].max(initial=0.0))]))
+    rows = rows & np.isin(nearest, np.unique(nearest[rows & (size >= SWEPT * size[rows].max(initial=0.0))]))
     parts = [_reach(residuals, np.asarray(rows & (nearest == k)), slip, channel) for k in range(len(levels))]
     return [reach for reach in parts if reach]
 

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from missing_effects.answers import UNKNOWN, Answer, Case, read_answer, read_cases, write_answer
+from missing_effects.command import main
 from missing_effects.entries import ENTRIES, NEED_EXTRA, answer_of
 from missing_effects.entries.problem import channels_of
 from missing_effects.generator.cases import made
@@ -17,7 +18,6 @@ from missing_effects.generator.systems import SYSTEMS
 from missing_effects.score import calibration_error, outcome, scores, summary
 
 from tirefmu.boundary.errors import DataError, TirefmuError
-from tirefmu.commands.cli import main
 
 
 @pytest.fixture(scope="module")
@@ -187,7 +187,7 @@ def test_an_entry_without_its_packages_names_the_extra(monkeypatch):
     case, _ = case_of("drive", {})
     monkeypatch.setitem(sys.modules, "sklearn.linear_model", None)
     monkeypatch.delitem(sys.modules, "missing_effects.entries.stability", raising=False)
-    with pytest.raises(TirefmuError, match=r"pip install 'tirefmu\[benchmark\]'"):
+    with pytest.raises(TirefmuError, match=r"pip install 'missing-effects\[regressions\]'"):
         answer_of("stability", case)
 
 
@@ -200,15 +200,15 @@ def test_a_method_that_raises_an_error_has_no_answer():
 
 def test_command_writes_recordings_runs_an_entry_and_scores_answers(tmp_path, capsys):
     folder, json_file = tmp_path / "recordings", tmp_path / "score.json"
-    assert main(["benchmark", "-o", str(folder), "--seed", "2", "--quiet"]) == 0
+    assert main(["-o", str(folder), "--seed", "2", "--quiet"]) == 0
     assert len(read_cases(folder)) == 30
     only = ["--only", "system_01,system_02", "--json", str(json_file)]
-    assert main(["benchmark", "-o", str(folder), "--entry", "stepwise", *only]) == 0  # finds the seed by its digest
+    assert main(["-o", str(folder), "--entry", "stepwise", *only]) == 0  # finds the seed by its digest
     first = json.loads(json_file.read_text())["scores"]
-    assert main(["benchmark", "--score", str(folder / "answers" / "stepwise"), "--seed", "2", *only]) == 0
+    assert main(["--score", str(folder / "answers" / "stepwise"), "--seed", "2", *only]) == 0
     assert json.loads(json_file.read_text())["scores"] == first
     assert "systems" in capsys.readouterr().out
-    assert main(["benchmark", "--score", str(folder / "answers" / "stepwise"), "--seed", "2"]) == 2
+    assert main(["--score", str(folder / "answers" / "stepwise"), "--seed", "2"]) == 2
     assert "tire_01.json" in capsys.readouterr().err
-    assert main(["benchmark", "-o", str(folder), "--entry", "stepwise", "--only", "tire_99"]) == 2
+    assert main(["-o", str(folder), "--entry", "stepwise", "--only", "tire_99"]) == 2
     assert "unknown recording 'tire_99'" in capsys.readouterr().err
