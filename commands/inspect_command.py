@@ -21,7 +21,7 @@ from .arguments import (
 )
 
 if TYPE_CHECKING:
-    from ..measurements.files.content import Content
+    from ..measurements.files.columns.content import Content
 
 #: Rows of a table in the terminal; page and JSON have all of them.
 MAX_ROWS = 14
@@ -105,13 +105,13 @@ def _log(path: Path, content: Content, output: Path | None, quiet: bool, json_fi
 
     if output and output.exists():
         raise TirefmuError(f"{output} exists: its numbers would be lost; give another file")
-    found = survey(content, str(path))
+    surveyed = survey(content, str(path))
     if output:
         with writing(output):
-            output.write_text(found.car_text(), encoding="utf-8")
-    columns = [vars(column) for column in found.columns]
-    write_json(json_file, {"ok": True, "log": str(path), "columns": columns, "proposal": found.proposal,
-                           "notes": found.notes, "ignored": content.ignored})  # fmt: skip
+            output.write_text(surveyed.car_text(), encoding="utf-8")
+    columns = [vars(column) for column in surveyed.columns]
+    write_json(json_file, {"ok": True, "log": str(path), "columns": columns, "proposal": surveyed.proposal,
+                           "notes": surveyed.notes, "ignored": content.ignored})  # fmt: skip
     terminal = Terminal(quiet)
     terminal.print(f"verdict: the log of a drive, {len(columns)} columns of numbers")
     header = ["column", "unit", "samples", "Hz", "longest gap (s)", "lowest", "highest", "probably"]
@@ -121,12 +121,12 @@ def _log(path: Path, content: Content, output: Path | None, quiet: bool, json_fi
             f"{column.rate:.4g}" if column.rate else "", f"{column.longest_gap:.3g}" if column.longest_gap else "",
             f"{column.lowest:.4g}", f"{column.highest:.4g}", column.nearest,
         ]
-        for column in found.columns
+        for column in surveyed.columns
     ]  # fmt: skip
     terminal.table("Columns", (header, rows), most=10_000)
     if content.ignored:
         terminal.print(f"not read: {'; '.join(content.ignored)}")
-    terminal.print("proposal for the car file:", *found.section.splitlines())
+    terminal.print("proposal for the car file:", *surveyed.section.splitlines())
     if output:
         terminal.print(f"car file: {output}")
     return 0

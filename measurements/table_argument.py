@@ -14,7 +14,7 @@ from .channels import CHANNELS
 from .checks.columns.limits import check_plausible
 from .checks.rows.incomplete_rows import without_incomplete_rows
 from .column_names import check_names
-from .files.content import Content, frame_columns
+from .files.columns.content import Content, frame_columns
 from .files.reading import read_recording
 from .files.table_recording import check_finite, recording_of
 from .interpretation import Interpretation

@@ -105,7 +105,9 @@ def _doubts(tire: Tire) -> list[Doubt]:
 
 def _accepting(path: str | Path) -> str:
     """Return which hosts accept a file as it is."""
-    accepting = [host for host in HOSTS if not any(found.severity == "error" for found in host_messages(path, host))]
+    accepting = [
+        host for host in HOSTS if not any(message.severity == "error" for message in host_messages(path, host))
+    ]
     others = [host for host in HOSTS if host not in accepting]
     names = ", ".join(accepting) or "none of the known programs"
     return f"accepted as it is by {names}" + (f"; --for {'|'.join(others)} states what others refuse" if others else "")

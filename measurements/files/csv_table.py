@@ -16,8 +16,8 @@ import numpy as np
 import pandas as pd
 
 from ...boundary.errors import DataError
-from .content import Column, Content
-from .layout import SAMPLED, layout
+from .columns.content import Column, Content
+from .columns.layout import SAMPLED, layout
 
 _SEPARATORS = ",;\t"
 #: Upper limits: characters of a line up to the header's end; cells that the rows of a table lack.
@@ -40,9 +40,9 @@ def read_csv(path: Path) -> Content:
     rows = [(line, row) for line, text in sample for _, row in _rows([text], path, line - 1, separator)]
     if not rows:
         raise DataError(f"{path}: the file is empty")
-    found = layout([row for _, row in rows])
-    skipped = rows[found.first - 1][0]
-    names, units = rows[found.names][1], [] if found.units is None else rows[found.units][1]
+    rows_by_use = layout([row for _, row in rows])
+    skipped = rows[rows_by_use.first - 1][0]
+    names, units = rows[rows_by_use.names][1], [] if rows_by_use.units is None else rows[rows_by_use.units][1]
     if captured := [match for name in names if (match := _RACECAPTURE.fullmatch(name.strip()))]:
         names, units = ([match[part] for match in captured] for part in ("name", "unit"))
     table = _body(path, skipped, len(names), separator)
@@ -54,7 +54,7 @@ def read_csv(path: Path) -> Content:
         # A separator at the end of each line makes a column without name and content.
         if name.strip() or table.iloc[:, i].notna().any()
     )
-    titles = [" ".join(" ".join(row).split()) for _, row in rows[: found.names]]
+    titles = [" ".join(" ".join(row).split()) for _, row in rows[: rows_by_use.names]]
     ignored = (f"{len(titles)} lines above the names",) if titles else ()
     return Content(columns, lambda row: f"line {_line(path, skipped, row)}", ignored=ignored)
 

@@ -9,9 +9,9 @@ import pandas as pd
 
 from ...boundary.errors import DataError
 from . import native_reader
-from .cells import is_missing, is_number
-from .content import Column, Content, listed
-from .layout import layout
+from .columns.cells import is_missing, is_number
+from .columns.content import Column, Content, listed
+from .columns.layout import layout
 
 EXTRA = "Excel needs openpyxl, which the extra 'excel' installs: pip install 'tirefmu[excel]'"
 
@@ -29,11 +29,11 @@ def read_excel(path: Path) -> Content:
     name, rows = next(((name, rows) for name, rows in visible if _numbers(rows) > 1), visible[0])
     if not rows:
         raise DataError(f"{path}: no rows")
-    found = layout([cells for _, cells in rows])
-    units = [] if found.units is None else rows[found.units][1]
-    body = rows[found.first :]
+    rows_by_use = layout([cells for _, cells in rows])
+    units = [] if rows_by_use.units is None else rows[rows_by_use.units][1]
+    body = rows[rows_by_use.first :]
     columns = []
-    for i, header in enumerate(rows[found.names][1]):
+    for i, header in enumerate(rows[rows_by_use.names][1]):
         cells = [cells[i] for _, cells in body]
         if header is not None or any(cell is not None for cell in cells):
             unit = str(units[i]).strip(" []()") if units and units[i] is not None else ""

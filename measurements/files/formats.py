@@ -17,7 +17,7 @@ class Format(NamedTuple):
 
 
 _TYDEX = Format("tydex:read_tydex")
-_ROS = Format("logger:read_rosbag")
+_ROS = Format("loggers.logger:read_rosbag")
 #: By extension.
 FORMATS: dict[str, Format] = {
     ".csv": Format("csv_table:read_csv"),
@@ -29,14 +29,14 @@ FORMATS: dict[str, Format] = {
     ".tda": _TYDEX,
     ".tdb": _TYDEX,
     ".tyd": _TYDEX,
-    ".mf4": Format("logger:read_mdf"),
-    ".mdf": Format("logger:read_mdf"),
-    ".tdms": Format("logger:read_tdms"),
-    ".ulg": Format("logger:read_ulog"),
+    ".mf4": Format("loggers.logger:read_mdf"),
+    ".mdf": Format("loggers.logger:read_mdf"),
+    ".tdms": Format("loggers.logger:read_tdms"),
+    ".ulg": Format("loggers.logger:read_ulog"),
     ".bag": _ROS,
     ".db3": _ROS,
     ".mcap": _ROS,
-    ".vbo": Format("vbo:read_vbo"),
+    ".vbo": Format("loggers.vbo:read_vbo"),
 }
 #: Formats that their first bytes show, whatever the extension is.
 MAGIC: dict[bytes, Format] = {b"MDF     ": FORMATS[".mf4"], b"UnFinMF ": FORMATS[".mf4"]}

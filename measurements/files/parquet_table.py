@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ...boundary.errors import DataError
 from . import native_reader
-from .content import Content, frame_columns
+from .columns.content import Content, frame_columns
 
 EXTRA = "Parquet needs pyarrow, which the extra 'parquet' installs: pip install 'tirefmu[parquet]'"
 

@@ -15,7 +15,7 @@ from ...tires.signs import reversed_columns
 from ..checks.rows.incomplete_rows import without_incomplete_rows
 from ..interpretation import Interpretation
 from ..recording import Recording
-from .content import Content, frame_columns
+from .columns.content import Content, frame_columns
 from .formats import FORMATS, reader_of
 from .table_recording import recording_of
 

@@ -14,8 +14,8 @@ from ..column_names import check_names
 from ..interpretation import NOT_READ, Interpretation
 from ..recording import Recording
 from ..thresholds import MAX_INCOMPLETE
-from .content import Content
-from .resolution import DEFINED, Choice, choices, common_clock, ignored_columns
+from .columns.content import Content
+from .columns.resolution import DEFINED, Choice, choices, common_clock, ignored_columns
 from .ttc_channels import as_bench_table, completed, missing_channel
 
 
@@ -48,7 +48,9 @@ def recording_of(
     if content.format == "ttc":
         table, more = completed(content, chosen, table, source)
         table = table.drop(
-            columns=[each for each, column in interpretation.columns.items() if column == NOT_READ and each in table]
+            columns=[
+                channel for channel, column in interpretation.columns.items() if column == NOT_READ and channel in table
+            ]
         )
         about |= more
     return Recording(table, signs or content.signs or "iso", name, about)
@@ -101,7 +103,7 @@ def _check_lengths(values: Mapping[str, FloatArray], chosen: Mapping[str, Choice
     first = "t" if "t" in values else next(iter(values), "")
     for name, column in values.items():
         if len(column) != len(values[first]):
-            headers = [chosen[each].column.header if each in chosen else each for each in (name, first)]
+            headers = [chosen[channel].column.header if channel in chosen else channel for channel in (name, first)]
             raise DataError(
                 f"{source}: channel {headers[0]} has {len(column)} rows, {headers[1]} has {len(values[first])}"
             )

@@ -17,11 +17,11 @@ from ..checks.columns.radii import deflection, median_radius
 from ..column_names import intended_channel
 from ..thresholds import FREE_ROLLING_FORCE, LOWEST_KPA
 from ..units import POUND, to_si, unit_named
-from .cells import numbers
-from .content import Column, Content, name_and_unit
+from .columns.cells import numbers
+from .columns.content import Column, Content, name_and_unit
 
 if TYPE_CHECKING:
-    from .resolution import Choice
+    from .columns.resolution import Choice
 
 #: kappa is read from SL, the slip that is zero at zero FX, and never from SR. N is unusable in many runs and ignored.
 MANDATORY = ("ET", "SA", "IA", "FZ")
@@ -136,8 +136,8 @@ def missing_channel(content: Content, chosen: Collection[str], source: str) -> N
     for field in fields:
         intended = None if field.upper() in _BENCH_NAMES else intended_channel(field)
         if intended and intended not in chosen and CHANNELS[intended].bench_names:
-            known = ", ".join(sorted(_BENCH_NAMES))
-            hint = f"did you mean {CHANNELS[intended].bench_names[0]}? Channels of one are {known}"
+            bench_names = ", ".join(sorted(_BENCH_NAMES))
+            hint = f"did you mean {CHANNELS[intended].bench_names[0]}? Channels of one are {bench_names}"
             raise DataError(f"{source}: channel {field!r} is not one of a bench file: {hint}")
 
 
@@ -166,14 +166,14 @@ def _radii(columns: Sequence[Column], chosen: Mapping[str, Choice], table: pd.Da
 
     With the radius at zero load and the vertical stiffness, where the loaded radius falls over a varying load.
     """
-    found = {name_and_unit(column.header)[0].casefold(): column for column in columns}
+    by_name = {name_and_unit(column.header)[0].casefold(): column for column in columns}
     radii: dict[str, FloatArray] = {}
     try:
-        if "rl" in found:
+        if "rl" in by_name:
             length = "in" if unit_named(chosen["Fz"].unit).factor == POUND else "cm"
-            radii["loaded radius"] = to_si(_numbers(found["rl"]), found["rl"].declared_unit or length, "length")
-        if "V" in table and "n" in found and len(found["n"].cells) == len(table):
-            rotation = to_si(_numbers(found["n"]), found["n"].declared_unit or "rpm", "rotation")
+            radii["loaded radius"] = to_si(_numbers(by_name["rl"]), by_name["rl"].declared_unit or length, "length")
+        if "V" in table and "n" in by_name and len(by_name["n"].cells) == len(table):
+            rotation = to_si(_numbers(by_name["n"]), by_name["n"].declared_unit or "rpm", "rotation")
             with np.errstate(divide="ignore", invalid="ignore"):
                 radii["wheel speed"] = np.abs(table["V"].to_numpy() / rotation)
     except TirefmuError:  # in a unit that is not known: no channel of the contract depends on it

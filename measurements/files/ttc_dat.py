@@ -6,8 +6,8 @@ import re
 from pathlib import Path
 
 from ...boundary.errors import DataError
-from .cells import is_number, rows_of_cells
-from .content import Column, Content
+from .columns.cells import is_number, rows_of_cells
+from .columns.content import Column, Content
 from .ttc_channels import bench_content, has_bench_names
 
 _TITLE_LINES = 20  # upper limit; the names of the channels are in the second line or shortly after

@@ -12,8 +12,8 @@ import pandas as pd
 
 from ...boundary.errors import DataError
 from . import native_reader
-from .cells import numbers
-from .content import Column, Content, frame_columns, listed
+from .columns.cells import numbers
+from .columns.content import Column, Content, frame_columns, listed
 from .ttc_channels import bench_content, has_bench_names
 
 EXTRA = "mat-io, which the extra 'matlab' installs: pip install 'tirefmu[matlab]'"

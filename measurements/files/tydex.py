@@ -12,8 +12,8 @@ import numpy as np
 
 from ...boundary.errors import DataError
 from ...numerics.arrays import FloatArray
-from .cells import is_number, numbers, rows_of_cells
-from .content import Column, Content, is_unit
+from .columns.cells import is_number, numbers, rows_of_cells
+from .columns.content import Column, Content, is_unit
 
 #: TYDEX names by contract name, the preferred one first. H axes are parallel to the W axes (contact point) on a flat
 #: road: their forces are equal. Their moments need the loaded radius and are not read.

@@ -12,9 +12,9 @@ import pandas as pd
 
 from ....boundary.errors import DataError, WrongType
 from ....boundary.escaping import quoted
-from ....measurements.files.content import Content, frame_columns
+from ....measurements.files.columns.content import Content, frame_columns
+from ....measurements.files.columns.resolution import Choice, choices, ignored_columns
 from ....measurements.files.reading import read_content
-from ....measurements.files.resolution import Choice, choices, ignored_columns
 from .clock import clock_problem
 from .log_channels import LOG_CHANNELS, WHEEL_SPEEDS
 from .survey import nearest_column

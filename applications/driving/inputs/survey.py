@@ -14,9 +14,9 @@ from ....boundary.errors import TirefmuError
 from ....boundary.escaping import toml_string
 from ....measurements.channels import OUTPUTS
 from ....measurements.column_names import intended_channel
-from ....measurements.files.cells import numbers
-from ....measurements.files.content import Column, Content, is_unit, name_and_unit
-from ....measurements.files.resolution import choices
+from ....measurements.files.columns.cells import numbers
+from ....measurements.files.columns.content import Column, Content, is_unit, name_and_unit
+from ....measurements.files.columns.resolution import choices
 from ....measurements.units import GRAVITY, to_si, unit_named
 from .car_entries import example_text
 from .clock import TRIED, clock_problem
@@ -128,15 +128,15 @@ def survey(content: Content, source: str) -> Survey:
     best: dict[str, tuple[int, int]] = {}
     for column in content.columns:
         times = column.times if column.times is not None else clock
-        found = _numbers(column, content, source)
-        if found is None or (times is not None and len(found) != len(times)):
+        data = _numbers(column, content, source)
+        if data is None or (times is not None and len(data) != len(times)):
             continue
         rank, near = _nearest(column)
-        rows.append(_surveyed(column, found, times, near))
-        present = found[np.isfinite(found)]
+        rows.append(_surveyed(column, data, times, near))
+        present = data[np.isfinite(data)]
         fit = rank + (len(present) == 0 or np.ptp(present) == 0.0), -len(present)
         if near not in ("", "t") and fit < best.get(near, (2, 0)):
-            best[near], values[near] = fit, (column, found, times)
+            best[near], values[near] = fit, (column, data, times)
     down = content.down or _points_down(content, source)
     if down:
         why = "by the definition of the format" if content.down else "the vertical acceleration is -g"
@@ -144,9 +144,9 @@ def survey(content: Content, source: str) -> Survey:
     proposal = {"t": clock_text} if clock_text else {}
     for name in LOG_CHANNELS:
         if name in values:
-            column, found, _ = values[name]
+            column, data, _ = values[name]
             sign = "-" if down and name in TURNED else ""
-            proposal[name] = f"{sign}{_text(column, name, found)}"
+            proposal[name] = f"{sign}{_text(column, name, data)}"
     notes += _agreed(proposal, values)
     changed = {name: text for name, text in proposal.items() if text != name}
     return Survey(tuple(rows), changed, tuple(notes))

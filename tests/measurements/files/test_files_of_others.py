@@ -12,8 +12,8 @@ import pytest
 from tirefmu.applications.driving.inputs.log import read_log
 from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.measurements import read_recording
-from tirefmu.measurements.files.cells import numbers
-from tirefmu.measurements.files.content import row_number
+from tirefmu.measurements.files.columns.cells import numbers
+from tirefmu.measurements.files.columns.content import row_number
 
 #: By channel of a bench: spellings of its unit with the number of units in one SI unit.
 BENCH = {

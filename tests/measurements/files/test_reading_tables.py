@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tirefmu.boundary.errors import DataError, TirefmuError, UnknownName
 from tirefmu.measurements import Recording, read_recording, recording_from, write_table
-from tirefmu.measurements.files.content import MAX_COLUMNS
+from tirefmu.measurements.files.columns.content import MAX_COLUMNS
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 

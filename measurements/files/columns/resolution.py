@@ -8,11 +8,11 @@ from typing import Protocol
 
 import numpy as np
 
-from ...boundary.errors import DataError, TirefmuError, UnknownName, nearest
-from ...boundary.escaping import quoted
-from ...numerics.arrays import FloatArray
-from ..interpretation import NOT_READ
-from ..units import to_si
+from ....boundary.errors import DataError, TirefmuError, UnknownName, nearest
+from ....boundary.escaping import quoted
+from ....numerics.arrays import FloatArray
+from ...interpretation import NOT_READ
+from ...units import to_si
 from .cells import numbers
 from .content import MAX_COLUMNS, Column, Content, is_unit, listed, name_and_unit
 
@@ -105,11 +105,17 @@ def choices(
         if matches:
             column = matches[0]
             stated = bool(unit) or wanted == name
-            known = unit or column.declared_unit
-            if wanted is not None and not unit and not column.unit and not is_unit(known):
-                known = ""  # the brackets of a header that is named whole may be an index
+            text_of_unit = unit or column.declared_unit
+            if wanted is not None and not unit and not column.unit and not is_unit(text_of_unit):
+                text_of_unit = ""  # the brackets of a header that is named whole may be an index
             chosen[name] = Choice(
-                name, declared.quantity, column, sign, known or content.units.get(name, ""), bool(known), stated
+                name,
+                declared.quantity,
+                column,
+                sign,
+                text_of_unit or content.units.get(name, ""),
+                bool(text_of_unit),
+                stated,
             )
     for name in units:
         if name not in chosen:

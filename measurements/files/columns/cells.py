@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ...boundary.errors import DataError
-from ...numerics.arrays import FloatArray
+from ....boundary.errors import DataError
+from ....numerics.arrays import FloatArray
 
 DAY = 86400.0
 #: Texts of loggers and benches in place of a value, in lower case without blanks and punctuation.

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
-from ...boundary.errors import DataError
-from . import native_reader
-from .content import Column, Content, listed, masked
+from ....boundary.errors import DataError
+from .. import native_reader
+from ..columns.content import Column, Content, listed, masked
 
 #: By loader: what it reads, the package that it needs, and the extra that installs it.
 PACKAGES = {

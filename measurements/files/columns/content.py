@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ...boundary.errors import TirefmuError
-from ...numerics.arrays import FloatArray
-from ..units import UNITS, unit_named
+from ....boundary.errors import TirefmuError
+from ....numerics.arrays import FloatArray
+from ...units import UNITS, unit_named
 
 #: Upper limits: columns of a table, characters of a header that may declare a unit.
 MAX_COLUMNS, LONGEST_HEADER = 5000, 200

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ...boundary.errors import DataError
-from ...numerics.arrays import FloatArray
-from .cells import DAY, numbers, rows_of_cells
-from .content import Column, Content
+from ....boundary.errors import DataError
+from ....numerics.arrays import FloatArray
+from ..columns.cells import DAY, numbers, rows_of_cells
+from ..columns.content import Column, Content
 
 #: Names of ``[header]`` that end with their unit: "velocity kmh".
 _UNIT = re.compile(r"(?P<name>.+?) (?P<unit>kmh|km/h|mph|kts|knots|ms|m/s)", re.IGNORECASE)

@@ -1,0 +1,1 @@
+"""The columns of a file as stored, and what they are: names, units, signs, times and validity."""
