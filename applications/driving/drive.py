@@ -17,7 +17,7 @@ from ...tires.tire_argument import TireLike
 from .disagreement import disagreement
 from .effects import Missing, factor_values, motion_of, scaled
 from .estimate import Estimate, estimated
-from .factors import CERTAIN, Factor, believed, factors_of, scaled_tires
+from .factors import CERTAIN, Factor, believed, factors_of, scaled_tires, withheld
 from .inputs.car import Car, read_car
 from .inputs.grid import Grid, forward_speed, gridded, spinning, unwrapped
 from .inputs.log import Log, LogLike, read_log
@@ -137,6 +137,10 @@ def _answer(
     common = answer.grid, answer.estimate, unknowns, car
     certain = _certain(parts, delivered, factors, contradiction) if answer.estimate.converged else frozenset()
     factors = believed(factors, certain)
+    if contradiction.certain:
+        factors = withheld(factors, "the drive contradicts the car file")
+    elif not answer.estimate.converged:
+        factors = withheld(factors, "the estimate did not converge")
     predicted = left_out(parts, of_base, tires, delivered) if parts and of_base else None
     before = simulated(*common, tires, z=0.0 * answer.estimate.z, fmus=fmus)
     after = simulated(*common, new, z=answer.estimate.z, fmus=fmus)

@@ -101,6 +101,17 @@ def believed(
     }
 
 
+def withheld(factors: Mapping[str, Mapping[str, Factor]], reason: str) -> dict[str, dict[str, Factor]]:
+    """Return the factors, none of which the drive determines, for one more reason.
+
+    An interval is one about the model of the car: where that is wrong, or is not at its optimum, it says nothing.
+    """
+    return {
+        axle: {name: replace(factor, determined=False, reason=factor.reason or reason) for name, factor in row.items()}
+        for axle, row in factors.items()
+    }
+
+
 def used_share(estimate: Estimate, axle: str, tire: Tire, friction: float) -> FloatArray:
     """Return the side force over its peak for a friction factor, shape (n,)."""
     Fy, Fz = (estimate.outputs.values[:, OUTPUTS.index(f"{name}_{axle}")] for name in ("Fy", "Fz"))

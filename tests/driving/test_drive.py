@@ -18,7 +18,7 @@ from tirefmu.applications.driving import simulation
 from tirefmu.applications.driving.dynamics.lagging import behind_lags
 from tirefmu.applications.driving.effects import effect_columns, factor_values, motion_of
 from tirefmu.applications.driving.estimate import estimated
-from tirefmu.applications.driving.factors import scaled_tires
+from tirefmu.applications.driving.factors import scaled_tires, withheld
 from tirefmu.applications.driving.inputs.car import Car
 from tirefmu.applications.driving.interval import interval_of
 from tirefmu.applications.driving.report import write_drive
@@ -106,6 +106,15 @@ def test_a_joint_deviation_is_one_although_no_entry_alone_is(answer):
     assert wrong.degrees_of_freedom == n
     assert wrong.certain
     assert not right.certain
+
+
+def test_where_the_car_is_wrong_no_factor_is_determined(answer):
+    for axle, row in withheld(answer.factors, "another car").items():
+        for name, factor in row.items():
+            assert not factor.determined
+            assert not factor.differs
+            assert factor.reason == (answer.factors[axle][name].reason or "another car")
+            assert factor.value == answer.factors[axle][name].value
 
 
 def test_a_delay_is_estimated(answer):
@@ -232,8 +241,11 @@ def test_a_wrong_car_is_no_finding_of_a_tire(tire):
     logs, _ = road.made_drives([SAME], ["step"], [True], seed=3, seconds=14.0)
     content = road.car_content()
     content["steering"]["ratio"] *= 1.06
-    verdict = tirefmu.drive(logs[0], vehicle=Car.from_content(content, "car.toml"), tire=tire).verdict
+    answer = tirefmu.drive(logs[0], vehicle=Car.from_content(content, "car.toml"), tire=tire)
+    verdict = answer.verdict
     assert not verdict.tires
+    determined = [factor.determined for row in answer.factors.values() for factor in row.values()]
+    assert not (verdict.contradiction.certain and any(determined))
     assert {finding.name for finding in verdict.car} <= {"ratio"}
 
 
