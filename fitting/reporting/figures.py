@@ -20,7 +20,7 @@ from ...measurements.checks.recordings.coverage import Coverage
 from ...tires import TireLike
 from ...tires.tire import Tire
 from ..evidence.curves import CurveFamily, MeasuredCurves, compare
-from ..results.fit_result import FitResult
+from ..results.fitted import Fitted
 from ..results.intervals import band as confidence_band
 from ..results.records import quality
 from .load_figures import BANDS, data_text, friction_over_load, stiffness_over_load
@@ -35,7 +35,7 @@ BEYOND_PEAK = 2.5
 
 
 def draw_figures(
-    tire: TireLike | FitResult,
+    tire: TireLike | Fitted,
     recordings: TableLike | Iterable[TableLike],
     folder: str | Path,
     *,
@@ -85,7 +85,7 @@ def draw_figures(
 
 
 def figures_of(
-    tire: TireLike | FitResult,
+    tire: TireLike | Fitted,
     recordings: TableLike | Iterable[TableLike],
     *,
     truth: Tire | None = None,
@@ -96,8 +96,8 @@ def figures_of(
     `tire`, `recordings`, `truth`, `signs`: as for `draw_figures`. Raises `FitError` if there is no recording. Raises
     `DataError` if a recording has no measured output.
     """
-    fitted = tire if isinstance(tire, FitResult) and len(tire.solution.covariance) else None
-    comparison = compare(tire.tire if isinstance(tire, FitResult) else tire, recordings, signs)
+    fitted = tire if isinstance(tire, Fitted) and len(tire.solution.covariance) else None
+    comparison = compare(tire.tire if isinstance(tire, Fitted) else tire, recordings, signs)
     families = [
         ("pure_Fx", "Pure longitudinal force", comparison.pure("Fx", "kappa")),
         ("pure_Fy", "Pure side force", comparison.pure("Fy", "alpha")),
@@ -115,14 +115,14 @@ def figures_of(
         ),
         _residuals(comparison),
         temperature_over_time(tire.tire, tire.temperature, recordings_from(recordings))
-        if isinstance(tire, FitResult) and tire.temperature
+        if isinstance(tire, Fitted) and tire.temperature
         else None,
     ]
     return [figure for figure in drawn if figure]
 
 
 def _families(
-    comparison: MeasuredCurves, families: Sequence[CurveFamily], name: str, title: str, fitted: FitResult | None
+    comparison: MeasuredCurves, families: Sequence[CurveFamily], name: str, title: str, fitted: Fitted | None
 ) -> Figure:
     """One panel for each family: measured points and curves of the tire."""
     rows = pd.concat([group.rows for family in families for group in family.groups])
@@ -133,13 +133,13 @@ def _families(
     return Figure(name, title, in_rows(panels), note(comparison.signs, text, data_text(comparison, rows)))
 
 
-def _peaks(fitted: FitResult, channel: str) -> Iterable[Coverage]:
+def _peaks(fitted: Fitted, channel: str) -> Iterable[Coverage]:
     """Return whether the data of a fit determine the peak friction of a channel; empty if it has none."""
     coverage = fitted.findings.coverage
     return (c for c in coverage if (c.characteristic, c.channel) == ("peak friction", channel))
 
 
-def _family_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: FitResult | None, unreached: bool) -> Panel:
+def _family_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: Fitted | None, unreached: bool) -> Panel:
     signs, channel, slip = comparison.signs, family.channel, family.slip
     points, lines = [], []
     for group, style in zip(family.groups, level_styles(len(family.groups), family.by), strict=True):
