@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 from .cross_validation import assign_folds, cross_validate
 from .evidence.diagnostics import Findings
 from .fit import fit
+from .fit_result import FitResult
 from .options import FitOptions
 from .problem.recipe import RECIPES, load_recipe
-from .results.fit_result import FitResult
 from .results.records import HeldOut
 
 __all__ = [

@@ -21,8 +21,8 @@ from ..numerics.arrays import FloatArray, IntArray
 from ..tires.code import fastest_code
 from ..tires.tire import Tire
 from .fit import fit
+from .fit_result import FitResult
 from .problem.rows import Rows
-from .results.fit_result import FitResult
 from .results.records import HeldOut
 from .temperature.selection import settings_of_forces
 

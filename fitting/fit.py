@@ -12,11 +12,11 @@ from ..boundary.named_options import named
 from ..measurements import TableLike, check_columns, recordings_from
 from ..numerics.one_thread import one_blas_thread
 from ..tires import TireLike
+from .fit_result import FitResult
 from .fit_run import FitRun
 from .options import FitOptions
 from .resampling.bounds import with_consequences
 from .resampling.second_solutions import with_second_solutions
-from .results.fit_result import FitResult
 from .setup import Plan, Setup
 from .solvers.interruption import Interruption, Progress
 from .temperature.selection import forces_alone, temperature_column, with_temperature

@@ -22,6 +22,7 @@ from .constraints.verification import VerifiedConstraints
 from .data.simulated_states import with_states
 from .evidence.coverage import coverage
 from .evidence.residuals import Residuals
+from .fit_result import FitResult
 from .problem.effective_weights import effective_weights
 from .problem.ellipse import ellipse_values
 from .problem.influence import generic, influence, typical_size
@@ -29,7 +30,6 @@ from .problem.recipe import Freed, Stage
 from .problem.rows import Rows
 from .problem.weighted_residuals import Problem, coefficients_by_output
 from .problem.weights import emphasis, equal_weights, limits_of, noise_weights
-from .results.fit_result import FitResult
 from .results.goodness_of_fit import channel_fits
 from .results.records import FitRecord, FittedCoefficient, StageFit
 from .results.solved_stage import Ended, FitSolution, SolvedStage

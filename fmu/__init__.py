@@ -1,4 +1,4 @@
-"""Tires as FMUs and STI libraries: native export for FMI 2.0 and 3.0, simulation, and comparison with data.
+"""Tires as FMUs: native export for FMI 2.0 and 3.0, simulation, and comparison with data.
 
 The names are loaded on first access: an export needs neither pandas nor fmpy.
 """
@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from .comparison.check import check
     from .comparison.result import CheckedChannel, CheckResult, WorstPoint
     from .packaging.export import export
-    from .packaging.sti import export_sti
     from .packaging.system import export_parameters, export_system
     from .proof.repetition import ProofResult, repeat_proof
     from .proof.writing import add_proof
@@ -28,7 +27,6 @@ _ON_DEMAND = {
     "check": "comparison.check",
     "export": "packaging.export",
     "export_parameters": "packaging.system",
-    "export_sti": "packaging.sti",
     "export_system": "packaging.system",
     "repeat_proof": "proof.repetition",
 }
@@ -42,7 +40,6 @@ __all__ = [
     "check",
     "export",
     "export_parameters",
-    "export_sti",
     "export_system",
     "repeat_proof",
 ]  # fmt: skip

@@ -22,7 +22,7 @@ from ...tires.drawing.tire_figures import PURE
 from ...tires.signs import SIGNS
 from ...tires.tire import Tire
 from ..evidence.curves import CurveFamily, MeasuredCurves, compare
-from ..results.fit_result import FitResult
+from ..results.fitted import Fitted
 from ..results.intervals import band as confidence_band
 from ..results.records import quality
 from .load_figures import BANDS, data_text, friction_over_load, stiffness_over_load
@@ -37,7 +37,7 @@ BEYOND_PEAK = 2.5
 
 
 def draw_figures(
-    tire: TireLike | FitResult,
+    tire: TireLike | Fitted,
     recordings: TableLike | Iterable[TableLike],
     folder: str | Path,
     *,
@@ -87,7 +87,7 @@ def draw_figures(
 
 
 def figures_of(
-    tire: TireLike | FitResult,
+    tire: TireLike | Fitted,
     recordings: TableLike | Iterable[TableLike],
     *,
     truth: Tire | None = None,
@@ -98,8 +98,8 @@ def figures_of(
     `tire`, `recordings`, `truth`, `signs`: as for `draw_figures`. Raises `FitError` if there is no recording. Raises
     `DataError` if a recording has no measured output.
     """
-    fitted = tire if isinstance(tire, FitResult) and len(tire.solution.covariance) else None
-    comparison = compare(tire.tire if isinstance(tire, FitResult) else tire, recordings, signs)
+    fitted = tire if isinstance(tire, Fitted) and len(tire.solution.covariance) else None
+    comparison = compare(tire.tire if isinstance(tire, Fitted) else tire, recordings, signs)
     families = [
         ("pure_Fx", "Pure longitudinal force", comparison.pure("Fx", "kappa")),
         ("pure_Fy", "Pure side force", comparison.pure("Fy", "alpha")),
@@ -117,7 +117,7 @@ def figures_of(
         ),
         _residuals(comparison),
         temperature_over_time(tire.tire, tire.temperature, recordings_from(recordings))
-        if isinstance(tire, FitResult) and tire.temperature
+        if isinstance(tire, Fitted) and tire.temperature
         else None,
     ]
     return [figure for figure in drawn if figure]
@@ -127,7 +127,7 @@ class NotDrawn(FitError):
     """A fit without rows that can be drawn."""
 
 
-def figure_of_fit(result: FitResult, kind: str = "pure", *, bands: bool = False, signs: str = "iso") -> Figure:
+def figure_of_fit(result: Fitted, kind: str = "pure", *, bands: bool = False, signs: str = "iso") -> Figure:
     """Return a figure of the fitted rows and the tire; `FitResult.plot` documents the parameters.
 
     Raises `UnknownName` for a kind that does not exist or has no data, `NotDrawn` for a fit without such rows.
@@ -149,7 +149,7 @@ def figure_of_fit(result: FitResult, kind: str = "pure", *, bands: bool = False,
     return figures[kind]
 
 
-def _fitted_recordings(result: FitResult) -> list[Recording]:
+def _fitted_recordings(result: Fitted) -> list[Recording]:
     """Return the fitted rows of each recording."""
     residuals = result.solution.residuals
     if residuals is None:
@@ -163,7 +163,7 @@ def _fitted_recordings(result: FitResult) -> list[Recording]:
 
 
 def _families(
-    comparison: MeasuredCurves, families: Sequence[CurveFamily], name: str, title: str, fitted: FitResult | None
+    comparison: MeasuredCurves, families: Sequence[CurveFamily], name: str, title: str, fitted: Fitted | None
 ) -> Figure:
     """One panel for each family: measured points and curves of the tire."""
     rows = pd.concat([group.rows for family in families for group in family.groups])
@@ -174,13 +174,13 @@ def _families(
     return Figure(name, title, in_rows(panels), note(comparison.signs, text, data_text(comparison, rows)))
 
 
-def _peaks(fitted: FitResult, channel: str) -> Iterable[Coverage]:
+def _peaks(fitted: Fitted, channel: str) -> Iterable[Coverage]:
     """Return whether the data of a fit determine the peak friction of a channel; empty if it has none."""
     coverage = fitted.findings.coverage
     return (c for c in coverage if (c.characteristic, c.channel) == ("peak friction", channel))
 
 
-def _family_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: FitResult | None, unreached: bool) -> Panel:
+def _family_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: Fitted | None, unreached: bool) -> Panel:
     signs, channel, slip = comparison.signs, family.channel, family.slip
     points, lines = [], []
     for group, style in zip(family.groups, level_styles(len(family.groups), family.by), strict=True):

@@ -20,7 +20,7 @@ from ...tires.tire import Tire
 from ..evidence.characteristics import Characteristic
 from ..evidence.curves import CurveFamily, Group, MeasuredCurves
 from ..evidence.slip_stiffness import SlipStiffness
-from ..results.fit_result import FitResult
+from ..results.fitted import Fitted
 from ..results.intervals import band as confidence_band
 
 #: Recordings listed below a figure.
@@ -50,7 +50,7 @@ def data_text(comparison: MeasuredCurves, rows: pd.DataFrame) -> str:
     return f"{text}; inflation pressure {', '.join(held) or span} kPa"
 
 
-def stiffness_over_load(comparison: MeasuredCurves, truth: Tire | None, fitted: FitResult | None) -> Figure | None:
+def stiffness_over_load(comparison: MeasuredCurves, truth: Tire | None, fitted: Fitted | None) -> Figure | None:
     """Slip stiffnesses over load with slopes read from the data, and slopes over slip."""
     model = comparison.tire.symbolic_model
     panels: list[Panel] = []
@@ -79,7 +79,7 @@ def stiffness_over_load(comparison: MeasuredCurves, truth: Tire | None, fitted: 
 
 
 def _stiffness_panel(
-    comparison: MeasuredCurves, family: CurveFamily, quantity: str, truth: Tire | None, fitted: FitResult | None
+    comparison: MeasuredCurves, family: CurveFamily, quantity: str, truth: Tire | None, fitted: Fitted | None
 ) -> Panel:
     sign, scale = float(np.sign(family.groups[0].level)), per_si(family.slip)
     measured = [abs(group.level) for group in family.groups]
@@ -156,7 +156,7 @@ def _read(loads: npt.ArrayLike, values: npt.ArrayLike, label: str) -> Series:
     return Series("points", loads, values, RED, label, marker="o", size=6.0)
 
 
-def friction_over_load(comparison: MeasuredCurves, fitted: FitResult | None) -> Figure | None:
+def friction_over_load(comparison: MeasuredCurves, fitted: Fitted | None) -> Figure | None:
     """Largest force over load within the measured slip range, of the data and of the tire."""
     families = [*comparison.pure("Fx", "kappa")[:1], *comparison.pure("Fy", "alpha")[:1]]
     if not families:
@@ -172,7 +172,7 @@ def friction_over_load(comparison: MeasuredCurves, fitted: FitResult | None) -> 
     return Figure("friction", "Friction", in_rows(panels), text)
 
 
-def _friction_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: FitResult | None) -> Panel:
+def _friction_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: Fitted | None) -> Panel:
     channel, slip = family.channel, family.slip
     measured = [(abs(group.level), largest_friction(group, family)) for group in family.groups]
     rows = pd.concat([group.rows for group in family.groups])

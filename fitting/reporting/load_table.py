@@ -14,7 +14,7 @@ import numpy as np
 from ..evidence.characteristics import Characteristic
 from ..evidence.diagnostics import Findings
 from ..evidence.slip_stiffness import FORCES, SlipStiffness
-from ..results.fit_result import FitResult
+from ..results.fitted import Fitted
 
 #: Loads of different readings that belong together, relative difference.
 SAME_LOAD = 0.08
@@ -76,7 +76,7 @@ def stiffness_by_load(findings: Findings) -> Iterator[tuple[str, str, float, Spr
             yield recording, channel, load, spread
 
 
-def load_rows(result: FitResult) -> Iterator[LoadRow]:
+def load_rows(result: Fitted) -> Iterator[LoadRow]:
     """Yield each force of each recording at each measured load; nothing with one load."""
     findings = result.findings
     for c in result.channels:

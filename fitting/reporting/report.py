@@ -16,8 +16,9 @@ from ...measurements import Finding, TableLike, recordings_from
 from ...measurements.provenance import provenance
 from ...numerics.ties import graded
 from ..evidence.residuals import condition_text
-from ..results.fit_result import FitResult
+from ..results.fitted import Fitted
 from ..results.intervals import listed_intervals
+from ..results.verdict import verdict_of
 from .figures import figures_of
 from .load_table import load_rows, stiffness_by_load
 from .report_text import (
@@ -41,7 +42,7 @@ OVERVIEW = {
 
 
 def write_report(
-    result: FitResult,
+    result: Fitted,
     recordings: TableLike | Iterable[TableLike],
     path: str | Path,
     figures: Sequence[Figure] | None = None,
@@ -81,7 +82,7 @@ def write_report(
 
 
 def report_page(
-    result: FitResult, figures: Sequence[Figure], origin: Sequence[tuple[str, str]] = (),
+    result: Fitted, figures: Sequence[Figure], origin: Sequence[tuple[str, str]] = (),
     findings: Sequence[Finding] = (),
 ) -> str:  # fmt: skip
     """Return the page's text.
@@ -97,8 +98,8 @@ def report_page(
     errors = [(c.recording, c.channel, worst_text(result, c.recording, c.channel)) for c in result.channels]
     largest = [error for error in errors if error[2]]
     return page_text(
-        "tirefmu.fitting.reporting", filters, result=result, overview=overview(figures), figures=figures,
-        loads=list(load_rows(result)), stiffnesses=list(stiffness_by_load(result.findings)),
+        "tirefmu.fitting.reporting", filters, result=result, verdict=verdict_of(result), overview=overview(figures),
+        figures=figures, loads=list(load_rows(result)), stiffnesses=list(stiffness_by_load(result.findings)),
         consequences={bound.name: bound.text() for bound in result.bounds},
         largest=largest, findings=findings,
         differences=significant_differences(result), significant=SIGNIFICANT,

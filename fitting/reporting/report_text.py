@@ -11,7 +11,7 @@ from ..constraints.verification import Margin
 from ..evidence.consistency import Disagreement
 from ..evidence.residuals import condition_text
 from ..evidence.ripple import Ripple
-from ..results.fit_result import FitResult
+from ..results.fitted import Fitted
 from ..results.resampled import Bootstrap
 
 #: Number of standard deviations above which a difference within the data is reported.
@@ -36,7 +36,7 @@ def interval_text(half: float) -> str:
     return "not identifiable" if isinf(half) else f"{half:.3g}" if isfinite(half) else ""
 
 
-def bootstrap_text(result: FitResult, name: str) -> str:
+def bootstrap_text(result: Fitted, name: str) -> str:
     """Return the percentile interval of a coefficient; empty if it has none."""
     interval = result.bootstrap.interval(name) if result.bootstrap else None
     return f"{interval.lower:.5g} to {interval.upper:.5g}" if interval and isfinite(interval.lower) else ""
@@ -51,7 +51,7 @@ def bootstrap_summary(bootstrap: Bootstrap) -> str:
     )
 
 
-def worst_text(result: FitResult, recording: str, channel: str) -> str:
+def worst_text(result: Fitted, recording: str, channel: str) -> str:
     """Return the largest error of a channel and its operating condition; empty for a single operating condition."""
     worst = result.findings.worst(recording, channel)
     unit = next((c.unit for c in result.channels if (c.recording, c.channel) == (recording, channel)), "")
@@ -71,7 +71,7 @@ def constraint_rows(margins: Sequence[Margin]) -> list[ConstraintRow]:
     return lines + [ConstraintRow(margin.constraint, margin, None) for margin in beyond.values()]
 
 
-def extrapolation_text(result: FitResult) -> str:
+def extrapolation_text(result: Fitted) -> str:
     """Return the extrapolated range in which constraints are enforced, or that there is none."""
     far = [margin.at for margin in result.margins if margin.name.startswith("extrapolation:")]
     if not far:
@@ -80,7 +80,7 @@ def extrapolation_text(result: FitResult) -> str:
     return f"extrapolated range: slips up to {REACH:g} times, {loads}"
 
 
-def significant_differences(result: FitResult) -> list[Disagreement]:
+def significant_differences(result: Fitted) -> list[Disagreement]:
     """Return the significant differences within the data: between files, then sweeps, then segments."""
     findings = result.findings
     return [

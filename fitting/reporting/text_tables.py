@@ -10,7 +10,7 @@ from rich.table import Table
 from ...boundary.terminal_table import plain_table
 
 if TYPE_CHECKING:
-    from .. import FitResult
+    from ..results.fitted import Fitted
     from ..results.verdict import Verdict
 
 #: Rows of a table of evidence that are printed without --all.
@@ -24,7 +24,7 @@ def verdict_lines(verdict: Verdict) -> Iterator[str]:
         yield f"  - {reason}"
 
 
-def fit_lines(result: FitResult, every: bool = True) -> Iterator[Table | str]:
+def fit_lines(result: Fitted, every: bool = True) -> Iterator[Table | str]:
     """Yield the tables and lines of a fit after its verdict, in order; without `every` what needs attention."""
     from .report_text import bootstrap_summary, extrapolation_text, ripple_texts
 
@@ -56,7 +56,7 @@ def fit_lines(result: FitResult, every: bool = True) -> Iterator[Table | str]:
         yield "--all lists every coefficient, constraint and stage"
 
 
-def _coefficients(result: FitResult, every: bool) -> Iterator[Table | str]:
+def _coefficients(result: Fitted, every: bool) -> Iterator[Table | str]:
     """Yield the coefficients; without `every` those at a bound or not determined, and those with further intervals."""
     from .report_text import bootstrap_text, interval_text
 
@@ -91,7 +91,7 @@ def _coefficients(result: FitResult, every: bool) -> Iterator[Table | str]:
         yield f"{others} coefficients are determined and not at a bound"
 
 
-def _channels(result: FitResult) -> Table:
+def _channels(result: Fitted) -> Table:
     from .report_text import interval_text, worst_text
 
     table = plain_table(
@@ -107,7 +107,7 @@ def _channels(result: FitResult) -> Table:
     return table
 
 
-def _held_out(result: FitResult) -> Table:
+def _held_out(result: Fitted) -> Table:
     table = plain_table(
         "recording",
         "channel",
@@ -124,7 +124,7 @@ def _held_out(result: FitResult) -> Table:
     return table
 
 
-def _stiffnesses(result: FitResult) -> Table:
+def _stiffnesses(result: Fitted) -> Table:
     from .load_table import stiffness_by_load
 
     table = plain_table(
@@ -137,7 +137,7 @@ def _stiffnesses(result: FitResult) -> Table:
     return table
 
 
-def _stages(result: FitResult) -> Table:
+def _stages(result: Fitted) -> Table:
     table = plain_table(
         "stage", "rows", "free", "iterations", "R2 uncentred", "", title=f"Stages of recipe {result.run.recipe}"
     )
@@ -147,7 +147,7 @@ def _stages(result: FitResult) -> Table:
     return table
 
 
-def _margins(result: FitResult, every: bool) -> Iterator[Table | str]:
+def _margins(result: Fitted, every: bool) -> Iterator[Table | str]:
     """Yield the constraints; without `every` those that are violated."""
     from ..evidence.residuals import condition_text
     from .report_text import constraint_rows
@@ -172,7 +172,7 @@ def _margins(result: FitResult, every: bool) -> Iterator[Table | str]:
         yield f"{satisfied} physical constraints are satisfied over the operating range"
 
 
-def _differences(result: FitResult, every: bool) -> Iterator[Table | str]:
+def _differences(result: Fitted, every: bool) -> Iterator[Table | str]:
     """Yield the differences between data of equal conditions; without `every` the first ones, files before sweeps."""
     from ..evidence.residuals import condition_text
     from .report_text import significant_differences

@@ -24,8 +24,8 @@ from ...measurements import Recording, group_by_condition, phases
 from ...measurements.operating_conditions.levels import MAX_LEVELS
 from ...numerics.arrays import FloatArray, IntArray
 from ..constraints.constraint_functions import ConstraintFunctions
+from ..fit_result import FitResult
 from ..problem.slope_targets import SlopeTarget
-from ..results.fit_result import FitResult
 from ..results.resampled import Bootstrap, BootstrapInterval
 from ..results.solved_stage import SolvedStage
 from ..solvers.convergence import STEP_TOLERANCE

@@ -14,8 +14,8 @@ import numpy as np
 from ...numerics.arrays import FloatArray
 from ...tires.code import fastest_code
 from ..constraints.constraint_functions import ConstraintFunctions
+from ..fit_result import FitResult
 from ..problem.weighted_residuals import Problem
-from ..results.fit_result import FitResult
 from ..results.records import BoundConsequence
 from ..results.solved_stage import SolvedStage
 from .near_solution import cost_of_a_row, sampled, solve_near

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ...numerics.ties import graded
 from ..constraints.constraint_functions import ConstraintFunctions
-from ..results.fit_result import FitResult
+from ..fit_result import FitResult
 from ..results.solved_stage import SolvedStage
 from ..solvers.other_roots import other_roots
 from ..uncertainty.sandwich import QUANTILE

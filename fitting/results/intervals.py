@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, TypedDict
+from typing import TypedDict
 
 import numpy as np
 import pandas as pd
@@ -12,28 +12,18 @@ from scipy.special import ndtri
 from ...boundary.errors import FitError
 from ...measurements import TableLike, recording_from
 from ...numerics.arrays import FloatArray
-from ...numerics.ties import graded
-from ...tires.code import fastest_code
 from ...tires.signs import convert_signs
 from ...tires.tire import Tire
-from ..evidence.characteristics import Characteristic
-from ..evidence.read_errors import READING_ERROR, ReadErrors
-from ..evidence.slip_stiffness import SlipStiffness
+from ..evidence.read_errors import ReadErrors
 from ..problem.rows import inputs_of
-from ..uncertainty.discrepancy import Discrepancy
 from ..uncertainty.sensitivities import sensitivities
+from .fitted import Fitted
+from .informed_discrepancies import OVER_SLIP, medians, place, readings
 
-if TYPE_CHECKING:
-    from .fit_result import FitResult
-
-
-#: Roles of the quantities over load, and the forces over their own slip.
+#: Roles of the quantities over load.
 OVER_LOAD = ("stiffness_x", "stiffness_y", "friction_x", "friction_y")
-OVER_SLIP = {"Fx": "kappa", "Fy": "alpha"}
 #: Number of loads, if they have no levels, and of slips of the listed intervals.
 LOADS, SLIPS = 5, 9
-#: Slips among which the peak of a force is found, for the error of the form at the peak.
-PEAK_SLIPS = tuple(np.linspace(0.02, 0.3, 15).tolist())
 
 
 class ListedInterval(TypedDict):
@@ -47,7 +37,7 @@ class ListedInterval(TypedDict):
 
 
 def interval(
-    result: FitResult, quantity: str, table: TableLike, *, signs: str | None = None, level: float = 0.95
+    result: Fitted, quantity: str, table: TableLike, *, signs: str | None = None, level: float = 0.95
 ) -> pd.DataFrame:
     """Return a force or a named quantity at the rows of a table with its confidence interval.
 
@@ -65,7 +55,7 @@ def interval(
     return band(result, quantity, recording.table, recording.signs, level)
 
 
-def band(result: FitResult, quantity: str, table: pd.DataFrame, signs: str, level: float = 0.95) -> pd.DataFrame:
+def band(result: Fitted, quantity: str, table: pd.DataFrame, signs: str, level: float = 0.95) -> pd.DataFrame:
     """Return the same as `interval` for a table of the program itself, without checks.
 
     `signs`: convention of the table.
@@ -90,7 +80,7 @@ def band(result: FitResult, quantity: str, table: pd.DataFrame, signs: str, leve
 
 
 def _form_variance(
-    result: FitResult, tire: Tire, quantity: str, inputs: FloatArray, value: FloatArray, slopes: pd.DataFrame
+    result: Fitted, tire: Tire, quantity: str, inputs: FloatArray, value: FloatArray, slopes: pd.DataFrame
 ) -> FloatArray:
     """Return what errors of the form add to the variance, which has what they do to the coefficients.
 
@@ -101,7 +91,7 @@ def _form_variance(
     read = _read_errors(result, quantity) if result.solution.discrepancies else None
     for discrepancy, informed in zip(result.solution.discrepancies, result.discrepancies, strict=True):
         by_name = slopes[list(discrepancy.names)].to_numpy()
-        at = _place(tire, quantity, discrepancy.channel, inputs) if discrepancy.final else None
+        at = place(tire, quantity, discrepancy.channel, inputs) if discrepancy.final else None
         if read is not None:
             added -= np.einsum("ni,ij,nj->n", by_name, discrepancy.covariance, by_name)
         elif at is not None:
@@ -112,90 +102,20 @@ def _form_variance(
     return added
 
 
-def _read_errors(result: FitResult, quantity: str) -> ReadErrors | None:
+def _read_errors(result: Fitted, quantity: str) -> ReadErrors | None:
     """Return the errors of a stiffness or friction in the conditions in which it was read; None for others."""
     model = result.tire.symbolic_model
     roles = {model.quantity(role): role for role in OVER_LOAD if role in model.roles}
     if quantity not in roles:
         return None
     kind, channel = roles[quantity].split("_")[0], f"F{roles[quantity][-1]}"
-    readings = _readings(result, kind, channel)
-    conditions = pd.DataFrame([{**reading.at, "Fz": reading.load} for reading in readings])
-    deviations = [reading.error / reading.read for reading in readings]
-    return ReadErrors.of(conditions, [reading.off for reading in readings], deviations)
+    shown = readings(result.findings, kind, channel)
+    conditions = pd.DataFrame([{**reading.at, "Fz": reading.load} for reading in shown])
+    deviations = [reading.error / reading.read for reading in shown]
+    return ReadErrors.of(conditions, [reading.off for reading in shown], deviations)
 
 
-def _readings(result: FitResult, kind: str, channel: str) -> list[Characteristic] | list[SlipStiffness]:
-    """Return the slip stiffnesses or peak frictions of a channel that are read from the data."""
-    findings = result.findings
-    if kind == "stiffness":
-        return [s for s in findings.stiffnesses if s.channel == channel and np.isfinite(s.error)]
-    frictions = (c for c in findings.characteristics if c.quantity == "peak friction" and c.shown)
-    return [c for c in frictions if c.channel == channel and np.isfinite(c.error)]
-
-
-def informed_discrepancies(result: FitResult) -> tuple[Discrepancy, ...]:
-    """Return the errors of the form with what slip stiffnesses and peaks that are read from the data say of them."""
-    return tuple(
-        _informed(result, discrepancy) if discrepancy.final and discrepancy.channel in OVER_SLIP else discrepancy
-        for discrepancy in result.solution.discrepancies
-    )
-
-
-def _informed(result: FitResult, discrepancy: Discrepancy) -> Discrepancy:
-    evidence, channel = result.solution.residuals, discrepancy.channel
-    if evidence is None:
-        return discrepancy
-    tire = result.tire.in_signs("adapted-sae")
-    for kind in ("stiffness", "friction"):
-        quantity = tire.symbolic_model.quantity(f"{kind}_{channel[-1]}")
-        readings = _readings(result, kind, channel)
-        if not readings or not quantity:
-            continue
-        table = pd.DataFrame(
-            [{**_medians(evidence.table, tire), **reading.at, "Fz": reading.load} for reading in readings]
-        )
-        inputs = inputs_of(table, tire)
-        value, slopes, names = sensitivities(tire, quantity, inputs)
-        at = _place(tire, quantity, channel, inputs)
-        if at is None:
-            continue
-        by_name = pd.DataFrame(slopes.T, columns=names).reindex(columns=list(discrepancy.names), fill_value=0.0)
-        off = np.array([reading.off for reading in readings])
-        deviation = np.hypot([reading.error / reading.read for reading in readings], READING_ERROR)
-        rows = [tire.inputs.index(name) for name in discrepancy.features.names]
-        discrepancy = discrepancy.informed(
-            by_name.to_numpy().T / value, np.ones(len(readings)), at[rows], off, deviation
-        )
-    return discrepancy
-
-
-def _medians(table: pd.DataFrame, tire: Tire) -> dict[str, float]:
-    """Return the medians of the held inputs."""
-    return {n: float(table[n].median()) for n in tire.inputs if n in table and n not in ("kappa", "alpha", "Fz")}
-
-
-def _place(tire: Tire, quantity: str, channel: str, inputs: FloatArray) -> FloatArray | None:
-    """Return the inputs at which a channel determines a quantity that is proportional to it; None for others."""
-    if quantity == channel:
-        return inputs
-    model, slip, axis = tire.symbolic_model, {"Fx": "kappa", "Fy": "alpha"}.get(channel), channel[-1:]
-    roles = {model.quantity(f"{kind}_{axis}"): kind for kind in ("stiffness", "friction") if slip}
-    if slip is None or quantity not in roles:
-        return None
-    at, slip_row = inputs.copy(), tire.inputs.index(slip)
-    at[[tire.inputs.index("kappa"), tire.inputs.index("alpha")]] = 0.0
-    if roles[quantity] == "friction":
-        forces = []
-        for value in PEAK_SLIPS:
-            at[slip_row] = value
-            computed = fastest_code(model).forces(tire.effective_inputs(at), tire.parameters())
-            forces.append(np.abs(computed[tire.outputs.index(channel)]))
-        at[slip_row] = np.array(PEAK_SLIPS)[np.argmax(graded(forces), axis=0)]
-    return at
-
-
-def listed_intervals(result: FitResult) -> Iterator[ListedInterval]:
+def listed_intervals(result: Fitted) -> Iterator[ListedInterval]:
     """Yield the 95 % intervals over the measured range: by load, and of the forces by load and slip, in ISO.
 
     Yields: none without fitted rows or covariance.
@@ -206,7 +126,7 @@ def listed_intervals(result: FitResult) -> Iterator[ListedInterval]:
     table = convert_signs(evidence.table, "adapted-sae", "iso")
     tested = evidence.levels.get("Fz", ())
     loads = np.array(tested) if tested else np.linspace(table["Fz"].min(), table["Fz"].max(), LOADS)
-    held = _medians(table, result.tire)
+    held = medians(table, result.tire)
     for role in OVER_LOAD:
         if role in model.roles and f"F{role[-1]}" in evidence.channels:
             rows = pd.DataFrame({"Fz": loads}).assign(**held)
@@ -218,7 +138,7 @@ def listed_intervals(result: FitResult) -> Iterator[ListedInterval]:
             yield from _records(result, force, rows, ("Fz", slip))
 
 
-def _records(result: FitResult, quantity: str, rows: pd.DataFrame, varied: tuple[str, ...]) -> Iterator[ListedInterval]:
+def _records(result: Fitted, quantity: str, rows: pd.DataFrame, varied: tuple[str, ...]) -> Iterator[ListedInterval]:
     intervals = band(result, quantity, rows, "iso")
     for (_, at), (_, row) in zip(rows.iterrows(), intervals.iterrows(), strict=True):
         yield {

@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ...boundary.escaping import excerpt, visible
 from ...tires.notebook import html_details, html_summary, html_table
-
-if TYPE_CHECKING:
-    from .fit_result import FitResult
+from .fitted import Fitted
+from .verdict import Verdict
 
 #: Longest name of a recording, in characters, and largest number of channels that are listed.
 LONGEST_NAME, MAX_CHANNELS = 40, 12
 
 
-def fit_text(result: FitResult) -> str:
+def fit_text(result: Fitted, verdict: Verdict) -> str:
     """Return status and goodness of fit in a few lines."""
     effects = len(result.tire.has)
     name = f" {excerpt(result.tire.name, LONGEST_NAME)!r}" if result.tire.name else ""
     recipe = visible(result.run.recipe)
     lines = [
         f"FitResult{name}: {result.tire.model} with {effects} effects, recipe {recipe}: {visible(result.status)}",
-        f"  {result.verdict.word}{''.join(f'; {visible(reason)}' for reason in result.verdict.reasons[:1])}",
+        f"  {verdict.word}{''.join(f'; {visible(reason)}' for reason in verdict.reasons[:1])}",
         f"  {len(result.coefficients)} coefficients fitted, in {result.signs} signs; {result.run.seconds:.1f} s",
     ]
     for c in result.channels[:MAX_CHANNELS]:
@@ -38,9 +35,9 @@ def fit_text(result: FitResult) -> str:
     return "\n".join(lines)
 
 
-def fit_html(result: FitResult) -> str:
+def fit_html(result: Fitted, verdict: Verdict) -> str:
     """Return the same as HTML, with the coefficients."""
     header = ["coefficient", "value", "+- (95 %)", "lower", "upper", "unit", "stage"]
     rows = [(c.name, c.value, c.interval, c.lower, c.upper, c.unit, c.stage) for c in result.coefficients]
     table = html_details(f"Coefficients ({result.signs} signs)", html_table(header, rows))
-    return html_summary(fit_text(result), table)
+    return html_summary(fit_text(result, verdict), table)

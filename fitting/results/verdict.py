@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,10 +22,8 @@ from ..evidence.diagnostics import Findings
 from ..evidence.residuals import Residuals, condition_text
 from ..evidence.slip_stiffness import SlipStiffness
 from ..uncertainty.discrepancy import Discrepancy
+from .fitted import Fitted
 from .records import ChannelFit
-
-if TYPE_CHECKING:
-    from .fit_result import FitResult
 
 GOOD, LIMITED, UNUSABLE = "good", "usable with limits", "not usable"
 #: The forces, without which a tire is not usable.
@@ -77,7 +74,7 @@ class Verdict:
         return self.word != UNUSABLE
 
 
-def verdict_of(result: FitResult) -> Verdict:
+def verdict_of(result: Fitted) -> Verdict:
     """Return the verdict on a fit."""
     wrong = [] if result.ok else [result.status]
     poor = [c for c in result.channels if c.channel in FORCES and c.fitted_r2 < POOR_R2]
@@ -125,7 +122,7 @@ def _wrong_data(channels: Sequence[ChannelFit]) -> Iterator[str]:
             yield floor_reason(c)
 
 
-def _unsteady(result: FitResult) -> Iterator[str]:
+def _unsteady(result: Fitted) -> Iterator[str]:
     """Yield that the forces change over time by more than a tire does; a fit hides a part of it in its coefficients.
 
     The residual has to confirm it: where a form is far off, its error over the inputs is an error over time as well.
@@ -190,7 +187,7 @@ def floor_reason(c: ChannelFit) -> str:
     )
 
 
-def _structure(result: FitResult) -> Iterator[str]:
+def _structure(result: Fitted) -> Iterator[str]:
     """Yield the errors of the form that are significant in channels whose error is near the noise floor."""
     discrepancies = result.solution.discrepancies
     far = {c.channel for c in result.channels if lacks_something(c)}
@@ -232,7 +229,7 @@ def _discontinuity_reason(d: Discontinuity) -> str:
     return f"{d.channel} of the tire {size} at {where}"
 
 
-def _few_rows(result: FitResult, rows_per_coefficient: int) -> Iterator[str]:
+def _few_rows(result: Fitted, rows_per_coefficient: int) -> Iterator[str]:
     """Yield that there are fewer rows than a multiple of the coefficients."""
     evidence, count = result.solution.residuals, sum(c.determined for c in result.coefficients)
     if evidence is not None and len(evidence.table) < rows_per_coefficient * count:
@@ -273,13 +270,13 @@ def _place(read: Characteristic | SlipStiffness) -> str:
     return condition_text(read.at) if read.at else f"{read.load:.0f} N"
 
 
-def _missing_forces(result: FitResult) -> Iterator[str]:
+def _missing_forces(result: Fitted) -> Iterator[str]:
     fitted = {c.channel for c in result.channels}
     for force in (name for name in FORCES if name in result.tire.outputs and name not in fitted):
         yield f"{force} is not fitted: no measured values vary with {EXCITED_BY[force][0]}"
 
 
-def _unknown_radius(result: FitResult) -> Iterator[str]:
+def _unknown_radius(result: Fitted) -> Iterator[str]:
     """Yield that moments were fitted with an assumed radius, by which their coefficients are divided."""
     moments = [c.channel for c in result.channels if c.channel not in FORCES]
     if moments and "UNLOADED_RADIUS" in not_given(result.tire):
@@ -291,7 +288,7 @@ def _unknown_radius(result: FitResult) -> Iterator[str]:
         )
 
 
-def _not_imposed(result: FitResult) -> Iterator[str]:
+def _not_imposed(result: Fitted) -> Iterator[str]:
     """Yield the default constraints on fitted channels that the fit did not enforce."""
     fitted, imposed = {c.channel for c in result.channels}, {margin.name for margin in result.margins}
     declared = chosen_constraints(result.tire.model)
@@ -304,13 +301,13 @@ def _not_imposed(result: FitResult) -> Iterator[str]:
         yield f"physical constraints not imposed: {_listed(missing)}"
 
 
-def _second_solution(result: FitResult) -> Iterator[str]:
+def _second_solution(result: Fitted) -> Iterator[str]:
     values = [f"{c.name} {c.value:.3g} or {c.other:.3g}" for c in result.coefficients if c.other is not None]
     if values:
         yield f"two solutions fit equally well: {_listed(values)}"
 
 
-def _at_bounds(result: FitResult) -> Iterator[str]:
+def _at_bounds(result: Fitted) -> Iterator[str]:
     names = [c.name for c in result.coefficients if c.at_bound]
     harmless = {bound.name for bound in result.bounds if bound.matters is False}
     bounds = {bound.name: bound for bound in result.bounds}
@@ -321,7 +318,7 @@ def _at_bounds(result: FitResult) -> Iterator[str]:
         yield f"{len(unknown)} of {len(result.coefficients)} coefficients at bounds: {_listed(unknown)}"
 
 
-def _excluded(result: FitResult) -> Iterator[str]:
+def _excluded(result: Fitted) -> Iterator[str]:
     for recording in dict.fromkeys(rows.recording for rows in result.excluded_rows):
         excluded = [rows for rows in result.excluded_rows if rows.recording == recording]
         share = sum(rows.rows for rows in excluded) / excluded[0].of

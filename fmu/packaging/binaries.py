@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from importlib.resources import files
 from pathlib import Path
@@ -22,7 +22,7 @@ from ...tires.code.compiler import (
 )
 from .cross_compiler import FOLDERS_2, PLATFORMS, has_ziglang, universal, ziglang
 from .model_code import model_files
-from .sources import BUILT_IN, STI, STI_TIRE, VALUES, WRAPPER
+from .sources import BUILT_IN, VALUES, WRAPPER
 
 #: FMI 3's names of the systems, by sys.platform.
 SYSTEMS = {"linux": "linux", "darwin": "darwin", "win32": "windows"}
@@ -42,9 +42,6 @@ RARE = frozenset(
         "instance.c", "life_cycle.c", "saved_state.c",
     }
 )  # fmt: skip
-#: The headers that are written for one tire, in a folder of their own; the files that include one of them.
-OF_ONE_TIRE = (VALUES, STI_TIRE)
-READS_ONE_TIRE = (BUILT_IN, *STI)
 #: The files of one version of the standard.
 VERSIONED = frozenset(file for names in WRAPPER.values() for file in names)
 #: On Windows the system's libraries and windows.c replace the C runtime that zig would link into each binary.
@@ -157,11 +154,18 @@ def binaries(
     return packed
 
 
-def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: CrossCompiler | None = None) -> bytes:
+def binary(
+    sources: Mapping[str, bytes],
+    model: str,
+    include: Path,
+    cross: CrossCompiler | None = None,
+    tire_files: Collection[str] = (),
+) -> bytes:
     """Return the bytes of one shared library.
 
-    `sources`, `model`, `include`: as in `binaries`. `cross`: none for this machine. Raises `FmuError` if there is no
-    compiler, or it fails; the message has its errors.
+    `sources`, `model`, `include`: as in `binaries`. `cross`: none for this machine. `tire_files`: the sources for one
+    tire, beside its values; a header of them is in a separate folder. Raises `FmuError` if there is no compiler, or it
+    fails; the message has its errors.
     """
     generated = [file for file in model_files(model) if file in sources]
     wrapper_files = sorted(file for file in sources if file.endswith(".c") and file not in generated)
@@ -170,7 +174,9 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
         folder, of_tire = Path(name), Path(name) / "tire"
         of_tire.mkdir()
         for file, content in sources.items():
-            (of_tire if file in OF_ONE_TIRE else folder).joinpath(file).write_bytes(content)
+            (of_tire if file in (VALUES, *tire_files) and file.endswith(".h") else folder).joinpath(file).write_bytes(
+                content
+            )
         header = folder / f"{model}.h"
         try:
             compiled = [
@@ -193,7 +199,7 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
 
             objects: dict[Path, Path] = {}
             if cross is None:  # what does not depend on the tire is compiled once for tires of the same structure
-                shared = [part for part in parts if part.name not in READS_ONE_TIRE]
+                shared = [part for part in parts if part.name not in (BUILT_IN, *tire_files)]
                 for versioned in (True, False):  # and for both versions of the standard
                     group = [part for part in shared if (part.name in VERSIONED) == versioned]
                     objects |= compiled_objects("fmu", group, headers=common, include=[folder, include], flags=FLAGS)
@@ -218,16 +224,16 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
         return library.read_bytes()
 
 
-def host_binary(sources: Mapping[str, bytes], model: str, include: Path) -> bytes:
+def host_binary(sources: Mapping[str, bytes], model: str, include: Path, tire_files: Collection[str] = ()) -> bytes:
     """Return the bytes of this machine's library, built by ziglang if there is no other compiler.
 
-    `sources`, `model`, `include`: as in `binaries`. Raises `FmuError`: as `binary`.
+    `sources`, `model`, `include`: as in `binaries`. `tire_files`: as in `binary`. Raises `FmuError`: as `binary`.
     """
     try:
-        return binary(sources, model, include)
+        return binary(sources, model, include, None, tire_files)
     except FmuError as error:
         if not isinstance(error.__cause__, NoCompilerError):
             raise
         if has_ziglang() and host_platform() in PLATFORMS:
-            return binary(sources, model, include, ziglang(host_platform()))
+            return binary(sources, model, include, ziglang(host_platform()), tire_files)
         raise FmuError(f"{error}, or the package's extra: pip install 'tirefmu[cross]'") from error.__cause__

@@ -12,9 +12,8 @@ from ..description.model_description import xml_bytes
 from .model_code import model_files, split_code
 from .written_headers import model_config, tire_values
 
-#: The translation units of the wrapper, by FMI version; those of the Standard Tyre Interface.
+#: The translation units of the wrapper, by FMI version; those of both.
 WRAPPER = {2: ("fmi2.c",), 3: ("fmi3.c", "fmi3_not_offered.c", "arrays.c")}
-STI = ("sti.c", "sti_entries.c")
 COMMON = (
     "values.c", "outputs.c", "instance.c", "life_cycle.c", "access.c", "stepping.c", "derivatives.c", "changes.c",
     "tangents.c", "chain_rule.c", "events.c", "continuous.c", "saved_state.c",
@@ -32,7 +31,6 @@ HEADERS = (
 CONFIG, VALUES = "model_config.h", "tire_values.h"
 #: The headers of the model with the radii of a wheel, of which hub inputs need both.
 ROLLING_RADIUS, LOADED_RADIUS = "rolling_radius.h", "loaded_radius.h"
-STI_HEADER, STI_TIRE = "sti.h", "sti_tire.h"
 #: The source of the tire's values: compiled for one tire, or read from a file of the FMU.
 BUILT_IN, FROM_FILE = "built_in_tire.c", "tire_file.c"
 #: The source that opens files of the FMU.
@@ -53,23 +51,13 @@ def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
     >>> c_files(2, interface(published("trento_hoosier")))[-4:]
     ('saved_state.c', 'slip_inputs.c', 'mf96.c', 'mf96_quantities.c')
     """
-    return (*WRAPPER[fmi], BUILT_IN, *_common_files(shown))
+    return (*WRAPPER[fmi], BUILT_IN, *common_files(shown))
 
 
-def _common_files(shown: Interface) -> tuple[str, ...]:
+def common_files(shown: Interface) -> tuple[str, ...]:
     """Return the C files that do not depend on the FMI version."""
     states = (*((LAGGING,) if shown.lags else ()), *(("memory.c",) if shown.memory else ()))
     return (*COMMON, *CONTACT[shown.inputs], *states, *model_files(shown.tire.model))
-
-
-def sti_sources(shown: Interface, tire_header: str) -> dict[str, bytes]:
-    """Return every source file of a library with the Standard Tyre Interface.
-
-    `shown`: with hub inputs. `tire_header`: content of sti_tire.h. The result is by file name.
-    """
-    code = code_files((*STI, STI_HEADER, BUILT_IN, *_common_files(shown)), shown)
-    written = {CONFIG: model_config(shown), VALUES: tire_values(shown, ""), STI_TIRE: tire_header}
-    return {**code, **{name: text.encode() for name, text in written.items()}}
 
 
 def generic_files(shown: Interface) -> tuple[str, ...]:
@@ -80,7 +68,7 @@ def generic_files(shown: Interface) -> tuple[str, ...]:
     >>> generic_files(interface(published("trento_hoosier")))[:4]
     ('fmi2.c', 'fmi3.c', 'fmi3_not_offered.c', 'arrays.c')
     """
-    return (*(file for files in WRAPPER.values() for file in files), FROM_FILE, RESOURCE, *_common_files(shown))
+    return (*(file for files in WRAPPER.values() for file in files), FROM_FILE, RESOURCE, *common_files(shown))
 
 
 def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:

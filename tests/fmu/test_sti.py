@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from tirefmu.applications.sti.library import export_sti
 from tirefmu.boundary.errors import FmuError
 from tirefmu.commands.cli import main
-from tirefmu.fmu.packaging.sti import export_sti
 from tirefmu.symbolic.wheel.quantities import CARRIER, WRENCH
 from tirefmu.tires.code.compiler import suffix
 from tirefmu.tires.hub import wheel_motion

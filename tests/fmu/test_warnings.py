@@ -12,13 +12,13 @@ from importlib.resources import files
 
 import pytest
 
+from tirefmu.applications.sti.library import export_sti
 from tirefmu.fmu import export
 from tirefmu.fmu.description.interface import INPUTS
 from tirefmu.fmu.packaging import binaries
 from tirefmu.fmu.packaging.export import fmi_headers
 from tirefmu.fmu.packaging.model_code import model_files
 from tirefmu.fmu.packaging.prebuilding import every_generic
-from tirefmu.fmu.packaging.sti import export_sti
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 
@@ -107,5 +107,6 @@ def test_no_program_has_a_warning(exported, tmp_path, program, model):
         ]  # fmt: skip
         assert_no_warning(program, sources, names, folder)
         compiled |= {(name, sources[name]) for name in names}
-    wrapper = {file.name for file in (files("tirefmu.fmu") / "wrapper").iterdir() if file.name.endswith(".c")}
+    folders = (files("tirefmu.fmu") / "wrapper", files("tirefmu.applications.sti"))
+    wrapper = {file.name for folder in folders for file in folder.iterdir() if file.name.endswith(".c")}
     assert wrapper - {name for name, _ in compiled} == {"windows.c"}  # which needs the headers of Windows

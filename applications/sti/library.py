@@ -8,20 +8,24 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
+from importlib.resources import files
 from pathlib import Path
 
 from ...boundary.errors import FmuError, path_from
 from ...boundary.escaping import c_string
+from ...fmu.description.hub_variables import known_value
+from ...fmu.description.interface import Interface, interface
+from ...fmu.packaging.binaries import SYSTEMS, binary, chosen_platforms, host_binary, host_platform
+from ...fmu.packaging.cross_compiler import PLATFORMS, ziglang
+from ...fmu.packaging.export import fmi_headers, write_file
+from ...fmu.packaging.sources import BUILT_IN, CONFIG, VALUES, code_files, common_files
+from ...fmu.packaging.written_headers import model_config, tire_values
 from ...symbolic.printers.definitions import comment
 from ...tires import Tire, TireLike, tire_from
 from ...tires.code.compiler import suffix
-from ..description.hub_variables import known_value
-from ..description.interface import interface
-from .binaries import SYSTEMS, binary, chosen_platforms, host_binary, host_platform
-from .cross_compiler import PLATFORMS, ziglang
-from .export import fmi_headers, write_file
-from .sources import sti_sources
 
+#: The subroutines and their header, beside this module; the header that is written for a tire.
+OWN, HEADER = ("sti.c", "sti_entries.c", "sti.h"), "sti_tire.h"
 #: Texts of the interface have 256 characters with their end.
 _LONGEST_TITLE = 200
 
@@ -76,14 +80,24 @@ def export_sti(
     requested, target = chosen_platforms(platforms), path_from(path)
     platform = _platform(requested, target)
     iso = tire_from(tire).in_signs("iso")
-    shown = interface(iso, inputs="hub")
-    sources = sti_sources(shown, tire_header(iso))
+    sources, tire_files = library_sources(interface(iso, inputs="hub"), tire_header(iso)), (*OWN, HEADER)
     include = fmi_headers()
     if platform == host_platform():
-        write_file(target, host_binary(sources, iso.model, include))
+        write_file(target, host_binary(sources, iso.model, include, tire_files))
     else:
-        write_file(target, binary(sources, iso.model, include, ziglang(platform)))
+        write_file(target, binary(sources, iso.model, include, ziglang(platform), tire_files))
     return target
+
+
+def library_sources(shown: Interface, tire_header: str) -> dict[str, bytes]:
+    """Return every source file of a library, by name.
+
+    `shown`: with hub inputs. `tire_header`: content of sti_tire.h.
+    """
+    texts = {name: (files(__package__) / name).read_bytes() for name in OWN}
+    written = {CONFIG: model_config(shown), VALUES: tire_values(shown, ""), HEADER: tire_header}
+    shared = code_files((BUILT_IN, *common_files(shown)), shown)
+    return {**texts, **shared, **{name: text.encode() for name, text in written.items()}}
 
 
 def tire_header(tire: Tire) -> str:
