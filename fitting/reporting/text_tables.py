@@ -34,12 +34,14 @@ def short_fit_lines(result: FitResult) -> Iterator[Table | str]:
     """Yield the first screen of a fit: verdict, most important reasons and warnings, goodness of fit, what is left."""
     from .report_text import bootstrap_summary
 
-    reasons, serious = result.verdict.reasons, [finding for finding in result.data_findings if finding.serious]
+    reasons, findings = result.verdict.reasons, result.data_findings
+    shown = sorted((f for f in findings if f.serious or f.effects), key=lambda finding: not finding.serious)[:FEW]
     yield f"verdict: {result.verdict.word}"
     for reason in reasons[:FEW]:
         yield f"  - {shortened(reason, LONGEST_REASON)}"
-    for finding in serious[:FEW]:
-        yield f"warning: {replace(finding, text=shortened(finding.text, LONGEST_REASON))}"
+    for finding in shown:
+        short = replace(finding, text=shortened(finding.text, LONGEST_REASON))  # the command remains whole
+        yield f"{'warning' if finding.serious else 'note'}: {short}"
     yield _short_channels(result)
     determined = sum(c.determined and not c.at_bound for c in result.coefficients)
     yield f"{determined} of {len(result.coefficients)} coefficients are determined and not at a bound"
@@ -49,9 +51,10 @@ def short_fit_lines(result: FitResult) -> Iterator[Table | str]:
     if result.temperature:
         yield result.temperature.text()
     yield f"fit {result.status} ({result.run.method}), {result.run.seconds:.1f} s"
-    notes = len(result.data_findings) - len(serious) + len(result.excluded_rows) + len(result.notes)
+    left_out = [finding.serious for finding in findings if finding not in shown]
+    notes = left_out.count(False) + len(result.excluded_rows) + len(result.notes)
     counts = {
-        "reasons": len(reasons[FEW:]), "warnings": len(serious[FEW:]),
+        "reasons": len(reasons[FEW:]), "warnings": left_out.count(True),
         "channels": len(result.channels[MOST_CHANNELS:]), "notes": notes,
     }  # fmt: skip
     further = "".join(f"; further {what}: {count}" for what, count in counts.items() if count)
