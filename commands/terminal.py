@@ -117,15 +117,13 @@ class Terminal:
                 self.print(f"note: {finding}")
 
     def fit_result(self, result: FitResult, every: bool = False) -> None:
-        """Print a fit: verdict, findings about the data, goodness of fit, what is not determined, and status.
+        """Print a fit: the first screen, or with `every` all findings, coefficients, constraints and stages."""
+        from ..fitting.reporting.text_tables import fit_lines, short_fit_lines, verdict_lines
 
-        With `every` also all coefficients, constraints and stages.
-        """
-        from ..fitting.reporting.text_tables import fit_lines, verdict_lines
-
-        self.print(*verdict_lines(result.verdict))
-        self.findings(result.data_findings)
-        for line in fit_lines(result, every):
+        if every:
+            self.print(*verdict_lines(result.verdict))
+            self.findings(result.data_findings)
+        for line in fit_lines(result) if every else short_fit_lines(result, result.verdict):
             if isinstance(line, Table):
                 self._out.print(line)
             else:

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
+from math import isfinite
 from typing import TYPE_CHECKING
 
 from rich.table import Table
 
+from ...boundary.escaping import shortened, visible
 from ...boundary.terminal_table import plain_table
+from ...numerics.ties import graded
 
 if TYPE_CHECKING:
     from ..results.fitted import Fitted
     from ..results.verdict import Verdict
 
-#: Rows of a table of evidence that are printed without --all.
-FEW = 3
+#: Reasons, warnings and channels that are printed without --all.
+FEW, MOST_CHANNELS = 3, 10
+#: Characters of a reason (two lines of the terminal) and of a recording there.
+LONGEST_REASON, LONGEST_NAME = 170, 24
 
 
 def verdict_lines(verdict: Verdict) -> Iterator[str]:
@@ -24,12 +30,73 @@ def verdict_lines(verdict: Verdict) -> Iterator[str]:
         yield f"  - {reason}"
 
 
-def fit_lines(result: Fitted, every: bool = True) -> Iterator[Table | str]:
-    """Yield the tables and lines of a fit after its verdict, in order; without `every` what needs attention."""
+def short_fit_lines(result: Fitted, verdict: Verdict) -> Iterator[Table | str]:
+    """Yield the first screen of a fit: verdict, most important reasons and warnings, goodness of fit, what is left."""
+    from .report_text import bootstrap_summary
+
+    reasons, findings = verdict.reasons, result.data_findings
+    shown = sorted((f for f in findings if f.serious or f.effects), key=lambda finding: not finding.serious)[:FEW]
+    yield f"verdict: {verdict.word}"
+    for reason in reasons[:FEW]:
+        yield f"  - {shortened(reason, LONGEST_REASON)}"
+    for finding in shown:
+        short = replace(finding, text=shortened(finding.text, LONGEST_REASON))  # the command remains whole
+        yield f"{'warning' if finding.serious else 'note'}: {short}"
+    yield _short_channels(result)
+    determined = sum(c.determined and not c.at_bound for c in result.coefficients)
+    yield f"{determined} of {len(result.coefficients)} coefficients are determined and not at a bound"
+    if result.bootstrap:
+        yield bootstrap_summary(result.bootstrap)
+        yield f"  widest intervals: {_widest(result)}"
+    if result.temperature:
+        yield result.temperature.text()
+    yield f"fit {result.status} ({result.run.method}), {result.run.seconds:.1f} s"
+    left_out = [finding.serious for finding in findings if finding not in shown]
+    notes = left_out.count(False) + len(result.excluded_rows) + len(result.notes)
+    counts = {
+        "reasons": len(reasons[FEW:]), "warnings": left_out.count(True),
+        "channels": len(result.channels[MOST_CHANNELS:]), "notes": notes,
+    }  # fmt: skip
+    further = "".join(f"; further {what}: {count}" for what, count in counts.items() if count)
+    yield f"--all lists every coefficient, constraint and stage{further}"
+
+
+def _widest(result: Fitted) -> str:
+    """Return the percentile intervals that are widest relative to their coefficients."""
+    from .report_text import bootstrap_text
+
+    intervals = [(c, result.bootstrap.interval(c.name)) for c in result.coefficients] if result.bootstrap else []
+    width = {c.name: (i.upper - i.lower) / abs(c.value) for c, i in intervals if i and isfinite(i.lower) and c.value}
+    widest = sorted(width, key=lambda name: -graded(width[name]))[:FEW]
+    return ", ".join(f"{name} {bootstrap_text(result, name)}" for name in widest)
+
+
+def _short_channels(result: Fitted) -> Table:
+    """Return the goodness of fit over the fitted rows; no cell is broken."""
+    from .report_text import interval_text
+
+    held_out = {(c.recording, c.channel): f"{c.held_out:.4g}" for c in result.held_out}
+    table = plain_table(
+        "recording", "channel", "rows", "RMSE", *["out of sample"] * bool(held_out), "unit", "noise floor", "R2",
+        title="Goodness of fit, over the fitted rows" + "; cross-validation over conditions" * bool(held_out),
+    )  # fmt: skip
+    for column in table.columns:
+        column.no_wrap = True
+    for c in result.channels[:MOST_CHANNELS]:
+        beyond = [held_out.get((c.recording, c.channel), "")] * bool(held_out)
+        table.add_row(
+            shortened(visible(c.recording), LONGEST_NAME), c.channel, f"{c.fitted_rows}", f"{c.fitted_rmse:.4g}",
+            *beyond, c.unit, interval_text(c.noise_floor), f"{c.fitted_r2:.4f}",
+        )  # fmt: skip
+    return table
+
+
+def fit_lines(result: Fitted) -> Iterator[Table | str]:
+    """Yield all tables and lines of a fit after its verdict, in order."""
     from .report_text import bootstrap_summary, extrapolation_text, ripple_texts
 
     yield _channels(result)
-    yield from _coefficients(result, every)
+    yield from _coefficients(result)
     if result.bootstrap:
         yield bootstrap_summary(result.bootstrap)
     if result.held_out:
@@ -38,12 +105,11 @@ def fit_lines(result: Fitted, every: bool = True) -> Iterator[Table | str]:
         yield result.temperature.text()
     if result.findings.stiffnesses:
         yield _stiffnesses(result)
-    if every or not all(stage.converged for stage in result.stages):
-        yield _stages(result)
+    yield _stages(result)
     if result.margins:
-        yield from _margins(result, every)
+        yield _margins(result)
         yield extrapolation_text(result)
-    yield from _differences(result, every)
+    yield from _differences(result)
     yield from ripple_texts(result.findings.ripples)
     for direction in result.findings.undetermined:
         yield f"not identifiable: {', '.join(direction.coefficients)}: {direction.reason}"
@@ -52,12 +118,10 @@ def fit_lines(result: Fitted, every: bool = True) -> Iterator[Table | str]:
     for note in result.notes:
         yield f"note: {note}"
     yield f"fit {result.status} ({result.run.method}), {result.run.seconds:.1f} s"
-    if not every:
-        yield "--all lists every coefficient, constraint and stage"
 
 
-def _coefficients(result: Fitted, every: bool) -> Iterator[Table | str]:
-    """Yield the coefficients; without `every` those at a bound or not determined, and those with further intervals."""
+def _coefficients(result: Fitted) -> Iterator[Table]:
+    """Yield the table of the coefficients, if there are any."""
     from .report_text import bootstrap_text, interval_text
 
     further = ["bootstrap (95 %)"] * bool(result.bootstrap)
@@ -65,13 +129,8 @@ def _coefficients(result: Fitted, every: bool) -> Iterator[Table | str]:
         "coefficient", "initial", "lower", "upper", "value", "+- (95 %)", *further, "unit", "",
         title=f"Coefficients ({result.signs} signs)",
     )  # fmt: skip
-    remarkable = {name for direction in result.findings.undetermined for name in direction.coefficients}
-    remarkable |= {c.name for c in result.coefficients if c.other is not None}
     consequences = {consequence.name: consequence.text() for consequence in result.bounds}
-    every = every or bool(result.bootstrap)
     for c in result.coefficients:
-        if not (every or c.at_bound or c.from_family or not c.determined or c.name in remarkable):
-            continue
         remark = (
             f"at bound: {consequences.get(c.name, '')}".rstrip(": ")
             if c.at_bound
@@ -87,8 +146,6 @@ def _coefficients(result: Fitted, every: bool) -> Iterator[Table | str]:
         table.add_row(c.name, *numbers, interval_text(c.interval), *resampled, c.unit, remark)
     if table.row_count:
         yield table
-    if not every and (others := len(result.coefficients) - table.row_count):
-        yield f"{others} coefficients are determined and not at a bound"
 
 
 def _channels(result: Fitted) -> Table:
@@ -147,8 +204,8 @@ def _stages(result: Fitted) -> Table:
     return table
 
 
-def _margins(result: Fitted, every: bool) -> Iterator[Table | str]:
-    """Yield the constraints; without `every` those that are violated."""
+def _margins(result: Fitted) -> Table:
+    """Return the constraints."""
     from ..evidence.residuals import condition_text
     from .report_text import constraint_rows
 
@@ -156,24 +213,18 @@ def _margins(result: Fitted, every: bool) -> Iterator[Table | str]:
         "constraint", "value", "margin", "at", "margin outside", "",
         title="Constraints, verified over the operating range (adapted-sae signs)",
     )  # fmt: skip
-    rows = constraint_rows(result.margins)
-    for c in rows:
+    for c in constraint_rows(result.margins):
         beyond = "" if c.beyond is None else f"{c.beyond.margin:.3g}"
         violated = any(m is not None and m.margin < 0 for m in (c.inside, c.beyond))
-        if not (every or violated):
-            continue
         table.add_row(
             c.constraint, f"{c.inside.worst:.4g}", f"{c.inside.margin:.3g}", condition_text(c.inside.at), beyond,
             "violated" if violated else "",
         )  # fmt: skip
-    if table.row_count:
-        yield table
-    if not every and (satisfied := len(rows) - table.row_count):
-        yield f"{satisfied} physical constraints are satisfied over the operating range"
+    return table
 
 
-def _differences(result: Fitted, every: bool) -> Iterator[Table | str]:
-    """Yield the differences between data of equal conditions; without `every` the first ones, files before sweeps."""
+def _differences(result: Fitted) -> Iterator[Table]:
+    """Yield the table of differences between data of equal conditions, files before sweeps, if there are any."""
     from ..evidence.residuals import condition_text
     from .report_text import significant_differences
 
@@ -184,12 +235,9 @@ def _differences(result: Fitted, every: bool) -> Iterator[Table | str]:
         "first", "second", "channel", "difference", "sigmas", "largest", "unit", "mean difference at",
         title=f"Inconsistent data at equal operating conditions and slips ({result.signs} signs)",
     )  # fmt: skip
-    shown = differences if every else differences[:FEW]
-    for d in shown:
+    for d in differences:
         table.add_row(
             d.first, d.second, d.channel, f"{d.mean:+.3g}", f"{abs(d.sigmas):.0f}", f"{d.most:+.3g}",
             d.unit, condition_text(d.at),
         )  # fmt: skip
     yield table
-    if len(shown) < len(differences):
-        yield f"and {len(differences) - len(shown)} more (--all lists them)"

@@ -40,7 +40,7 @@ def test_the_intervals_are_those_of_any_number_and_kind_of_workers(table, cluste
 def test_the_command_shows_the_intervals_next_to_the_linear_ones(table, tmp_path, capsys):
     status = main([
         "fit", str(table), "--model", "mf96", "--effects", ",".join(EFFECTS), "--recipe", "joint", "--nominal",
-        "Fz0=700,R0=0.23", "-o", str(tmp_path / "a.tir"), "--bootstrap", "40", "--workers", "1",
+        "Fz0=700,R0=0.23", "-o", str(tmp_path / "a.tir"), "--bootstrap", "40", "--workers", "1", "--all",
         "--json", str(tmp_path / "a.json"), "--report", str(tmp_path / "a.html"),
     ])  # fmt: skip
     out = capsys.readouterr().out

@@ -60,8 +60,9 @@ def fitted(command, tmp_path, monkeypatch):
         for file, table in zip(files, tables, strict=True):
             table.to_csv(file, index=False)
         outcome = command(
-            "fit", *files, "--model", "mf96", "-o", "new.tir", "--effects", "none", "--nominal", "Fz0=700,R0=0.25"
-        )
+            "fit", *files, "--model", "mf96", "-o", "new.tir", "--effects", "none", "--nominal", "Fz0=700,R0=0.25",
+            "--all",
+        )  # fmt: skip
         return outcome, sorted(path.name for path in tmp_path.iterdir() if path.name not in files)
 
     return run

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -11,6 +12,7 @@ import sys
 import pandas as pd
 import pytest
 
+from tirefmu.commands.terminal import LINE
 from tirefmu.tires import read_tir
 from tirefmu.tires.signs import convert_signs
 
@@ -38,8 +40,9 @@ def test_cross_validation_is_reported(validated):
     }
     for channel in reported["held_out"]:
         assert channel["held_out"] > 0.9 * channel["in_sample"]
-    assert "Cross-validation over operating conditions" in outcome.out
-    assert re.search(r"noise +largest *\n.* floor +error", outcome.out)
+        assert re.search(rf"^.* {channel['channel']} .* {channel['held_out']:.4g} ", outcome.out, re.MULTILINE)
+    assert "; cross-validation over conditions" in outcome.out
+    assert "out of sample" in outcome.out
 
 
 @pytest.fixture(scope="module")
@@ -87,13 +90,13 @@ def test_values_that_nobody_measured_are_marked(command, bench_csv, tmp_path):
 
 
 def test_the_tables_are_short_unless_all_is_requested(chain, validated):
-    """Without --all a fit prints what needs attention and counts the rest; nothing of it is lost in the JSON."""
+    """Without --all a fit prints its verdict and goodness, and counts the rest; nothing of it is lost in the JSON."""
     (_, outcomes), (short, result) = chain, validated
-    undetermined = {name for part in result["findings"]["undetermined"] for name in part["coefficients"]}
-    fitted = {c["name"]: c["at_bound"] or c["name"] in undetermined for c in result["coefficients"]}
-    remarkable = {name for name, shown in fitted.items() if shown}
-    assert {name for name in fitted if f"\n{name} " in short.out} == remarkable
-    assert f"\n{len(fitted) - len(remarkable)} coefficients are determined" in short.out
+    fitted = [c["name"] for c in result["coefficients"]]
+    determined = sum(c["determined"] and not c["at_bound"] for c in result["coefficients"])
+    assert f"\n{determined} of {len(fitted)} coefficients are determined" in short.out
+    assert [name for name in fitted if f"\n{name} " in short.out] == []
+    assert [name for name in fitted if f"\n{name} " not in outcomes["fit"].out] == []
     assert "Stages of recipe" not in short.out
     assert "Stages of recipe" in outcomes["fit"].out
     assert "--all lists every coefficient" in short.out
@@ -101,6 +104,25 @@ def test_the_tables_are_short_unless_all_is_requested(chain, validated):
     stages = [line.split(":")[0] for line in short.err.splitlines() if not line.startswith("cross-validation")]
     assert (stages[0], stages[-1]) == ("preparing the fit", "evidence and intervals")
     assert len(stages) == 2 + len(result["stages"])
+
+
+def test_the_first_screen_of_a_fit_has_forty_lines_of_a_hundred_columns(command, bench_csv, tmp_path, monkeypatch):
+    """Of two files whose long names differ at their ends; cells and numbers are whole, the middle of a name is not."""
+    monkeypatch.chdir(tmp_path)
+    names = [f"{'corner_' * 12}{end}.csv" for end in ("cold", "hot")]
+    for name in names:
+        shutil.copy(bench_csv, name)
+    given = ("--model", "mf96", "--effects", "none", "--nominal", "Fz0=220,R0=0.23")
+    outcome = command("fit", *names, *given, "-o", "t.tir", "--report", "t.html", "--json", "t.json")
+    assert outcome.status in (0, 1), outcome.err
+    lines = outcome.out.splitlines()
+    assert len(lines) <= 40
+    texts = [re.sub(r"\(?tirefmu [a-z]+ .*", "", line) for line in lines]
+    assert [line for line in texts if len(line) > LINE and not line.startswith(("tire: ", "report: "))] == []
+    channels = json.loads((tmp_path / "t.json").read_text(encoding="utf-8"))["channels"]
+    for channel in channels:
+        row = rf"^corner_\S*\.\.\.\S*{re.escape(channel['recording'][-8:])} +{channel['channel']} .* "
+        assert re.search(rf"{row}{channel['fitted_rmse']:.4g} .*{channel['fitted_r2']:.4f}$", outcome.out, re.MULTILINE)
 
 
 # -------- Ctrl-C during a fit: the best values so far are written
