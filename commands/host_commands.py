@@ -50,7 +50,7 @@ def convert(tire: Path, output: Path, host: str, model: str | None, quiet: bool,
 @click.option("--for", "host", help=f"Program that reads the file: {PROGRAMS}  [default: the file itself is checked]")
 @common
 def lint(file: Path, host: str | None, quiet: bool, json_file: Path | None) -> int:
-    """Check whether the .tir file FILE is sound, or with --for whether a program accepts it.
+    """Check whether a .tir file is sound, or fits a program.
 
     Without --for, values that no tire has are errors, and the programs that accept the file are listed. With --for,
     effects that the program does not evaluate are reported, too. Exit code 1 if there is an error.

@@ -5,9 +5,10 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from ...fitting.solvers.interruption import Interruption
+if TYPE_CHECKING:
+    from ...fitting.solvers.interruption import Interruption
 
 #: Share of the time limit within which explanations are compared; final fits, FMUs and the page need the rest.
 #: Convention.
@@ -36,6 +37,8 @@ class Budget:
     _interruption: Interruption = field(init=False)
 
     def __post_init__(self) -> None:
+        from ...fitting.solvers.interruption import Interruption  # imports CasADi: a diagnosis starts without
+
         self._interruption = Interruption(lambda sentence, *_: self.progress(sentence))
 
     def __enter__(self) -> Budget:

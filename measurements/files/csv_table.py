@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from ...boundary.errors import DataError
-from .columns.content import Column, Content
+from .columns.content import MAX_COLUMNS, Column, Content
 from .columns.layout import SAMPLED, layout
 
 _SEPARATORS = ",;\t"
@@ -100,6 +100,8 @@ def _rows(lines: Iterable[str], path: Path, before: int, separator: str) -> Iter
 
 
 def _body(path: Path, skipped: int, width: int, separator: str) -> pd.DataFrame:
+    if width > MAX_COLUMNS:
+        raise DataError(f"{path}: {width} columns: at most {MAX_COLUMNS} are read")
     _check_size(path, width)
     # pandas reserves memory for the cells of the first row in every column.
     _check_cells(path, skipped, width, separator, most=1)

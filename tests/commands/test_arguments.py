@@ -123,10 +123,10 @@ def test_a_folder_with_a_published_name_does_not_hide_the_tire(tmp_path, monkeyp
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda t: t.assign(Fy="x"), "row 1: Fy is 'x'"),
+        (lambda t: t.assign(Fy="x"), "row 1: column Fy: 'x' is not a number"),
         (lambda t: t.assign(alpha=np.nan), "row 1: alpha is NaN"),
         (lambda t: t[:0], "no rows"),
-        (lambda t: pd.concat([t, t["Fy"]], axis=1), "Fy more than once"),
+        (lambda t: pd.concat([t, t["Fy"]], axis=1), "column 'Fy' occurs 2 times"),
         (lambda t: t.assign(alpha=np.degrees(t["alpha"])), "in degrees"),
     ],
     ids=["text", "NaN", "empty", "twice", "degrees"],

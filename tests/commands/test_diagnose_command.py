@@ -47,9 +47,12 @@ def test_a_hidden_effect_is_identified_and_written(recording, tmp_path, capsys):
     captured = capsys.readouterr()
     assert " ".join(captured.out.split()).startswith(reported["verdict"])  # progress is on standard error
     lines = captured.err.splitlines()
-    assert [line.split("; ")[-1].split(",")[0] for line in lines if "; stage " in line] == [
-        f"stage {number} of 4" for number in range(1, 5)
-    ]
+    stages = [line.partition(":")[0] for line in lines if line.endswith(" s") and ";" not in line]
+    assert stages == [
+        "fitting the baseline model", "comparing explanations", "fitting the best explanation", "writing the report",
+    ]  # fmt: skip
+    running = [line for line in lines if line.startswith(COMPARING) and ";" in line]
+    assert all(" leads with " in line and "ends in at most " in line for line in running)
     assert any(line.startswith(f"{COMPARING}: adding an effect to camber_thrust") for line in lines)
     assert reported["found"][0]["effect"] == "camber_thrust"
     assert reported["gap"]["holdout"]["Fy"]["after"] < 0.6 * reported["gap"]["holdout"]["Fy"]["before"]

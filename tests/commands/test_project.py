@@ -29,7 +29,8 @@ RESULTS = {
             "channels": [{"recording": "a", "channel": "Fy", "rmse": 1.0, "unit": "N", "r2": None}]},
     "explore": {"bytes": 10},
     "export": {"fmi": 3, "inputs": "slip", "bytes": 2048},
-    "check": {"ok": True, "channels": {"Fy": {"rmse": 1.0, "unit": "N", "r2": 0.5}}},
+    "check": {"ok": True, "channels": {"Fy": {"rmse": 1.0, "unit": "N", "r2": 0.5}},
+              "statements": {"fmu": {"grade": "good", "text": "exact"}, "tire": {"grade": "good", "text": "close"}}},
     "diagnose": {"verdict": "nothing is missing", "found": [], "adequacy": {"Fy": {"adequate": True}},
                  "gap": {"holdout": {"Fy": {"before": 2.0, "after": 1.0, "floor": None}}}},
 }  # fmt: skip

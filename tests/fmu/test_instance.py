@@ -16,6 +16,8 @@ from fmpy.fmi3 import FMU3Model, FMU3Slave
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tirefmu.tires.evaluation import forces
+
 from .conftest import DISCARD, ERROR, OK, PHYSICAL, TIRES, distance
 from .solver import Solver
 
@@ -27,8 +29,7 @@ FULL_POINT = POINT | {"p": 2.1e5, "V": 21.0}
 
 
 def direct(tire, **inputs):
-    rows = {name: np.atleast_1d(value) for name, value in inputs.items()}  # as an array: no range is checked
-    return np.array([force.item() for force in tire.forces(**rows).values()])
+    return np.array([force.item() for force in forces(tire, inputs).values()])  # checks no range
 
 
 # ------------------------------------------------------------------ values

@@ -24,7 +24,7 @@ def clock_problem(t: FloatArray, header: str) -> str:
     `t`, shape (n,): as logged. `header`: of their column; empty if the file has the times of each channel.
 
     >>> clock_problem(1e4 * np.arange(1500.0), "timestamp")
-    "1500 samples span 1.5e+07 s, with a step of 1e+04 s: in us? --columns 't=timestamp [us]'"
+    "1500 samples span 1.499e+07 s, with a step of 1e+04 s: in us? --columns 't=timestamp [us]'"
     """
     if len(t) < 3:
         return ""
