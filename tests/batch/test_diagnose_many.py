@@ -62,7 +62,7 @@ def test_each_recording_has_a_folder_and_a_row(diagnosed):
 
 
 def test_resuming_computes_only_what_is_missing_or_changed(recordings, diagnosed, tmp_path):
-    options = {**OPTIONS, "resume": True, "workers": 1}
+    options = {**OPTIONS, "resume": True, "workers": 1, "time_limit": 300.0, "form": True}  # defaults of the command
     kept = diagnose_many(recordings, diagnosed, progress=lambda *_: pytest.fail("computed again"), **options)
     assert [result.status for result in kept] == ["diagnosed", "failed"]
     copy = tmp_path / "out"
