@@ -68,7 +68,7 @@ HARMFUL: dict[str, dict[str, tuple[Callable[[], bytes], str]]] = {
         "long header": (lambda: b"a" * 6_000_000, "line 1: more than 1000000 characters"),
         "long cell": (lambda: b"alpha,Fz,Fy\n" + b"9" * 6_000_000, "line 2: more than 1000000 characters"),
         "open quote": (lambda: b'alpha,Fz,Fy\n"' + b"x\n" * 60_000, "not a table: "),
-        "open quote in the header": (lambda: b'"alpha,Fz,Fy\n1,2,3\n', "no column is a channel"),
+        "open quote in the header": (lambda: b'"alpha,Fz,Fy\n1,2,3\n', "line 2: more cells than the header"),
     },
     "tydex": {
         "channel twice": (lambda: TYDEX.replace(b"SLIPANGL", b"FYW     "), "FYW occurs 2 times"),
