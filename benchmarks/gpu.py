@@ -98,7 +98,7 @@ class Casadi:
         library = folder / "forces.so"
         subprocess.run([compiler, "-O3", "-shared", "-fPIC", str(folder / "forces.c"), "-o", str(library), "-lm"],
                        check=True)  # fmt: skip
-        self.library, self.device = ctypes.CDLL(str(library)), f"{platform.processor() or platform.machine()}, one core"
+        self.shared, self.device = ctypes.CDLL(str(library)), f"{platform.processor() or platform.machine()}, one core"
 
     def function(self, kind: str, number: type) -> Callable[[np.ndarray], Any] | None:
         """Return a function of placed rows; None for what it does not compute."""
@@ -107,7 +107,7 @@ class Casadi:
     def _forces(self, rows: np.ndarray) -> np.ndarray:
         forces = np.empty((len(rows), 5))
         given, found = (array.ctypes.data_as(ctypes.c_void_p) for array in (rows, forces))
-        self.library.every_point(given, found, ctypes.c_long(len(rows)), rows.shape[1], 5)
+        self.shared.every_point(given, found, ctypes.c_long(len(rows)), rows.shape[1], 5)
         return forces
 
     def placed(self, rows: np.ndarray, number: type) -> np.ndarray:

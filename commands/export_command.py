@@ -133,7 +133,7 @@ def export(
         raise TirefmuError("--vehicle is part of a system: give --ssp")
     check_output_paths(target, json_file)
     check_input_paths(*tires, vehicle, proof.path, proof.fit)
-    from ..applications.sti.library import export_sti
+    from ..applications.sti.export import export_sti
     from ..fmu import export_parameters, export_system
     from ..fmu.description.standstill import with_lengths
     from ..fmu.packaging.system import side_notes

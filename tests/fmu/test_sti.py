@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tirefmu.applications.sti.library import export_sti
+from tirefmu.applications.sti.export import export_sti
 from tirefmu.boundary.errors import FmuError
 from tirefmu.commands.cli import main
 from tirefmu.symbolic.wheel.quantities import CARRIER, WRENCH

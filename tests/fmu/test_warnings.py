@@ -12,7 +12,7 @@ from importlib.resources import files
 
 import pytest
 
-from tirefmu.applications.sti.library import export_sti
+from tirefmu.applications.sti.export import export_sti
 from tirefmu.fmu import export
 from tirefmu.fmu.description.interface import INPUTS
 from tirefmu.fmu.packaging import binaries
