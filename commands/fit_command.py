@@ -145,8 +145,8 @@ def fit(
     for recording in recordings:  # before the slower imports
         check_columns(recording)
     terminal.selection(*recordings)
-    from ..applications.batch.cross_validation import cross_validate as distributed
     from ..applications.batch.intervals import bootstrap
+    from ..applications.batch.intervals import cross_validate as distributed
     from ..fitting import assign_folds, cross_validate
     from ..fitting import fit as run
     from ..fitting.resampling.bootstrap import check_replicates

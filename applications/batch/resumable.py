@@ -15,13 +15,13 @@ from typing import Any, Generic, Protocol, Self, TypeVar
 
 import pandas as pd
 
+from ...boundary.bounded_file import write_whole
 from ...boundary.errors import DataError, FitError, TirefmuError, writing
 from ...boundary.json_schema import json_value
-from ...boundary.whole_file import write_whole
 from ...drawing.page import page_text, write_page
 from ...measurements.files.reading import READERS
 from .execution import Lost
-from .workers import results as outcomes_of
+from .execution import results as outcomes_of
 
 #: States of a job without a result: invalid data or options; its process ended, or the program has an error.
 FAILED, LOST = "failed", "lost"
@@ -101,7 +101,7 @@ def compute(
 ) -> tuple[Result, ...]:  # fmt: skip
     """Compute the jobs of a batch.
 
-    `folder`: for the results; it is created. `scheduler`, `workers`: as for `workers.results`. `resume`: keep the
+    `folder`: for the results; it is created. `scheduler`, `workers`: as for `execution.results`. `resume`: keep the
     results that the folder has of the same jobs. Only lost jobs are computed again. `progress`: called with each result
     and the numbers of finished and of all jobs. `summarize`: called with the results in the order of the jobs, also if
     the batch is interrupted. Raises `DataError` if the folder cannot be written.

@@ -14,7 +14,6 @@ from ...boundary.named_options import named
 from ...tires import Tire, tire_from
 from ...tires.description import limits_of
 from ...tires.tire_argument import TireLike
-from .disagreement import disagreement
 from .effects import Missing, factor_values, motion_of, scaled
 from .estimate import Estimate, estimated
 from .factors import CERTAIN, Factor, believed, factors_of, scaled_tires, withheld
@@ -29,7 +28,7 @@ from .rivals import Explanation, forces_of, lacking, probabilities_of, rivals_of
 from .simulation import simulated
 from .trust.contradiction import Contradiction, contradiction_of
 from .trust.left_out import Parts, is_better, left_out, parts_of, widened
-from .verdict import verdict_on
+from .verdict import disagreement, verdict_on
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -20,8 +20,7 @@ from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS, MAX_WHITENED_MISFIT
-from ..unexplained.formula_proposal import Added, Unknown, effect_of, unknown_of, with_formula
-from ..unexplained.structure import Structure
+from ..unexplained.formula_proposal import Added, Structure, Unknown, effect_of, unknown_of, with_formula
 from .compare import Comparison
 from .effect_evidence import Evidence, effect_evidence
 from .explanation import Explanation

@@ -11,7 +11,7 @@ import pytest
 
 from tirefmu.diagnosis import diagnose, write_report
 from tirefmu.diagnosis.probing.candidates import candidates_for, is_testable
-from tirefmu.diagnosis.recording.load_error import load_error_responses
+from tirefmu.diagnosis.recording.disturbances import load_error_responses
 from tirefmu.diagnosis.recording.signals import FORMULA_SIGNS, signals_of
 from tirefmu.diagnosis.recording.simulation import Simulator
 from tirefmu.diagnosis.unexplained.features import features

@@ -14,10 +14,8 @@ from tirefmu.diagnosis.unexplained.features import (
     features,
     locations_of,
 )
-from tirefmu.diagnosis.unexplained.formula_proposal import effect_of
+from tirefmu.diagnosis.unexplained.formula_proposal import Dictionary, Structure, effect_of
 from tirefmu.diagnosis.unexplained.past import STATES, _low_pass
-from tirefmu.diagnosis.unexplained.proposal import Dictionary
-from tirefmu.diagnosis.unexplained.structure import Structure
 from tirefmu.symbolic.added import library
 
 

@@ -19,9 +19,9 @@ from tirefmu.applications.driving.dynamics.lagging import behind_lags
 from tirefmu.applications.driving.effects import effect_columns, factor_values, motion_of
 from tirefmu.applications.driving.estimate import estimated
 from tirefmu.applications.driving.factors import scaled_tires, withheld
+from tirefmu.applications.driving.figures import write_drive
 from tirefmu.applications.driving.inputs.car import Car
 from tirefmu.applications.driving.interval import interval_of
-from tirefmu.applications.driving.report import write_drive
 from tirefmu.applications.driving.rivals import Explanation, Rival, forces_of
 from tirefmu.applications.driving.trust.contradiction import contradiction_of
 from tirefmu.applications.driving.trust.left_out import is_better
