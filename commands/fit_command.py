@@ -31,7 +31,7 @@ from .arguments import (
 
 if TYPE_CHECKING:
     from ..fitting import FitResult
-    from ..measurements import Finding, Recording
+    from ..measurements import DataFinding, Recording
     from ..tires import Tire
 
 
@@ -231,7 +231,7 @@ def _one_by_one(
 
 def _residual_findings(
     tire: Tire, path: Path, tables: Sequence[Path], recordings: Sequence[Recording], chosen: Sequence[str]
-) -> list[Finding]:
+) -> list[DataFinding]:
     """Return what the residual of the tire still contains, with the command to diagnose it.
 
     The options `chosen` select and interpret the rows.

@@ -16,7 +16,7 @@ from .inputs.car_entries import ENTRIES
 from .inputs.grid import Grid
 from .inputs.unknowns import AXLES, Unknowns
 from .interval import OUTPUTS
-from .rivals import Explanation, Rival, lacking
+from .rivals import DriveExplanation, Rival, lacking
 from .trust.contradiction import Contradiction, contradiction_of
 from .trust.left_out import LeftOut
 
@@ -94,7 +94,7 @@ class DriveVerdict:
 
 
 def verdict_on(
-    best: Explanation,
+    best: DriveExplanation,
     ranked: Sequence[Rival],
     unknowns: Unknowns,
     car: Car,

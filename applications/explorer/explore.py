@@ -18,7 +18,7 @@ from ...drawing.page import style_sheet, write_page
 from ...measurements import Recording, TableLike, recordings_from
 from ...symbolic.declarations import Quantity
 from ...symbolic.printers.languages import printer
-from ...symbolic.printers.languages.program import PrintoutSelection, Program, program
+from ...symbolic.printers.languages.program import PrintedProgram, PrintoutSelection, program
 from ...tires import Tire, TireLike, tire_from
 from ...tires.tire_argument import tire_label
 from .measured_rows import measured_rows, rows_data
@@ -175,7 +175,7 @@ def fit_intervals(path: Path, tire: TireLike) -> dict[str, tuple[float, float]]:
 _NAME = "tire"
 
 
-def program_for_page(tire: Tire) -> Program:
+def program_for_page(tire: Tire) -> PrintedProgram:
     """Return what the page computes: forces, named quantities, rates of states, with the coefficients as variables.
 
     `tire`: in ISO-W. Its effects are those that can be switched on the page.
@@ -187,12 +187,12 @@ def program_for_page(tire: Tire) -> Program:
     return program(_NAME, tire.symbolic_model, tire.has, coefficients, nominal, selection)
 
 
-def lagged_slips(program: Program) -> list[Quantity]:
+def lagged_slips(program: PrintedProgram) -> list[Quantity]:
     """Return the lagged slips of a program: inputs that its model does not have."""
     return [quantity for quantity in program.inputs if quantity not in program.model.inputs]
 
 
-def module_expression(program: Program) -> str:
+def module_expression(program: PrintedProgram) -> str:
     """Return a JavaScript expression whose value has the functions of a program.
 
     Returns: printable ASCII. Comments are not part of it: they may contain text from files.

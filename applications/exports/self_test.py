@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...symbolic.added.state import SPEED, SPEED_ENDING
-from ...symbolic.printers.languages.program import TOLERANCE, Program
+from ...symbolic.printers.languages.program import TOLERANCE, PrintedProgram
 from ...symbolic.quantities import AT_ONCE
 from ...tires import Tire
 from ...tires.code import Code, code_for
@@ -24,7 +24,7 @@ MARGIN = 5.0
 ROWS = 40
 
 
-def check_text(tire: Tire, program: Program, rows: int = ROWS, seed: int = 0) -> str:
+def check_text(tire: Tire, program: PrintedProgram, rows: int = ROWS, seed: int = 0) -> str:
     """Return the text of a self-test's file: numbers separated by blanks.
 
     The first is the number of rows. The second line has the typical size of each result: a difference is relative to
@@ -94,7 +94,7 @@ def _lagged(names: Sequence[str], rows: int, seed: int) -> FloatArray:
     return np.array([rng.uniform(-0.8, 0.8, rows) for _ in names]).reshape(len(names), rows)
 
 
-def reference(tire: Tire, program: Program, inputs: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def reference(tire: Tire, program: PrintedProgram, inputs: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return well-conditioned rows of inputs, results by tirefmu's NumPy code, and the size of each result.
 
     A derivative may be a small difference of large terms: its size contains a hundredth of the force per argument. The
@@ -131,7 +131,7 @@ def reference(tire: Tire, program: Program, inputs: FloatArray) -> tuple[FloatAr
 
 
 def _results(
-    tire: Tire, program: Program, name: str, labels: Sequence[str], inputs: FloatArray, parameters: FloatArray
+    tire: Tire, program: PrintedProgram, name: str, labels: Sequence[str], inputs: FloatArray, parameters: FloatArray
 ) -> FloatArray:
     """Return the results of one function, shape (rows, n_results)."""
     code = code_for(tire.symbolic_model, "numpy")
@@ -204,7 +204,9 @@ def state_rates(
         rates |= {f"{name}_decay": decay, f"{name}_dot": decay * (target - lagged)}
         acting[tire.inputs.index("kappa" if along else "alpha")] = lagged if along else np.arctan(lagged)
     at_given, at_acting = (
-        dict(zip(tire.symbolic_model.drives, code.drives(rows, parameters), strict=True)) if tire.states else {}
+        dict(zip(tire.symbolic_model.state_lines, code.state_lines(rows, parameters), strict=True))
+        if tire.states
+        else {}
         for rows in (given, acting)
     )
     for name in tire.states:

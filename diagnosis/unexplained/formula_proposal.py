@@ -19,7 +19,7 @@ from ...symbolic.added import AddedEffect, read_effect
 from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 from ..probing.effect_probing import Screen
-from ..recording.simulation import Simulator
+from ..signals.simulation import Simulator
 from ..thresholds import COEFFICIENT_BOUND_FACTOR, SHORTLIST
 from .features import Feature, Location, determined, directions, features, locations_of
 from .past import STATES
@@ -53,7 +53,7 @@ class Unknown:
 
 
 @dataclass(frozen=True, eq=False)
-class Added:
+class AddedFormula:
     """A proposed formula that was added to the model.
 
     Attributes
@@ -71,7 +71,7 @@ class Added:
     solution: Solution
 
 
-def effect_of(structure: Structure) -> AddedEffect:
+def effect_of(structure: UnexplainedStructure) -> AddedEffect:
     """Return structure as an effect; rates and memories become states."""
     names = [f"FOUND{i + 1}" for i in range(len(structure.terms))]
     variables = "_".join(re.sub(r"\W", "", variable) for variable in structure.depends_on).lower()
@@ -86,7 +86,7 @@ def effect_of(structure: Structure) -> AddedEffect:
     return read_effect(text, f"found_{variables}.toml")
 
 
-def _declarations(structure: Structure, names: Sequence[str]) -> str:
+def _declarations(structure: UnexplainedStructure, names: Sequence[str]) -> str:
     """Return the declarations of the coefficients of structure, a line each."""
     flips = ", flips = true" if structure.location.flips else ""
     return "".join(
@@ -96,7 +96,7 @@ def _declarations(structure: Structure, names: Sequence[str]) -> str:
     )
 
 
-def _acts(structure: Structure, names: Sequence[str]) -> str:
+def _acts(structure: UnexplainedStructure, names: Sequence[str]) -> str:
     """Return how the terms of structure act on its quantities, a table each."""
     location = structure.location
     total = " + ".join(f"{name}*({term.in_effect_file})" for name, term in zip(names, structure.terms, strict=True))
@@ -114,26 +114,27 @@ def _table_of(state: str) -> str:
     return "\n".join((f"[states.{state}]", *rows, ""))
 
 
-def unknown_of(structure: Structure, effect: AddedEffect, added: Added | str) -> Unknown:
+def unknown_of(structure: UnexplainedStructure, effect: AddedEffect, added: AddedFormula | str) -> Unknown:
     """Return the report of structure that no candidate effect explains.
 
     Parameters
     ----------
-    structure : Structure
+    structure : UnexplainedStructure
     effect : AddedEffect
         Result of `effect_of`.
-    added : Added or str
+    added : AddedFormula or str
         Result of `with_formula`.
     """
     formula = structure.formula
-    if isinstance(added, Added):
+    if isinstance(added, AddedFormula):
         index = added.problem.simulator.index
         formula = structure.formula_with(
             [added.solution.parameters[index[declaration.name]] for declaration in added.effect.declarations]
         )
     measurements = [_MEASUREMENTS[name] for name in structure.depends_on if name in _MEASUREMENTS]
+    reason = "" if isinstance(added, AddedFormula) else added
     return Unknown(
-        structure.depends_on, formula, isinstance(added, Added), effect, "" if isinstance(added, Added) else added,
+        structure.depends_on, formula, isinstance(added, AddedFormula), effect, reason,
         measurements[0] if measurements else "",
     )  # fmt: skip
 
@@ -153,13 +154,13 @@ def _bound(size: float) -> float:
 
 
 def with_formula(
-    structure: Structure, effect: AddedEffect, start: Tire, problem: LeastSquares, solution: Solution
-) -> Added | str:
+    structure: UnexplainedStructure, effect: AddedEffect, start: Tire, problem: LeastSquares, solution: Solution
+) -> AddedFormula | str:
     """Add a formula to the model.
 
     Parameters
     ----------
-    structure : Structure
+    structure : UnexplainedStructure
     effect : AddedEffect
         Result of `effect_of`.
     start : Tire
@@ -169,7 +170,7 @@ def with_formula(
 
     Returns
     -------
-    Added or str
+    AddedFormula or str
         Otherwise the reason why the model cannot contain the formula.
     """
     try:
@@ -184,11 +185,11 @@ def with_formula(
         parameters[simulator.index[declaration.name]] = size
     extended = replace(problem, simulator=simulator.driven_at(parameters))
     free = (*solution.free, *(declaration.name for declaration in effect.declarations))
-    return Added(effect, tire, extended, extended.solve(parameters, free, iterations=8))
+    return AddedFormula(effect, tire, extended, extended.solve(parameters, free, iterations=8))
 
 
 @dataclass(frozen=True, eq=False)
-class Structure:
+class UnexplainedStructure:
     """A sum of features that acts on quantities of the model.
 
     Attributes

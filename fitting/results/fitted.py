@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from ...boundary.errors import UnknownName
-from ...measurements import Finding
+from ...measurements import DataFinding
 from ...tires.tire import Tire
 from ..constraints.physical import TOLERANCE
 from ..constraints.verification import Margin
@@ -37,7 +37,7 @@ class Fitted:
     run: FitRecord
     margins: tuple[Margin, ...] = ()
     notes: tuple[str, ...] = ()
-    data_findings: tuple[Finding, ...] = ()
+    data_findings: tuple[DataFinding, ...] = ()
     directions: tuple[Direction, ...] = ()
     excluded_rows: tuple[ExcludedRows, ...] = ()
     held_out: tuple[HeldOut, ...] = ()
