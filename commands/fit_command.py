@@ -28,6 +28,7 @@ from .arguments import (
     tables_read,
     write_json,
 )
+from .command import command
 
 if TYPE_CHECKING:
     from ..fitting import FitResult
@@ -52,7 +53,14 @@ def _weight(text: str) -> tuple[str, float]:
         raise click.BadParameter(f"{text!r} is not like '2: Fz in 200..240 N'") from None
 
 
-@click.command()
+@command(
+    section="From a recording to a tire", place=2,
+    examples=(
+        "fit cornering.mat drivebrake.mat --model mf61 -o my.tir --report fit.html",
+        "fit run.csv --model mf96 --nominal Fz0=220,R0=0.23 --effects load_friction,camber_thrust -o my.tir",
+        "fit run.csv --start my.tir --recipe scaling -o scaled.tir",
+    ),
+)  # fmt: skip
 @click.argument("tables", type=FILE, nargs=-1, required=True)
 @MODEL
 @click.option("-o", "--output", type=FILE, required=True, help="Tire file (.tir) to write.")
