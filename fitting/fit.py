@@ -12,13 +12,14 @@ from ..boundary.named_options import named
 from ..measurements import TableLike, check_columns, recordings_from
 from ..numerics.one_thread import one_blas_thread
 from ..tires import TireLike
+from .assembly import result_of
 from .fit_result import FitResult
-from .fit_run import FitRun
 from .options import FitOptions
 from .resampling.bounds import with_consequences
 from .resampling.second_solutions import with_second_solutions
 from .setup import Plan, Setup
 from .solvers.interruption import Interruption, Progress
+from .stage import solve_stages
 from .temperature.selection import forces_alone, temperature_column, with_temperature
 from .temperature.temperature_fit import fit_temperature
 
@@ -98,12 +99,10 @@ def fit(
     heated = with_temperature(recordings, column) if column else []
     del recordings, recording  # much memory, if the caller has no reference
     with Interruption(progress) as interruption, one_blas_thread():
-        run = FitRun(setup, interruption)
-        del setup
-        run.run()
+        state = solve_stages(setup, interruption)
     interruption.raise_failure()
     with one_blas_thread():
-        result = run.result(names, time.perf_counter() - began)
+        result = result_of(setup, state, names, time.perf_counter() - began, interruption)
         result = result if result.run.interrupted else with_second_solutions(with_consequences(result))
         result = result.in_signs("iso")
         if not (column and not result.run.interrupted):

@@ -102,7 +102,7 @@ def verdict_of(result: Fitted) -> Verdict:
         *_second_solution(result),
         *_at_bounds(result),
         *_excluded(result),
-        *([] if result.solution.residuals is None else _ranges(result.solution.residuals)),
+        *([] if result.residuals is None else _ranges(result.residuals)),
     ]
     reasons = tuple(dict.fromkeys((*wrong, *limits)))
     return Verdict(UNUSABLE if wrong else LIMITED if limits else GOOD, reasons)
@@ -127,7 +127,7 @@ def _unsteady(result: Fitted) -> Iterator[str]:
 
     The residual has to confirm it: where a form is far off, its error over the inputs is an error over time as well.
     """
-    discrepancies = result.solution.discrepancies
+    discrepancies = result.uncertainty.discrepancies
     over_time = {c.channel for c in result.channels if c.explained_by_time > c.explained_by_inputs}
     for d in discrepancies:
         large = d.channel in over_time.intersection(FORCES) and RANGE * d.state > UNSTEADY
@@ -189,7 +189,7 @@ def floor_reason(c: ChannelFit) -> str:
 
 def _structure(result: Fitted) -> Iterator[str]:
     """Yield the errors of the form that are significant in channels whose error is near the noise floor."""
-    discrepancies = result.solution.discrepancies
+    discrepancies = result.uncertainty.discrepancies
     far = {c.channel for c in result.channels if lacks_something(c)}
     least = {c.channel: FORM_OF_FORCE if c.channel in FORCES else FORM_OF_MOMENT for c in result.channels}
     for c in (c for c in result.channels if c.spread > 0.0 and c.noise_floor >= 0.0):
@@ -231,7 +231,7 @@ def _discontinuity_reason(d: Discontinuity) -> str:
 
 def _few_rows(result: Fitted, rows_per_coefficient: int) -> Iterator[str]:
     """Yield that there are fewer rows than a multiple of the coefficients."""
-    evidence, count = result.solution.residuals, sum(c.determined for c in result.coefficients)
+    evidence, count = result.residuals, sum(c.determined for c in result.coefficients)
     if evidence is not None and len(evidence.table) < rows_per_coefficient * count:
         yield f"{len(evidence.table)} rows for {count} coefficients: the tire follows the noise of the rows"
 
