@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from .checks.diagnostics import Findings
 from .cross_validation import assign_folds, cross_validate
-from .evidence.diagnostics import Findings
 from .fit import fit
 from .fit_result import FitResult
 from .options import FitOptions

@@ -14,8 +14,8 @@ from ..measurements.recording import distinct
 from ..tires.property_file.names import assumed_lines, in_written_order, not_measured_lines, unmeasured_coefficients
 from ..tires.summary import idle_effects, idle_notes
 from ..tires.tire import Tire
-from .evidence.coverage import coverage
-from .evidence.residuals import Residuals
+from .checks.coverage import coverage
+from .checks.residuals import Residuals
 from .fit_result import FitResult
 from .problem.ellipse import ellipse_values
 from .results.goodness_of_fit import channel_fits

@@ -9,8 +9,8 @@ import pandas as pd
 
 from ..numerics.arrays import FloatArray
 from ..tires.tire import Tire
-from .evidence.residuals import Residuals
-from .evidence.slip_stiffness import slope_targets
+from .checks.residuals import Residuals
+from .checks.slip_stiffness import slope_targets
 from .problem.slope_targets import SlopeTarget
 from .problem.weighted_residuals import Problem
 from .solvers.convergence import noise_of

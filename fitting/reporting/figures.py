@@ -21,7 +21,7 @@ from ...tires import TireLike
 from ...tires.drawing.tire_figures import PURE
 from ...tires.signs import SIGNS
 from ...tires.tire import Tire
-from ..evidence.curves import CurveFamily, MeasuredCurves, compare
+from ..checks.curves import CurveFamily, MeasuredCurves, compare
 from ..results.fitted import Fitted
 from ..results.intervals import band as confidence_band
 from ..results.records import quality

@@ -129,11 +129,11 @@ def replicates_of(task: ReplicateTask) -> FloatArray:
         drawn = np.random.default_rng([task.seed, number]).exponential(size=count)
         weights = drawn[task.sweeps]
         values: dict[str, float] = {}
-        for stage, own, constraints, tolerance in zip(task.stages, task.determined, imposed, tolerances, strict=True):
+        for stage, names, constraints, tolerance in zip(task.stages, task.determined, imposed, tolerances, strict=True):
             solved = _replicate(stage, constraints, weights, tolerance)
             if solved is None:
                 break
-            values |= {name: value for name, value in solved.items() if name in own}
+            values |= {name: value for name, value in solved.items() if name in names}
         else:
             row[:] = list(values.values())
     return replicates

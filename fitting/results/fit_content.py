@@ -6,9 +6,9 @@ from typing import Annotated, Any, TypedDict
 
 from ...boundary.json_schema import document, schema_of
 from ...measurements import Finding
+from ..checks.diagnostics import Findings
 from ..constraints.verification import Margin
 from ..data.fit_data import ExcludedRows
-from ..evidence.diagnostics import Findings
 from ..temperature.fitted_temperature import FittedTemperature
 from ..uncertainty.sandwich import Direction
 from .intervals import ListedInterval

@@ -13,11 +13,11 @@ import pandas as pd
 from ...boundary.errors import UnknownName
 from ...measurements import Finding
 from ...tires.tire import Tire
+from ..checks.diagnostics import Findings, find
+from ..checks.residuals import Residuals
 from ..constraints.physical import TOLERANCE
 from ..constraints.verification import Margin
 from ..data.fit_data import ExcludedRows
-from ..evidence.diagnostics import Findings, find
-from ..evidence.residuals import Residuals
 from ..temperature.fitted_temperature import FittedTemperature
 from ..uncertainty.discrepancy import Discrepancy
 from ..uncertainty.sandwich import Direction, Uncertainty
@@ -59,8 +59,8 @@ class Fitted:
 
     def determined_by(self, stage: StageResult) -> tuple[str, ...]:
         """Return the free coefficients of a stage that it was the last to determine."""
-        own = {c.name for c in self.coefficients if c.determined and c.stage == stage.name}
-        return tuple(name for name in stage.problem.free if name in own)
+        names = {c.name for c in self.coefficients if c.determined and c.stage == stage.name}
+        return tuple(name for name in stage.problem.free if name in names)
 
     @property
     def directions(self) -> tuple[Direction, ...]:

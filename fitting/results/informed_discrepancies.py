@@ -11,11 +11,11 @@ from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
 from ...tires.code import fastest_code
 from ...tires.tire import Tire
-from ..evidence.characteristics import Characteristic
-from ..evidence.diagnostics import Findings
-from ..evidence.read_errors import READING_ERROR
-from ..evidence.residuals import Residuals
-from ..evidence.slip_stiffness import SlipStiffness
+from ..checks.characteristics import Characteristic
+from ..checks.diagnostics import Findings
+from ..checks.read_errors import READING_ERROR
+from ..checks.residuals import Residuals
+from ..checks.slip_stiffness import SlipStiffness
 from ..problem.rows import inputs_of
 from ..uncertainty.discrepancy import Discrepancy
 from ..uncertainty.sensitivities import sensitivities

@@ -14,7 +14,7 @@ from ...measurements import TableLike, recording_from
 from ...numerics.arrays import FloatArray
 from ...tires.signs import convert_signs
 from ...tires.tire import Tire
-from ..evidence.read_errors import ReadErrors
+from ..checks.read_errors import ReadErrors
 from ..problem.rows import inputs_of
 from ..uncertainty.sensitivities import sensitivities
 from .fitted import Fitted
@@ -120,19 +120,19 @@ def listed_intervals(result: Fitted) -> Iterator[ListedInterval]:
 
     Yields: none without fitted rows or covariance.
     """
-    evidence, model = result.residuals, result.tire.symbolic_model
-    if evidence is None or not len(result.uncertainty.complete):
+    residuals, model = result.residuals, result.tire.symbolic_model
+    if residuals is None or not len(result.uncertainty.complete):
         return
-    table = convert_signs(evidence.table, "adapted-sae", "iso")
-    tested = evidence.levels.get("Fz", ())
+    table = convert_signs(residuals.table, "adapted-sae", "iso")
+    tested = residuals.levels.get("Fz", ())
     loads = np.array(tested) if tested else np.linspace(table["Fz"].min(), table["Fz"].max(), LOADS)
     held = medians(table, result.tire)
     for role in OVER_LOAD:
-        if role in model.roles and f"F{role[-1]}" in evidence.channels:
+        if role in model.roles and f"F{role[-1]}" in residuals.channels:
             rows = pd.DataFrame({"Fz": loads}).assign(**held)
             yield from _records(result, model.quantity(role), rows, ("Fz",))
     for force, slip in OVER_SLIP.items():
-        if force in evidence.channels:
+        if force in residuals.channels:
             slips = np.linspace(table[slip].min(), table[slip].max(), SLIPS)
             rows = pd.DataFrame({"Fz": np.repeat(loads, SLIPS), slip: np.tile(slips, len(loads))}).assign(**held)
             yield from _records(result, force, rows, ("Fz", slip))

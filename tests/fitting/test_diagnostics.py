@@ -11,13 +11,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.fitting.checks.consistency import disagreeing_files, disagreeing_segments, sweep_differences
+from tirefmu.fitting.checks.diagnostics import by_condition
+from tirefmu.fitting.checks.residuals import Residuals
+from tirefmu.fitting.checks.ripple import ripple
+from tirefmu.fitting.checks.slip_stiffness import slip_stiffnesses
+from tirefmu.fitting.checks.undetermined import at_bounds, undetermined
 from tirefmu.fitting.constraints.verification import Margin
-from tirefmu.fitting.evidence.consistency import disagreeing_files, disagreeing_segments, sweep_differences
-from tirefmu.fitting.evidence.diagnostics import by_condition
-from tirefmu.fitting.evidence.residuals import Residuals
-from tirefmu.fitting.evidence.ripple import ripple
-from tirefmu.fitting.evidence.slip_stiffness import slip_stiffnesses
-from tirefmu.fitting.evidence.undetermined import at_bounds, undetermined
 from tirefmu.fitting.reporting.report_text import (
     constraint_rows,
     extrapolation_text,
