@@ -22,6 +22,7 @@ from .state import FitState
 class PreparedStage:
     """A stage of a fit.
 
+    - `recipe`: what the recipe says of it.
     - `channels`: its channels among the fitted ones.
     - `names`: the coefficients that it may free: those that influence its channels, by section and effect.
     - `kind`: "intermediate", "penultimate" (before a stage with all rows) or "final".
@@ -29,7 +30,7 @@ class PreparedStage:
     """
 
     setup: Setup
-    stage: Stage
+    recipe: Stage
     channels: tuple[str, ...]
     names: tuple[str, ...]
     kind: str = "final"
@@ -46,14 +47,14 @@ class PreparedStage:
 
         A stage is final if it uses all rows, or if no later stage frees all of its coefficients.
         """
-        whole = self.stage.rows is None
-        kind = "penultimate" if following and following[0].stage.rows is None else "intermediate"
+        whole = self.recipe.rows is None
+        kind = "penultimate" if following and following[0].recipe.rows is None else "intermediate"
         if whole or not any(set(self.names).issubset(later.names) for later in following):
             kind = "final"
         continues = (
             whole
             and before is not None
-            and before.stage.rows is not None
+            and before.recipe.rows is not None
             and (before.channels, before.names) == (self.channels, self.names)
         )
         return replace(self, kind=kind, continues=continues)
@@ -61,7 +62,7 @@ class PreparedStage:
     def count(self) -> int:
         """Return the number of rows that it uses."""
         rows = len(self._chosen(self.setup.table))
-        return min(rows, self.stage.rows or rows)
+        return min(rows, self.recipe.rows or rows)
 
     def rows(self, table: pd.DataFrame, tire: Tire) -> tuple[Rows, IntArray]:
         """Return the rows of the stage, and the number of each, counted over all rows of all recordings.
@@ -75,7 +76,7 @@ class PreparedStage:
         return Rows.of(chosen, tire, self.channels), numbers
 
     def _chosen(self, table: pd.DataFrame) -> pd.DataFrame:
-        chosen = self.stage.select(table)
+        chosen = self.recipe.select(table)
         if not self.channels:
             return chosen[:0]
         present = chosen[list(self.channels)].notna().any(axis=1)
@@ -84,8 +85,8 @@ class PreparedStage:
     def guesses(self, state: FitState) -> Mapping[str, float]:
         """Return the guesses of the recipe, or generic values of coefficients that no stage has determined yet."""
         plan, declared = self.setup.plan, self.setup.plan.symbolic_model.coefficients
-        if self.stage.free:
-            given = {name: freed for name, freed in self.stage.free.items() if name not in plan.options.fixed}
+        if self.recipe.free:
+            given = {name: freed for name, freed in self.recipe.free.items() if name not in plan.options.fixed}
             return {name: min(max(freed.guess, freed.lower), freed.upper) for name, freed in given.items()}
         if plan.start is not None:  # generic values do not replace those of a start tire
             return {}
@@ -95,8 +96,8 @@ class PreparedStage:
     def bounds(self, tire: Tire) -> dict[str, FreeCoefficient]:
         """Return its coefficients with the values of a tire as guesses."""
         declared = self.setup.plan.symbolic_model.coefficients
-        given = {name: self.stage.free.get(name, declared[name]) for name in self.names}
-        return {name: FreeCoefficient(tire.values[name], one.lower, one.upper) for name, one in given.items()}
+        limits = {name: self.recipe.free.get(name, declared[name]) for name in self.names}
+        return {name: FreeCoefficient(tire.values[name], both.lower, both.upper) for name, both in limits.items()}
 
 
 def prepared_stages(setup: Setup) -> tuple[PreparedStage, ...]:
@@ -120,5 +121,5 @@ def _names(setup: Setup, stage: Stage, channels: Sequence[str]) -> tuple[str, ..
     if stage.effects is not None:
         live &= model.live(effects.intersection(stage.effects))
     if stage.sections:
-        return tuple(name for name, one in model.coefficients.items() if one.section in stage.sections and name in live)
-    return tuple(name for name, one in model.coefficients.items() if one.fitted and name in live)
+        return tuple(name for name, c in model.coefficients.items() if c.section in stage.sections and name in live)
+    return tuple(name for name, c in model.coefficients.items() if c.fitted and name in live)

@@ -51,7 +51,7 @@ def solve_stages(setup: Setup, interruption: Interruption) -> FitState:
     """Solve the stages until a stop is requested; report the tire of each completed stage."""
     state, stages = FitState(setup.tire, setup.table, notes=setup.notes), prepared_stages(setup)
     interruption.plan(
-        lambda: [(stage.stage.name, float(rows * len(stage.names))) for stage in stages if (rows := stage.count())]
+        lambda: [(stage.recipe.name, float(rows * len(stage.names))) for stage in stages if (rows := stage.count())]
     )
     for stage in stages:
         if interruption.stop():
@@ -69,9 +69,9 @@ def solve_stage(stage: PreparedStage, state: FitState, interruption: Interruptio
 
     States of effects are simulated with the values before the stage, and again with its own result.
     """
-    name, wanted = stage.stage.name, ", ".join(stage.stage.channels) or "the data"
+    name, wanted = stage.recipe.name, ", ".join(stage.recipe.channels) or "the data"
     state = _simulated(stage, state, ())
-    if not stage.channels and not stage.stage.free:
+    if not stage.channels and not stage.recipe.free:
         return state
     rows, numbers = stage.rows(state.table, state.tire)
     if not len(rows):
@@ -100,24 +100,24 @@ def _simulated(stage: PreparedStage, state: FitState, free: Collection[str]) -> 
 
 def _sampled(stage: PreparedStage, rows: Rows, numbers: IntArray) -> tuple[Rows, IntArray]:
     """Return the rows that a stage uses; a random sample has no numbers."""
-    part = rows.sample(stage.stage.rows)
-    return part, numbers if stage.stage.rows is None or len(part) < stage.stage.rows else numbers[:0]
+    part = rows.sample(stage.recipe.rows)
+    return part, numbers if stage.recipe.rows is None or len(part) < stage.recipe.rows else numbers[:0]
 
 
 def _determined(stage: PreparedStage, state: FitState, rows: Rows) -> tuple[FitState, dict[str, FreeCoefficient]]:
     """Return the coefficients that the rows determine; set the others from generic values to their defaults."""
     plan, bounds = stage.setup.plan, stage.bounds(state.tire)
     seen = influence(state.tire, rows.sample(1000), list(bounds))
-    if plan.family and stage.stage.weights == "noise":
+    if plan.family and stage.recipe.weights == "noise":
         seen |= bounds.keys() & set(plan.family.names)
     freed = dict(state.free)
     for name, bound in bounds.items():
         before = freed.get(name)
         if before is None or name in seen or not before.determined:
             guess = bound.guess if before is None else before.guess
-            freed[name] = replace(bound, guess=guess, stage=stage.stage.name, determined=name in seen)
+            freed[name] = replace(bound, guess=guess, stage=stage.recipe.name, determined=name in seen)
     state = replace(state, free=freed)
-    if not stage.stage.free and plan.start is None:
+    if not stage.recipe.free and plan.start is None:
         declared = plan.symbolic_model.coefficients
         state = state.with_values({n: declared[n].default for n in bounds if not freed[n].determined})
     return state, {name: bound for name, bound in bounds.items() if name in seen}
@@ -128,17 +128,17 @@ def _solved(
     interruption: Interruption,
 ) -> FitState:  # fmt: skip
     """Return the state after the solution of a problem, with its values and its result."""
-    plan, name, given = stage.setup.plan, stage.stage.name, stage.setup.plan.start is not None
+    plan, name, given = stage.setup.plan, stage.recipe.name, stage.setup.plan.start is not None
     state, problem = _problem_of(stage, state, rows, free)
     guess, lower, upper = np.array([(f.guess, f.lower, f.upper) for f in free.values()]).T
     x, least, most = guess / problem.scale, lower / problem.scale, upper / problem.scale
-    ridge, violated = RIDGE[stage.stage.weights], list(state.violated)
+    ridge, violated = RIDGE[stage.recipe.weights], list(state.violated)
     solver = StageSolver(
         problem, least, most, stage.setup.constraints, violated, stage.channels, stage.kind, ridge,
         plan.solver, partial(interruption.report, name), interruption.stop,
     )  # fmt: skip
     first = solver.solve(np.clip(x, least, most), continues=stage.continues)
-    end = best_end(problem, first, solver.solve, least, most, stage.stage.again, always=given)
+    end = best_end(problem, first, solver.solve, least, most, stage.recipe.again, always=given)
     if plan.options.method == "ipopt" and stage.kind == "final":
         end = best_root(problem, end, solver.near, partial(solver.solve, continues=True), least, most)
     end = end.accepted()
@@ -164,11 +164,11 @@ def _problem_of(
     scale = np.array(sizes)
     problem = Problem(tire, rows, tuple(free), equal_weights(rows), scale, plan.loss)
     start = np.array([f.guess for f in free.values()]) / scale
-    if stage.stage.weights == "noise":
+    if stage.recipe.weights == "noise":
         problem.weights = noise_weights(problem, start, stage.setup.emphasis)
         if plan.options.rows == "independent":
             problem.weights = effective_weights(problem, start)
-        if stage.stage.rows is None and plan.options.stiffness_weight:
+        if stage.recipe.rows is None and plan.options.stiffness_weight:
             if state.targets is None or tire.states:  # simulated states are inputs
                 state = replace(state, targets=read_targets(state.table, tire))
             add_targets(problem, start, state.targets or (), plan.options.stiffness_weight)
