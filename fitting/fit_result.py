@@ -46,25 +46,21 @@ class FitResult(Fitted):
         Notes for the user: what was skipped, assumed or not determined.
     data_findings : tuple of DataFinding
         What the recordings lack or contradict (`tirefmu.measurements.data_findings`).
-    directions : tuple of Direction
-        Combinations of coefficients that are not identifiable.
     excluded_rows : tuple of ExcludedRows
         Rows that were not fitted, with the reason.
     held_out : tuple of HeldOut
         Results of a blocked cross-validation, if requested.
-    covariance : pandas.DataFrame
-        Of the coefficients by name, in their units and `signs`, under time-correlated noise: half an interval is
-        1.96 times the root of the diagonal. Rows and columns are NaN for a coefficient without a finite interval (at a
-        bound, not identifiable, or not freed by a stage with all its rows). A stage assumes that the values of earlier
-        stages are known, so the covariance of coefficients of different stages (`FittedCoefficient.stage`) is 0.
     bootstrap : Bootstrap or None
         Percentile intervals, if requested.
     temperature : FittedTemperature or None
         The fit of the heat balance to recorded temperatures, if requested.
     bounds : tuple of BoundConsequence
         What changes without the bound of each coefficient at a bound.
-    solution : FitSolution
-        What `findings`, `interval` and bootstrap are computed from.
+    uncertainty : Uncertainty
+        ``covariance`` and ``directions`` (combinations of coefficients that are not identifiable), and what `interval`
+        is computed from.
+    residuals : Residuals or None
+        The fitted rows, from which `findings` are computed.
     """
 
     def __repr__(self) -> str:

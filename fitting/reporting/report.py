@@ -15,7 +15,7 @@ from ...drawing.page import page_text, write_page
 from ...measurements import DataFinding, TableLike, recordings_from
 from ...measurements.provenance import provenance
 from ...numerics.ties import graded
-from ..evidence.residuals import condition_text
+from ..checks.residuals import condition_text
 from ..results.fitted import Fitted
 from ..results.intervals import listed_intervals
 from ..results.verdict import verdict_of

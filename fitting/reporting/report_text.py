@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite, isinf
 
+from ..checks.consistency import Disagreement
+from ..checks.residuals import condition_text
+from ..checks.ripple import Ripple
 from ..constraints.physical import REACH
 from ..constraints.verification import Margin
-from ..evidence.consistency import Disagreement
-from ..evidence.residuals import condition_text
-from ..evidence.ripple import Ripple
 from ..results.fitted import Fitted
 from ..results.resampled import Bootstrap
 

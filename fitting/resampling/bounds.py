@@ -17,7 +17,7 @@ from ..constraints.constraint_functions import ConstraintFunctions
 from ..fit_result import FitResult
 from ..problem.weighted_residuals import Problem
 from ..results.records import BoundConsequence
-from ..results.solved_stage import SolvedStage
+from ..results.stages import StageResult
 from .near_solution import cost_of_a_row, sampled, solve_near
 
 #: Largest number of rows with which a stage is solved again.
@@ -32,14 +32,14 @@ def with_consequences(result: FitResult) -> FitResult:
     """Return the result with what its bounds do, for each coefficient at a bound."""
     bounded = {c.name for c in result.coefficients if c.at_bound}
     consequences: list[BoundConsequence] = []
-    for stage in result.solution.stages:
-        names = [name for name in stage.problem.free if name in bounded & stage.determined]
+    for stage in result.whole_stages:
+        names = [name for name in result.determined_by(stage) if name in bounded]
         if names:
             consequences += _of_stage(sampled(stage, MAX_ROWS), names)
     return replace(result, bounds=tuple(consequences))
 
 
-def _of_stage(stage: SolvedStage, names: Sequence[str]) -> list[BoundConsequence]:
+def _of_stage(stage: StageResult, names: Sequence[str]) -> list[BoundConsequence]:
     problem = stage.problem
     imposed = ConstraintFunctions(problem, stage.constraints)
     tolerance = TOLERANCE * cost_of_a_row(stage)

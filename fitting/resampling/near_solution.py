@@ -12,24 +12,24 @@ from ...numerics.gauss_newton import minimize, restore
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..problem.regularization import Ridge
 from ..problem.weighted_residuals import Problem
-from ..results.solved_stage import SolvedStage
+from ..results.stages import StageResult
 from ..solvers.convergence import DAMPING, RESTORING_DAMPING, noise_of
 from ..solvers.ipopt import LAST_STEPS, solve
 
 
-def cost_of_a_row(stage: SolvedStage) -> float:
+def cost_of_a_row(stage: StageResult) -> float:
     """Return the cost of one independent row with the noise of the solution; see `solvers.convergence`."""
     least, rows = noise_of(stage.problem, stage.x)
     return max(stage.problem.cost(stage.x), least) / max(rows, 1.0)
 
 
-def sampled(stage: SolvedStage, n: int) -> SolvedStage:
+def sampled(stage: StageResult, n: int) -> StageResult:
     """Return a stage with up to n random rows."""
     return replace(stage, problem=stage.problem.sampled(n))
 
 
 def solve_near(
-    stage: SolvedStage, problem: Problem, imposed: ConstraintFunctions, start: FloatArray, tolerance: float,
+    stage: StageResult, problem: Problem, imposed: ConstraintFunctions, start: FloatArray, tolerance: float,
     *, lower: FloatArray | None = None, upper: FloatArray | None = None,
 ) -> FloatArray | None:  # fmt: skip
     """Solve a problem that differs little from that of a stage.

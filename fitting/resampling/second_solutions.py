@@ -8,8 +8,8 @@ from dataclasses import replace
 from ...numerics.ties import graded
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..fit_result import FitResult
-from ..results.solved_stage import SolvedStage
-from ..solvers.other_roots import other_roots
+from ..results.stages import StageResult
+from ..solvers.restarts import other_roots
 from ..uncertainty.sandwich import QUANTILE
 from .near_solution import cost_of_a_row, sampled, solve_near
 
@@ -25,8 +25,8 @@ def with_second_solutions(result: FitResult) -> FitResult:
     `result`: with coefficients in adapted SAE.
     """
     other: dict[str, float] = {}
-    for stage in result.solution.stages:
-        determined = [c for c in result.coefficients if c.name in stage.determined]
+    for stage in result.whole_stages:
+        determined = [c for c in result.coefficients if c.name in result.determined_by(stage)]
         for _, values in sorted(_others(stage), key=lambda solution: graded(solution[0])):
             different = {c.name: values[c.name] for c in determined if abs(values[c.name] - c.value) > c.interval}
             if different:
@@ -39,7 +39,7 @@ def with_second_solutions(result: FitResult) -> FitResult:
     return replace(result, coefficients=coefficients)
 
 
-def _others(stage: SolvedStage) -> Iterator[tuple[float, dict[str, float]]]:
+def _others(stage: StageResult) -> Iterator[tuple[float, dict[str, float]]]:
     """Yield cost and values of solutions from other roots that fit as well, the first solution possibly among them."""
     unit = cost_of_a_row(stage)
     stage = sampled(stage, MAX_ROWS)

@@ -6,14 +6,15 @@ from typing import Annotated, Any, TypedDict
 
 from ...boundary.json_schema import document, schema_of
 from ...measurements import DataFinding
+from ..checks.diagnostics import Findings
 from ..constraints.verification import Margin
 from ..data.fit_data import ExcludedRows
-from ..evidence.diagnostics import Findings
 from ..temperature.fitted_temperature import FittedTemperature
 from ..uncertainty.sandwich import Direction
 from .intervals import ListedInterval
-from .records import BoundConsequence, ChannelFit, FittedCoefficient, HeldOut, StageFit
+from .records import BoundConsequence, ChannelFit, FittedCoefficient, HeldOut
 from .resampled import Bootstrap
+from .stages import StageResult
 
 #: Version of fit.json. New keys increment the second number, changed meanings the first.
 VERSION = "2.0"
@@ -43,7 +44,7 @@ class FitContent(TypedDict):
     values: Annotated[dict[str, float], "all coefficients of the tire, in ISO-W"]
     coefficients: tuple[FittedCoefficient, ...]
     channels: tuple[ChannelFit, ...]
-    stages: tuple[StageFit, ...]
+    stages: tuple[StageResult, ...]
     margins: tuple[Margin, ...]
     margins_signs: str
     directions: tuple[Direction, ...]

@@ -1,4 +1,4 @@
-"""The records of a fit result: fitted coefficients, goodness of fit by channel, stages, cross-validation."""
+"""The records of a fit result: fitted coefficients, goodness of fit by channel, bounds, cross-validation."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class ChannelFit:
     - `r2`: coefficient of determination over all rows: 1 - residual variance over variance about the mean.
     - `r2_uncentred`: 1 - sum of squared residuals over sum of squares, as in the Trento report.
     - `noise_floor`, `explained_by_inputs`, `explained_by_time`, `between_repeats`: the parts of `fitted_rmse`, whose
-      squares add up to its square (`evidence.error_split`): what no model of inputs and time could remove,
+      squares add up to its square (`checks.error_split`): what no model of inputs and time could remove,
       what a function of the inputs explains, what depends on time or the past, what differs between repeats.
     - `effective_rows`: effective sample size: the residuals of the last stage are correlated in time.
     - `fitted_rmse`, `fitted_r2`: the same over the fitted rows, without excluded ones.
@@ -130,46 +130,6 @@ class BoundConsequence:
             return "no consequence"
         rmse = f"RMSE of {self.channel} {self.rmse_at_bound:.3g} -> {self.rmse_beyond:.3g}"
         return f"beyond the bound, at {self.value:.4g}: {rmse}, {self.channel} changes by up to {self.change:.1%}"
-
-
-@dataclass(frozen=True)
-class StageFit:
-    """The result of a stage.
-
-    - `converged`: by the criterion of `tirefmu.fitting.solvers.convergence`; without an optimum, if no coefficient
-      differs from it by more than a standard error.
-    - `reason`: why it is an optimum or not, as a text for the user.
-    - `cost`: half the weighted sum of squares.
-    - `r2_uncentred`: of its rows and channels.
-    - `detail`: return status of the solver.
-    """
-
-    name: str
-    rows: int
-    free: int
-    iterations: int
-    converged: bool
-    reason: str
-    cost: float
-    r2_uncentred: float
-    detail: str = ""
-
-
-@dataclass(frozen=True)
-class FitRecord:
-    """How a fit ran.
-
-    - `stages`: in order.
-    - `recipe`, `method`: names of the recipe and of the method that solved the stages.
-    - `seconds`: wall time, s.
-    - `interrupted`: where the fit was stopped; empty if it is complete.
-    """
-
-    stages: tuple[StageFit, ...]
-    recipe: str
-    method: str
-    seconds: float
-    interrupted: str
 
 
 @dataclass(frozen=True)

@@ -9,14 +9,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tirefmu.fitting import stage_solution
+from tirefmu.fitting import stage as solution_of_a_stage
 from tirefmu.fitting.problem.weighted_residuals import Problem
 from tirefmu.fitting.solvers.ipopt import SolverResult, solve
 from tirefmu.fitting.solvers.selection import solver_for
-from tirefmu.fitting.stage_solution import StageSolver
+from tirefmu.fitting.stage import StageSolver
 
 FREE = ("PCY1", "PDY1", "PDY2", "PKY1", "PKY2", "PHY1", "PVY1")
-UNCONSTRAINED = SimpleNamespace(violated=[], of=lambda channels, density=0: [], violations=lambda dense, values: [])
+UNCONSTRAINED = SimpleNamespace(of=lambda channels, density=0: [], violations=lambda dense, values: [])
 EVERYWHERE = np.full(len(FREE), inf)
 
 
@@ -38,7 +38,7 @@ def near(noisy, optimum):
 
 def stage(problem, solver=solve, stop=lambda: False):
     report = partial(lambda count, cost: None)
-    return StageSolver(problem, -EVERYWHERE, EVERYWHERE, UNCONSTRAINED, ["Fy"], "final", 1e-9, solver, report, stop)
+    return StageSolver(problem, -EVERYWHERE, EVERYWHERE, UNCONSTRAINED, [], ["Fy"], "final", 1e-9, solver, report, stop)
 
 
 def recording(calls, *, converged=True):
@@ -81,8 +81,8 @@ def test_steps_of_few_iterations_are_no_optimum(noisy, optimum):
 
 
 def test_of_many_rows_a_sample_is_solved_first(noisy, near, monkeypatch):
-    monkeypatch.setattr(stage_solution, "MIN_ROWS", len(noisy.rows))
-    monkeypatch.setattr(stage_solution, "SAMPLE", 100)
+    monkeypatch.setattr(solution_of_a_stage, "MIN_ROWS", len(noisy.rows))
+    monkeypatch.setattr(solution_of_a_stage, "SAMPLE", 100)
     calls = []
     assert stage(noisy, recording(calls)).solve(near, continues=True).iterations == 2
     assert calls == [(100, "local"), (len(noisy.rows), "refine")]
@@ -98,7 +98,7 @@ def test_only_a_stage_that_continues_takes_steps_first(noisy, near):
 
 
 def test_a_stop_after_the_sample_returns_the_cost_of_all_rows(noisy, near, monkeypatch):
-    monkeypatch.setattr(stage_solution, "MIN_ROWS", len(noisy.rows))
+    monkeypatch.setattr(solution_of_a_stage, "MIN_ROWS", len(noisy.rows))
     calls = []
     solution = stage(noisy, recording(calls), stop=lambda: bool(calls)).solve(near, continues=True)
     assert len(calls) == 1
