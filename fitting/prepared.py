@@ -113,7 +113,7 @@ def prepared_stages(setup: Setup) -> tuple[PreparedStage, ...]:
 def _names(setup: Setup, stage: Stage, channels: Sequence[str]) -> tuple[str, ...]:
     """Return the coefficients that a stage may free, in the order of the stage or of the model."""
     model, effects = setup.plan.symbolic_model, setup.tire.has
-    reaching = coefficients_by_output(model, straight=setup.straight)
+    reaching = coefficients_by_output(model, plain=setup.plain)
     reaches = frozenset[str]().union(*(reaching[name] for name in channels))
     live = (model.live(effects) & reaches) - setup.plan.options.fixed.keys()
     if stage.free:

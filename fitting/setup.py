@@ -159,7 +159,7 @@ class Setup:
         return tuple(quantity.name for quantity in outputs if measured.get(quantity.name, False))
 
     @cached_property
-    def straight(self) -> bool:
+    def plain(self) -> bool:
         """Whether no row has turn slip, so that its coefficients have no influence."""
         on_demand = [name for _, name in self.plan.symbolic_model.on_demand if name in self.table]
         return not any(self.table[name].any() for name in on_demand)

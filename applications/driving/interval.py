@@ -211,7 +211,7 @@ def _forces(
         wheel["Fz"] = (wheel["Fz"] + ca.sqrt(wheel["Fz"] ** 2 + (LIFTED * mean) ** 2)) / 2
     for given in (*pair, {name: (pair[0][name] + pair[1][name]) / 2 for name in pair[0]}):
         inputs = ca.vertcat(*(given[name] if name in given else tire.nominal(name) for name in tire.inputs))
-        results.append(casadi_expression(model, "forces", inputs, parameters, straight=True)[:2])
+        results.append(casadi_expression(model, "forces", inputs, parameters, plain=True)[:2])
     return [result[0] for result in results], [result[1] for result in results], pair
 
 

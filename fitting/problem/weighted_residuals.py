@@ -298,8 +298,8 @@ class Problem:
 
 
 @lru_cache(maxsize=16)
-def coefficients_by_output(model: Model, *, straight: bool = False) -> dict[str, frozenset[str]]:
+def coefficients_by_output(model: Model, *, plain: bool = False) -> dict[str, frozenset[str]]:
     """Return the coefficients on which each output of a model depends, or depends without turn slip."""
     names = [output.name for output in model.outputs]
-    read = {name: model.structure.straight[name] if straight else model.reached([name]) for name in names}
+    read = {name: model.structure.plain[name] if plain else model.reached([name]) for name in names}
     return {name: frozenset(read[name]) & model.coefficients.keys() for name in names}
