@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ...measurements import Recording
-from ...measurements.channels import OUTPUTS
 from ...numerics.smoothing import HALF_WIDTHS
 from ...numerics.wheel_periodicity import once_per_revolution
+from ...tires.channels import OUTPUTS
 from ...tires.tire import Tire
 from .disturbances import Disturbances, reported_disturbances
 from .predicted_temperature import SURROUNDINGS, TEMPERATURE

@@ -15,8 +15,8 @@ import pandas as pd
 from scipy.interpolate import PchipInterpolator
 
 from ...boundary.errors import DataError
-from ...measurements.channels import OUTPUTS
 from ...numerics.smoothing import smoothed
+from ...tires.channels import OUTPUTS
 from ...tires.signs import convert_signs
 from ...tires.states.transient import rolled_distance
 from ...tires.tire import Tire

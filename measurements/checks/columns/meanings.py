@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...channels import CHANNELS
+from ....tires.channels import CHANNELS
 from ...recording import Recording
 from .explanation import explanation
 from .traits import SIZES, Traits

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...channels import CHANNELS, CONTROLLED_INPUTS, OUTPUTS
+from ....tires.channels import CHANNELS, CONTROLLED_INPUTS, OUTPUTS
 from ...operating_conditions.levels import level_tolerance, levels
 from ...recording import Recording, once
 from ...thresholds import FEW_ROWS, MAX_BACKWARD_STEPS
