@@ -207,15 +207,7 @@ def _start_model(
 def with_library(tire: Tire, user_defined: tuple[AddedEffect, ...] = ()) -> Tire:
     """Return a tire, in the signs of the formula, with all effects of a diagnosis in its equations, switched off.
 
-    Parameters
-    ----------
-    tire : Tire
-    user_defined : tuple of AddedEffect
-        In addition to those of the library.
-
-    Returns
-    -------
-    Tire
+    `user_defined`: in addition to those of the library.
     """
     # The library first and in its order: the model with it alone is printed with the package.
     added = {effect.name: effect for effect in (*whole_library(tire.symbolic_model), *tire.added, *user_defined)}

@@ -114,8 +114,6 @@ def models() -> list[dict[str, Any]]:
 def published_tires() -> list[dict[str, Any]]:
     """Return the published tires: name, model, nominal load and radius, ranges, source.
 
-    Examples
-    --------
     >>> [(found["name"], found["model"]) for found in published_tires()]
     [('trento_hoosier', 'mf96'), ('unicamp_small_tire', 'mf61')]
     """

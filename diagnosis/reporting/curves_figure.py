@@ -37,15 +37,6 @@ def curves_figure(diagnosis: Diagnosis, channel: str) -> Figure:
     """Return measured and computed forces over the slip that varies most, for the blocks that the effects improve most.
 
     These are blocks in which the forces of both tires differ. Without such a block both tires are one line.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-    channel : str
-
-    Returns
-    -------
-    Figure
     """
     table, measured = diagnosis.rows, _shown(diagnosis, channel)
     slips = [name for name in ("alpha", "kappa") if name in table]
@@ -70,8 +61,6 @@ def curves_figure(diagnosis: Diagnosis, channel: str) -> Figure:
 def coincide(first: FloatArray, second: FloatArray, *drawn: FloatArray) -> bool:
     """Return whether two lines are one in a panel with them and other points; they may have NaN in the same rows.
 
-    Examples
-    --------
     >>> x = np.linspace(0.0, 100.0, 50)
     >>> coincide(x, x + 1.0), coincide(x, x + 5.0), coincide(x, x + 5.0, 10.0 * x)
     (True, False, True)
@@ -167,8 +156,6 @@ def _swept(rows: pd.DataFrame, slips: Sequence[str]) -> tuple[str, npt.NDArray[n
 
     A block of time may contain the end of one sweep and the start of another, at another load or slip angle.
 
-    Examples
-    --------
     >>> rows = pd.DataFrame({"alpha": [*np.linspace(-0.2, 0.2, 28), 0.0, 0.0], "kappa": [0.0] * 28 + [0.3, 0.3]})
     >>> slip, drawn = _swept(rows, ["alpha", "kappa"])
     >>> slip, int(drawn.sum())
