@@ -224,6 +224,20 @@ class Problem:
             start = stop
         return residuals
 
+    def weighted_residual(self, x: FloatArray) -> FloatArray:
+        """Return the weighted residuals of all channels, shape (n_forces * n,), without the loss."""
+        rows = self.rows
+        return np.asarray((np.sqrt(self.weights[rows.group].T * rows.weight) * self.residual(x)).ravel())
+
+    def weighted_jacobian(self, x: FloatArray) -> FloatArray:
+        """Return their derivatives by the scaled free values, shape (n_forces * n, n_free)."""
+        n = len(self.rows)
+        jacobian = np.zeros((self.weights.shape[1], n, len(self.free)))
+        for _, root, outputs in self.jacobian_chunks(x, n):
+            for channel, (free, derivatives) in outputs.items():
+                jacobian[channel][:, free] = (derivatives * root[channel]).T
+        return jacobian.reshape(-1, len(self.free))
+
     def _cost_of_rows(self, x: FloatArray) -> float:
         self._follow_weights()
         if not self._kept(x):

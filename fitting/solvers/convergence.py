@@ -69,6 +69,12 @@ def noise_of(problem: Problem, x: FloatArray) -> tuple[float, float]:
     return MIN_NOISE**2 * signal, effective
 
 
+def cost_of_a_row(problem: Problem, x: FloatArray) -> float:
+    """Return the cost of one independent row with the noise at x, shape (n_free,): scaled free values."""
+    least, rows = noise_of(problem, x)
+    return max(problem.cost(x), least) / max(rows, 1.0)
+
+
 class _Criterion:
     """The predicted reduction at which a point is the optimum, and the cost to which it is compared."""
 
