@@ -39,7 +39,7 @@ def drive(
     check_output_paths(json_file, folder=output)
     check_input_paths(log, vehicle, tire, rear)
     from ..applications.driving.drive import drive as run
-    from ..applications.driving.report import write_drive
+    from ..applications.driving.figures import write_drive
     from .terminal import Terminal
 
     terminal = Terminal(quiet)

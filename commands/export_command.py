@@ -49,7 +49,7 @@ class Proof:
     def export(self, tire: Any, target: Path, selection: TableOptions, **options: Any) -> Path:
         """Write an FMU, with its proof if there is a table; either the complete file is written or none."""
         from ..fmu import add_proof, export
-        from ..fmu.proof.verdict import read_verdict
+        from ..fmu.proof.repetition import read_verdict
         from ..measurements import recording_from
 
         if self.path is None:

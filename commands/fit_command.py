@@ -31,7 +31,7 @@ from .arguments import (
 
 if TYPE_CHECKING:
     from ..fitting import FitResult
-    from ..measurements import Finding, Recording
+    from ..measurements import DataFinding, Recording
     from ..tires import Tire
 
 
@@ -125,8 +125,8 @@ def fit(
     for recording in recordings:  # before the slower imports
         check_columns(recording)
     terminal.selection(*recordings)
-    from ..applications.batch.cross_validation import cross_validate as distributed
     from ..applications.batch.intervals import bootstrap
+    from ..applications.batch.intervals import cross_validate as distributed
     from ..fitting import assign_folds, cross_validate
     from ..fitting import fit as run
     from ..fitting.resampling.bootstrap import check_replicates
@@ -211,7 +211,7 @@ def _one_by_one(
 
 def _residual_findings(
     tire: Tire, path: Path, tables: Sequence[Path], recordings: Sequence[Recording], chosen: Sequence[str]
-) -> list[Finding]:
+) -> list[DataFinding]:
     """Return what the residual of the tire still contains, with the command to diagnose it.
 
     The options `chosen` select and interpret the rows.

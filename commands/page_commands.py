@@ -38,7 +38,7 @@ def compare(
     check_output_paths(json_file, folder=output)
     check_input_paths(tire, tire2, *tables)
     from ..applications.comparison.comparison import compare as run
-    from ..applications.comparison.report import short, write_comparison
+    from ..applications.comparison.figures import short, write_comparison
     from ..measurements import recordings_from
     from ..tires import tire_from
     from .terminal import Terminal
@@ -92,7 +92,7 @@ def explore(
     check_output_paths(output, json_file)
     check_input_paths(tire, *tables, compare, fit_json)
     from ..applications.explorer.explore import explore as run
-    from ..applications.explorer.fit_intervals import fit_intervals
+    from ..applications.explorer.explore import fit_intervals
     from ..measurements import recordings_from
     from .terminal import Terminal
 

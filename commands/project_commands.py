@@ -129,9 +129,8 @@ def run(
     step failed.
     """
     check_output_paths(json_file)
-    from ..applications.project.limited import run_limited
     from ..applications.project.project_file import read_project
-    from ..applications.project.run import INDEX, run_project
+    from ..applications.project.run import INDEX, run_limited, run_project
     from ..applications.project.steps import Step, steps_of
     from .terminal import Terminal
 

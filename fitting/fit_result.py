@@ -44,7 +44,7 @@ class FitResult(Fitted):
         The smallest margin of each physical constraint.
     notes : tuple of str
         Notes for the user: what was skipped, assumed or not determined.
-    data_findings : tuple of Finding
+    data_findings : tuple of DataFinding
         What the recordings lack or contradict (`tirefmu.measurements.data_findings`).
     excluded_rows : tuple of ExcludedRows
         Rows that were not fitted, with the reason.

@@ -26,7 +26,7 @@ from .inputs.car import Car
 from .inputs.grid import Grid, with_steering
 from .inputs.log import Log
 from .inputs.unknowns import Unknowns
-from .interval import BALANCE, MOTION, Added, Interval, Linear
+from .interval import BALANCE, MOTION, AddedForces, Interval, Linear
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -51,14 +51,14 @@ SETTLED, FLAT = 0.1, 0.05
 
 #: Intervals in parts of a drive that are estimated first, and the number of these parts. Convention: computing time.
 SAMPLE, PIECES = 400, 4
-#: Added forces from the grid, states and unknowns.
-Forces = Callable[[Grid, FloatArray, FloatArray], Added]
+#: AddedForces forces from the grid, states and unknowns.
+Forces = Callable[[Grid, FloatArray, FloatArray], AddedForces]
 
 
-def no_forces(grid: Grid, states: FloatArray, z: FloatArray) -> Added:
+def no_forces(grid: Grid, states: FloatArray, z: FloatArray) -> AddedForces:
     """Return no added forces."""
     shape = len(grid.t), len(BALANCE)
-    return Added(np.zeros(shape), np.zeros((*shape, 0)), np.zeros((*shape, len(MOTION))))
+    return AddedForces(np.zeros(shape), np.zeros((*shape, 0)), np.zeros((*shape, len(MOTION))))
 
 
 @dataclass(frozen=True)
@@ -168,7 +168,7 @@ def estimated(
         start[nodes] = first.states
         grid = _moved(grid, interval, start, log, car, unknowns.car_values(car, z))
 
-    def acting(grid: Grid, states: FloatArray, z: FloatArray) -> Added:
+    def acting(grid: Grid, states: FloatArray, z: FloatArray) -> AddedForces:
         beyond = values_of(interval, grid, states, z[:n], interval_data(grid))[:, -n_balance:]
         columns = discrepancy_columns(grid, states, unknowns.car_values(car, z), beyond)
         return forces(grid, states, z).and_columns(size * columns)
@@ -237,7 +237,9 @@ def _moved(
     return with_lags(with_steering(grid, log, car, entries), interval, states, car, entries)
 
 
-def _estimate(at: _Point, interval: Interval, added: Added, z: FloatArray, size: float, converged: bool) -> Estimate:
+def _estimate(
+    at: _Point, interval: Interval, added: AddedForces, z: FloatArray, size: float, converged: bool
+) -> Estimate:
     """Return the estimate at a point; a residual that is correlated over time has the information of fewer ones."""
     grid, n_balance = at.grid, len(BALANCE)
     lengths = [correlation_length(at.linear.values[:, i], grid.segment) for i in range(-n_balance, 0)]
@@ -299,7 +301,7 @@ class _Point:
 
 
 def _solved(
-    grid: Grid, interval: Interval, added: Added, states: FloatArray, z: FloatArray, deviations: FloatArray,
+    grid: Grid, interval: Interval, added: AddedForces, states: FloatArray, z: FloatArray, deviations: FloatArray,
     weights: FloatArray,
 ) -> _Point:  # fmt: skip
     """Return the point for given unknowns from initial states (Gauss-Newton steps, damped as Levenberg's)."""

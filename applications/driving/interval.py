@@ -2,8 +2,8 @@
 
 The implicit midpoint rule joins the nodes: rates are differences over the interval, which are the exact means of the
 rates, as the logged channels are means of samples. `evaluation.curved` adds what the curvature of the motion changes.
-Residuals are divided by their standard deviations. `Linear` has the values and derivatives of all intervals, `Added`
-what an effect adds to the forces of the tires.
+Residuals are divided by their standard deviations. `Linear` has the values and derivatives of all intervals,
+`AddedForces` what an effect adds to the forces of the tires.
 """
 
 from __future__ import annotations
@@ -319,7 +319,7 @@ class Linear:
 
 
 @dataclass(frozen=True)
-class Added:
+class AddedForces:
     """Side forces per static load beyond the tires', linear in the last unknowns and in the motion.
 
     `offset`, shape (n, 2). `columns`, shape (n, 2, n_last): by the last unknowns, of which `further` are none of tires
@@ -337,7 +337,7 @@ class Added:
         """Return the unknowns of tires and car."""
         return z[: len(z) - self.further]
 
-    def and_columns(self, columns: FloatArray) -> Added:
+    def and_columns(self, columns: FloatArray) -> AddedForces:
         """Return these forces and those of further unknowns."""
         both = np.concatenate([self.columns, columns], axis=2)
         return replace(self, columns=both, further=self.further + columns.shape[2])

@@ -19,7 +19,7 @@ from ...measurements.catalogue import effects
 from ...measurements.files.reading import READERS
 from ...symbolic.models import MODELS, model_named
 from ...tires import Tire, tire_from
-from ..explorer.fit_intervals import fit_intervals
+from ..explorer.explore import fit_intervals
 from ..project.project_file import SECTIONS
 from ..project.records import Records, files_of
 from ..project.steps import Step, reads_results, steps_of

@@ -11,7 +11,7 @@ import numpy as np
 from ...measurements.checks.recordings.coverage import (
     PEAK_SHARE,
     SMALL_SHARE,
-    Coverage,
+    ChannelCoverage,
     flatness,
     lacking_peak,
     share_of_peak,
@@ -70,18 +70,18 @@ def reaches(residuals: Residuals, slip: str, channel: str) -> list[Reach]:
     return [reach for reach in parts if reach]
 
 
-def coverage(residuals: Residuals) -> tuple[Coverage, ...]:
+def coverage(residuals: Residuals) -> tuple[ChannelCoverage, ...]:
     """Return whether the fitted rows determine each characteristic of the tire."""
-    entries: list[Coverage] = []
+    entries: list[ChannelCoverage] = []
     for slip, channel in FORCES.items():
         entries += _of_force(residuals, slip, channel)
     for channel in residuals.channels:
         entries += _influences(residuals, channel)
     absent = [output for output in residuals.tire.outputs if output not in residuals.channels]
-    return (*entries, *(Coverage("", output, False, ABSENT.get(output, "not measured")) for output in absent))
+    return (*entries, *(ChannelCoverage("", output, False, ABSENT.get(output, "not measured")) for output in absent))
 
 
-def _of_force(residuals: Residuals, slip: str, channel: str) -> Iterator[Coverage]:
+def _of_force(residuals: Residuals, slip: str, channel: str) -> Iterator[ChannelCoverage]:
     """Yield peak friction, slip stiffness and combined slip of a force that was fitted."""
     by_load = reaches(residuals, slip, channel)
     if not by_load:
@@ -93,16 +93,16 @@ def _of_force(residuals: Residuals, slip: str, channel: str) -> Iterator[Coverag
     if not reason and short:
         loads = ", ".join(f"{reach.load:.0f} N ({reach.share:.0%})" for reach in short)
         reason = f"the data do not reach it at {loads}"
-    yield Coverage("peak friction", channel, share >= PEAK_SHARE, reason, share)
+    yield ChannelCoverage("peak friction", channel, share >= PEAK_SHARE, reason, share)
     small = smallest <= SMALL_SHARE
     reason = "" if small else f"the smallest slips have {smallest:.0%} of the peak of {channel} already"
-    yield Coverage("slip stiffness", channel, small, reason, smallest)
+    yield ChannelCoverage("slip stiffness", channel, small, reason, smallest)
     if {"kappa", "alpha"} <= set(residuals.tire.inputs):
         sizes = [np.abs(residuals.table[name].to_numpy(dtype=float)) for name in ("kappa", "alpha")]
         both = (sizes[0] > NO_SLIP) & (sizes[1] > NO_SLIP) & residuals.table[channel].notna().to_numpy()
         combined = int(both.sum()) >= REACHED_BY
         reason = _beyond_combined(residuals, both) if combined else "no rows have kappa and alpha"
-        yield Coverage("combined slip", channel, combined, reason)
+        yield ChannelCoverage("combined slip", channel, combined, reason)
 
 
 def _beyond_combined(residuals: Residuals, rows: BoolArray) -> str:
@@ -120,21 +120,23 @@ def _beyond_combined(residuals: Residuals, rows: BoolArray) -> str:
     return f"measured up to {degrees(end):.1f} deg of slip angle, where Fy has {share_of_peak(flat):.0%} of its peak"
 
 
-def _influences(residuals: Residuals, channel: str) -> Iterator[Coverage]:
+def _influences(residuals: Residuals, channel: str) -> Iterator[ChannelCoverage]:
     """Yield the influences of load, camber and pressure on a channel."""
     low, high = residuals.range_of("Fz", channel)
     varied = high - low >= ONE_LOAD * high
-    yield Coverage("influence of load", channel, varied, "" if varied else f"one load, {0.5 * (low + high):.0f} N")
+    yield ChannelCoverage(
+        "influence of load", channel, varied, "" if varied else f"one load, {0.5 * (low + high):.0f} N"
+    )
     if "gamma" in residuals.tire.inputs:
         low, high = residuals.range_of("gamma", channel)
         varied = high - low >= NO_INCLINATION
         reason = "" if varied else f"one inclination, {degrees(0.5 * (low + high)) + 0.0:.2g} deg"
-        yield Coverage("influence of camber", channel, varied, reason)
+        yield ChannelCoverage("influence of camber", channel, varied, reason)
     if "p" in residuals.tire.inputs:
         low, high = residuals.range_of("p", channel)
         varied = high - low >= ONE_PRESSURE * high
         reason = "" if varied else f"one pressure, {0.5e-3 * (low + high):.0f} kPa"
-        yield Coverage("influence of pressure", channel, varied, reason)
+        yield ChannelCoverage("influence of pressure", channel, varied, reason)
 
 
 def _pure(residuals: Residuals, slip: str, channel: str) -> BoolArray:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...measurements.checks.recordings.coverage import Coverage
+from ...measurements.checks.recordings.coverage import ChannelCoverage
 from ...numerics.ties import graded
 from .characteristics import Characteristic, characteristics
 from .clipping import Clipped, clipped_channels
@@ -59,7 +59,7 @@ class Findings:
         Jumps and kinks of the tire over the tested slips.
     clipped : tuple of Clipped
         Channels that are cut off at the end of a sensor's range.
-    coverage : tuple of Coverage
+    coverage : tuple of ChannelCoverage
         What the rows determine of the tire, and what they never show.
     undetermined : tuple of Undetermined
         Coefficients that the data do not determine, with the reason.
@@ -74,7 +74,7 @@ class Findings:
     characteristics: tuple[Characteristic, ...] = ()
     discontinuities: tuple[Discontinuity, ...] = ()
     clipped: tuple[Clipped, ...] = ()
-    coverage: tuple[Coverage, ...] = ()
+    coverage: tuple[ChannelCoverage, ...] = ()
     undetermined: tuple[Undetermined, ...] = ()
     files: tuple[Disagreement, ...] = ()
     segments: tuple[Disagreement, ...] = ()

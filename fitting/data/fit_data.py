@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from ...boundary.errors import DataError, FitError, UnknownName
-from ...measurements import EXCLUSION_REASONS, Finding, Recording, data_findings, exclude_rows, group_by_condition
+from ...measurements import EXCLUSION_REASONS, DataFinding, Recording, data_findings, exclude_rows, group_by_condition
 from ...measurements.checks.rows.row_exclusion import check_inputs
 from ...measurements.operating_conditions.levels import held_levels
 from ...measurements.row_selection.selected import matching
@@ -65,7 +65,7 @@ class FitData:
     table: pd.DataFrame
     excluded_rows: tuple[ExcludedRows, ...]
     notes: tuple[str, ...]
-    findings: tuple[Finding, ...] = ()
+    findings: tuple[DataFinding, ...] = ()
 
     @property
     def fitted(self) -> pd.DataFrame:

@@ -16,7 +16,7 @@ from ...drawing.labels import LEVEL, axis_label, drawn_unit, held_text, letter, 
 from ...drawing.residual_panels import residuals_over_inputs
 from ...drawing.style import BLUE, DOTTED, GRAY, GREEN, ORANGE, RED, level_styles, some_of
 from ...measurements import Recording, TableLike, recordings_from
-from ...measurements.checks.recordings.coverage import Coverage
+from ...measurements.checks.recordings.coverage import ChannelCoverage
 from ...tires import TireLike
 from ...tires.drawing.tire_figures import PURE
 from ...tires.signs import SIGNS
@@ -176,7 +176,7 @@ def _families(
     return Figure(name, title, in_rows(panels), note(comparison.signs, text, data_text(comparison, rows)))
 
 
-def _peaks(fitted: Fitted, channel: str) -> Iterable[Coverage]:
+def _peaks(fitted: Fitted, channel: str) -> Iterable[ChannelCoverage]:
     """Return whether the data of a fit determine the peak friction of a channel; empty if it has none."""
     coverage = fitted.findings.coverage
     return (c for c in coverage if (c.characteristic, c.channel) == ("peak friction", channel))

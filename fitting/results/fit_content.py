@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, TypedDict
 
 from ...boundary.json_schema import document, schema_of
-from ...measurements import Finding
+from ...measurements import DataFinding
 from ..checks.diagnostics import Findings
 from ..constraints.verification import Margin
 from ..data.fit_data import ExcludedRows
@@ -57,7 +57,7 @@ class FitContent(TypedDict):
     bootstrap: Bootstrap | None
     temperature: FittedTemperature | None
     notes: tuple[str, ...]
-    data_findings: tuple[Finding, ...]
+    data_findings: tuple[DataFinding, ...]
     interrupted: Annotated[str, "where the fit was stopped; empty if it is complete"]
 
 

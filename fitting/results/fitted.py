@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from ...boundary.errors import UnknownName
-from ...measurements import Finding
+from ...measurements import DataFinding
 from ...tires.tire import Tire
 from ..checks.diagnostics import Findings, find
 from ..checks.residuals import Residuals
@@ -38,7 +38,7 @@ class Fitted:
     run: FitRecord
     margins: tuple[Margin, ...] = ()
     notes: tuple[str, ...] = ()
-    data_findings: tuple[Finding, ...] = ()
+    data_findings: tuple[DataFinding, ...] = ()
     excluded_rows: tuple[ExcludedRows, ...] = ()
     held_out: tuple[HeldOut, ...] = ()
     bootstrap: Bootstrap | None = None

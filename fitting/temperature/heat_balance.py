@@ -121,7 +121,9 @@ class HeatBalance:
             """Return the lines of the states at temperatures of 0 K, and the heat that does not depend on them."""
             rows = rows.copy()
             rows[at] = 0.0
-            lines = dict(zip(model.drives, fastest_code(model, rows.shape[1]).drives(rows, parameters), strict=True))
+            lines = dict(
+                zip(model.state_lines, fastest_code(model, rows.shape[1]).state_lines(rows, parameters), strict=True)
+            )
             return lines, np.stack([lines[f"{name}_target"] * lines[f"{name}_rate"] for name in self.states])
 
         lines, supply = lines_at(self.inputs)

@@ -9,7 +9,7 @@ from ...boundary.errors import FmuError
 from ...symbolic.printers.definitions import INCLUDES, calling_functions, calling_math, definitions
 
 #: Routines that a host calls at every step, and routines that it calls rarely.
-FAST = ("forces", "relaxation", "drives")
+FAST = ("forces", "relaxation", "state_lines")
 SMALL = ("quantities",)
 
 # A routine starts and ends in the first column.

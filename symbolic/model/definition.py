@@ -257,8 +257,8 @@ class Model(ModelDeclaration):
         return tuple(name for name in self.states if name in used)
 
     @cached_property
-    def drives(self) -> tuple[str, ...]:
-        """The lines that determine the states: three for each, then `couplings`; results of the routine `drives`."""
+    def state_lines(self) -> tuple[str, ...]:
+        """The lines that determine the states, three for each, then `couplings`: results of a routine of this name."""
         of_states = [line for name in self.states for line in self._lines_of(name)[:3]]
         return (*of_states, *(line for line, _, _ in couplings(self.states.values())))
 

@@ -63,8 +63,8 @@ class Routine:
 def routines(model: Model) -> tuple[Routine, ...]:
     """Return the routines of a model, all effects present.
 
-    Returns: quantities, forces, jacobian_inputs, jacobian_parameters; relaxation, where slips can lag; drives, where
-    there are states; if options and turn slip are in the lines, all but the first again, straight.
+    Returns: quantities, forces, jacobian_inputs, jacobian_parameters; relaxation, where slips can lag; state_lines,
+    where there are states; if options and turn slip are in the lines, all but the first again, straight.
 
     >>> from tirefmu.symbolic.models import model_named
     >>> [routine.name for routine in routines(model_named("mf96"))]
@@ -75,7 +75,9 @@ def routines(model: Model) -> tuple[Routine, ...]:
     printed += _forces_and_derivatives(model, general)
     if model.states:
         summary = "Of each state: target, velocity of its path or flow; rate or reciprocal width; start."
-        printed.append(_values("drives", summary, general, [sp.Symbol(name, real=True) for name in model.drives]))
+        printed.append(
+            _values("state_lines", summary, general, [sp.Symbol(name, real=True) for name in model.state_lines])
+        )
     if [line.expression for line in general] != [line.expression for line in straight]:
         printed += _forces_and_derivatives(model, straight, STRAIGHT)
     return tuple(printed)
@@ -123,7 +125,7 @@ def jacobians_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
 
 
 def values_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
-    """Return the routines that are not Jacobians: quantities, forces, relaxation lengths, drives of states."""
+    """Return the routines that are not Jacobians: quantities, forces, relaxation lengths, lines of states."""
     return tuple(routine for routine in routines if not routine.name.startswith("jacobian_"))
 
 

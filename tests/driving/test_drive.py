@@ -19,10 +19,10 @@ from tirefmu.applications.driving.dynamics.lagging import behind_lags
 from tirefmu.applications.driving.effects import effect_columns, factor_values, motion_of
 from tirefmu.applications.driving.estimate import estimated
 from tirefmu.applications.driving.factors import scaled_tires, withheld
+from tirefmu.applications.driving.figures import write_drive
 from tirefmu.applications.driving.inputs.car import Car
 from tirefmu.applications.driving.interval import interval_of
-from tirefmu.applications.driving.report import write_drive
-from tirefmu.applications.driving.rivals import Explanation, Rival, forces_of
+from tirefmu.applications.driving.rivals import DriveExplanation, Rival, forces_of
 from tirefmu.applications.driving.trust.contradiction import contradiction_of
 from tirefmu.applications.driving.trust.left_out import is_better
 from tirefmu.boundary.errors import DataError, TirefmuError
@@ -204,7 +204,7 @@ def test_a_drive_estimated_with_an_effect_has_it_in_its_tires(relaxing):
     factors = factor_values(answer.unknowns, answer.estimate.z)
     columns = effect_columns(motion_of(*given), answer.tires, factors)
     missing, u = next((missing, u) for missing, u, _ in columns if missing.name == "relax_lat")
-    base = Explanation(None, answer.grid, answer.estimate)
+    base = DriveExplanation(None, answer.grid, answer.estimate)
     interval = interval_of(
         answer.car, answer.tires, answer.unknowns, sampled=answer.grid.sampled, spins=CORNERS, step=answer.grid.step
     )

@@ -8,11 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ...symbolic.model import Model
+from .buffer_pool import RESULTS
 from .c_code import c_code
 from .interface import Code, all_straight, slices, straight_rows
 from .kernel import ChosenDerivatives, Kernel
 from .normal_equations import Equations, EquationsKernel, WeightedRows, equations_by_chunks
-from .result_memory import RESULTS
 
 FloatArray = npt.NDArray[np.float64]
 #: Rows of which the derivatives by inputs, 35 numbers in MF6.1, fit into the second cache of a processor. With a
@@ -142,8 +142,8 @@ class _BatchCode(Code):
     def quantities(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         return self._single.quantities(inputs, parameters)
 
-    def drives(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        return self._single.drives(inputs, parameters)
+    def state_lines(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return self._single.state_lines(inputs, parameters)
 
     def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         if not all_straight(self._model, inputs, parameters):

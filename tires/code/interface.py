@@ -41,9 +41,9 @@ class Code(ABC):
         """Return named quantities, shape (n_quantities, n), at inputs of shape (n_inputs, n)."""
         return self._table("quantities", inputs, parameters)
 
-    def drives(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        """Return the lines of `Model.drives`, shape (3 n_states, n): target, rate and start of each state."""
-        return self._table("drives", inputs, parameters)
+    def state_lines(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        """Return the lines of `Model.state_lines`, shape (3 n_states, n): target, rate and start of each state."""
+        return self._table("state_lines", inputs, parameters)
 
     def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         """Return derivatives of the forces by the inputs, shape (n, n_forces, n_inputs)."""

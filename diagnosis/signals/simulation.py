@@ -233,7 +233,7 @@ class Simulator:
         def simulated(starts: Mapping[str, FloatArray]) -> FloatArray:
             simulation = StateSimulation(model, self._code, signals.t, inputs, values, False, slips, states, starts)
             guess = self._courses if signals.t is self._courses_at else {}
-            rows = simulation.acting_with_linear_drives(guess, STATE_TOLERANCE)
+            rows = simulation.acting_with_linear_forces(guess, STATE_TOLERANCE)
             self._courses, self._courses_at = {name: rows[signals.names.index(name)] for name in states}, signals.t
             return rows
 
@@ -265,7 +265,7 @@ class Simulator:
 
     def _lines_of(self, states: tuple[str, ...]) -> GivenLines:
         lines = tuple(line for name in states for line in self.symbolic_model.states[name].line_names[:3])
-        return given_lines(self.symbolic_model, "drives", lines)
+        return given_lines(self.symbolic_model, "state_lines", lines)
 
     @property
     def _lag_lines(self) -> GivenLines:

@@ -22,12 +22,12 @@ FloatArray = npt.NDArray[np.float64]
 LARGE = 2**22
 
 
-class ResultMemory:
+class BufferPool:
     """Memory for large results, which is used again when a result and all its views are gone.
 
     `most`: numbers that are kept for later results (2**26: 512 MB).
 
-    >>> memory = ResultMemory()
+    >>> memory = BufferPool()
     >>> first = memory.empty((5, 1_000_000))
     >>> address, view = first.ctypes.data, first[0]
     >>> del first
@@ -75,7 +75,7 @@ class ResultMemory:
 class _Loan:
     """Lends memory to an array and its views, which refer to this object as long as one of them exists."""
 
-    def __init__(self, owner: ResultMemory, memory: FloatArray, shape: tuple[int, ...]) -> None:
+    def __init__(self, owner: BufferPool, memory: FloatArray, shape: tuple[int, ...]) -> None:
         self._owner, self._memory = owner, memory
         self.__array_interface__: dict[str, Any] = {**memory.__array_interface__, "shape": shape}
 
@@ -84,4 +84,4 @@ class _Loan:
 
 
 #: The memory of this process.
-RESULTS = ResultMemory()
+RESULTS = BufferPool()

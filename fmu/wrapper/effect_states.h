@@ -1,10 +1,10 @@
 /* The states of effects: lags, sums and hystereses that the force formulas read as inputs.
  *
- * memory.c is part of an FMU whose tire has such states.  The generated routine `drives` computes target, rate and
+ * effect_states.c is part of an FMU whose tire has such states.  The generated routine `state_lines` computes target, rate and
  * start of each state; state_laws.h has the laws.  A state is direct if it follows inputs alone.
  */
-#ifndef MEMORY_H
-#define MEMORY_H
+#ifndef EFFECT_STATES_H
+#define EFFECT_STATES_H
 
 #include "contact.h"
 

@@ -8,8 +8,8 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from tirefmu.tires.code import code_for, result_memory
-from tirefmu.tires.code.result_memory import LARGE, ResultMemory
+from tirefmu.tires.code import buffer_pool, code_for
+from tirefmu.tires.code.buffer_pool import LARGE, BufferPool
 from tirefmu.tires.published_tires import published
 
 from .test_batch import rows_of
@@ -17,8 +17,8 @@ from .test_batch import rows_of
 
 @pytest.fixture
 def memory(monkeypatch):
-    monkeypatch.setattr(result_memory, "LARGE", 100)
-    return ResultMemory(most=1000)
+    monkeypatch.setattr(buffer_pool, "LARGE", 100)
+    return BufferPool(most=1000)
 
 
 def address(array):

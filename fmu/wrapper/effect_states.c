@@ -1,4 +1,4 @@
-/* The states of effects.  See memory.h.
+/* The states of effects.  See effect_states.h.
  *
  * Direct states and hystereses along lags have exact updates.  A state that is driven by forces is integrated in steps
  * that grow with the time since the inputs have changed: the drive is a parabola through start, middle and end of a
@@ -7,7 +7,7 @@
  * start, heat the tire, and the nodes exchange heat exactly.  model_config.h has FIRST_STEP (a share of the shortest
  * time constant), GROWTH (the ratio of successive steps) and the limits of the iteration.
  */
-#include "memory.h"
+#include "effect_states.h"
 
 #include "slips.h"
 #include "state_laws.h"
@@ -18,7 +18,7 @@
 /* Iterations end when no value changes by more than this share. */
 #define CONVERGED 1e-14
 
-/* By state: the index of its input, its first line in the results of `drives`, its kind, whether it is direct, whether
+/* By state: the index of its input, its first line in the results of `state_lines`, its kind, whether it is direct, whether
    it has a start value of its own, its lags (indices of states, -1 for none), and its named quantities.  The speed of an
    oscillator is the state behind its position; both are direct. */
 typedef enum { BALANCE, SUM, PATH, PLAY, POSITION, VELOCITY, NODE } Law;
@@ -45,7 +45,7 @@ static double rate(const double lines[], size_t i) { return lines[TABLE[i].line 
 
 static void find_lines(const State *state, const double inputs[], double lines[])
 {
-    model_drives(inputs, model_parameters(state), lines);
+    model_state_lines(inputs, model_parameters(state), lines);
 }
 
 static void put(const double memory[N_MEMORY], double inputs[N_INPUTS])
@@ -61,7 +61,7 @@ static void put(const double memory[N_MEMORY], double inputs[N_INPUTS])
 /* Equilibrium at constant inputs for states that have one, by damped iteration; `memory` holds the others. */
 static void settle(const State *state, const double inputs[N_INPUTS], double memory[N_MEMORY])
 {
-    double filled[N_INPUTS], lines[N_DRIVES], before;
+    double filled[N_INPUTS], lines[N_STATE_LINES], before;
     size_t i, k;
     int moving = 1;
 
@@ -135,7 +135,7 @@ static void follow_inputs(const double lines[], const double start[N_MEMORY], do
 }
 
 /* A driven state at the middle and at the end of a step, from the lines at start, middle and end. */
-static void integrate(size_t i, const double lines[3][N_DRIVES], double h, double start, double *half, double *end)
+static void integrate(size_t i, const double lines[3][N_STATE_LINES], double h, double start, double *half, double *end)
 {
     const double u[] = {target(lines[0], i), target(lines[1], i), target(lines[2], i)};
     const double r[] = {rate(lines[0], i), rate(lines[1], i), rate(lines[2], i)};
@@ -154,7 +154,7 @@ static void integrate(size_t i, const double lines[3][N_DRIVES], double h, doubl
    Returns whether their values were found. */
 static int step_driven(State *state, double inputs[3][N_INPUTS], double memory[3][N_MEMORY], double h)
 {
-    double lines[3][N_DRIVES], half, end, change = 0.0, size;
+    double lines[3][N_STATE_LINES], half, end, change = 0.0, size;
     size_t i, k;
     int moving = 1, found = 1;
 
@@ -173,7 +173,7 @@ static int step_driven(State *state, double inputs[3][N_INPUTS], double memory[3
         for (i = 0; i < N_MEMORY; i++) {
             if (!is_driven(i))
                 continue;
-            integrate(i, (const double(*)[N_DRIVES]) lines, h, memory[0][i], &half, &end);
+            integrate(i, (const double(*)[N_STATE_LINES]) lines, h, memory[0][i], &half, &end);
             change = fmax(fabs(end - memory[2][i]), fabs(half - memory[1][i]));
             size = fmax(fabs(memory[0][i]), fmax(fabs(half), fabs(end)));
             moving |= !(change <= CONVERGED * size);
@@ -241,7 +241,7 @@ static double fastest(const State *state, const double lines[])
 }
 
 /* The states that are no temperatures, and the lagged slips; `given` has the inputs, `lines` the lines there. */
-static void advance_others(State *state, const double lines[N_DRIVES], double h)
+static void advance_others(State *state, const double lines[N_STATE_LINES], double h)
 {
     double first[N_MEMORY], begin = 0.0, end = 0.0, size = FIRST_STEP / fastest(state, lines);
 
@@ -276,7 +276,7 @@ static void apply(double matrix[N_NODES][N_NODES], const double y[N_NODES], doub
 
 /* The temperatures after h seconds of x' = A x + b, where `lines` give A and b: x grows by (exp(A h) - 1)/(A h) x' h, a
    series in parts of the step in which the norm of A h is at most 1/2. */
-static void exchange_heat(const double lines[N_DRIVES], double h, double memory[N_MEMORY])
+static void exchange_heat(const double lines[N_STATE_LINES], double h, double memory[N_MEMORY])
 {
     double matrix[N_NODES][N_NODES], flow[N_NODES], sum[N_NODES], next[N_NODES], size = 0.0, parts, bound;
     size_t i, j;
@@ -322,7 +322,7 @@ static void exchange_heat(const double lines[N_DRIVES], double h, double memory[
 /* Temperatures from the forces at the middle of the step, then the other states and the slips from its start. */
 void memory_advance(State *state, double h)
 {
-    double lines[N_DRIVES];
+    double lines[N_STATE_LINES];
     const int others = N_MEMORY > N_TEMPERATURES;
 #if N_TEMPERATURES > 0
     double middle[N_INPUTS], values[N_MEMORY], warmed[N_MEMORY];
@@ -357,7 +357,7 @@ void memory_advance(State *state, double h)
 
 void memory_rates(const State *state, double rates[N_MEMORY], double events[N_MEMORY])
 {
-    double given[N_INPUTS], acting[N_INPUTS], at_given[N_DRIVES], at_acting[N_DRIVES];
+    double given[N_INPUTS], acting[N_INPUTS], at_given[N_STATE_LINES], at_acting[N_STATE_LINES];
     size_t i;
 
     memcpy(given, state->contact.inputs, sizeof given);
