@@ -70,7 +70,8 @@ def with_second_solutions(result: FitResult) -> FitResult:
     """
     other: dict[str, float] = {}
     for stage in result.whole_stages:
-        determined = [c for c in result.coefficients if c.name in result.determined_by(stage)]
+        names = result.determined_by(stage)
+        determined = [c for c in result.coefficients if c.name in names]
         for _, values in sorted(_others(stage), key=lambda solution: graded(solution[0])):
             different = {c.name: values[c.name] for c in determined if abs(values[c.name] - c.value) > c.interval}
             if different:
