@@ -311,6 +311,28 @@ class Problem:
         return _Block(inputs, measured, root, rows.group, rows.segment, present, without)
 
 
+class Ridge:
+    """A problem with ridge regularization towards the initial values, for directions that are not identifiable.
+
+    `start`, shape (n_free,). `strength`: twice the cost of one unit of distance from the start.
+    """
+
+    def __init__(self, problem: Problem, start: FloatArray, strength: float) -> None:
+        self.problem, self._start, self._strength = problem, start.copy(), strength
+
+    def cost(self, x: FloatArray) -> float:
+        """Return the cost at scaled free values x, shape (n_free,)."""
+        away = x - self._start
+        return self.problem.cost(x) + 0.5 * self._strength * float(away @ away)
+
+    def derivatives(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+        """Return cost, gradient (n_free,) and Gauss-Newton matrix (n_free, n_free)."""
+        _, gradient, matrix = self.problem.derivatives(x)
+        gradient += self._strength * (x - self._start)
+        matrix[np.diag_indices_from(matrix)] += self._strength
+        return self.cost(x), gradient, matrix
+
+
 @lru_cache(maxsize=16)
 def coefficients_by_output(model: Model, *, straight: bool = False) -> dict[str, frozenset[str]]:
     """Return the coefficients on which each output of a model depends, or depends without turn slip."""

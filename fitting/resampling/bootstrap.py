@@ -26,7 +26,7 @@ from ...numerics.arrays import FloatArray, IntArray
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..fit_result import FitResult
 from ..problem.slope_targets import SlopeTarget
-from ..results.resampled import Bootstrap, BootstrapInterval
+from ..results.records import Bootstrap, BootstrapInterval
 from ..results.stages import StageResult
 from ..solvers.convergence import STEP_TOLERANCE, cost_of_a_row
 from .leverage import Correction, corrections

@@ -20,8 +20,7 @@ from ...numerics.ties import graded
 from ...tires.code import fastest_code
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..fit_result import FitResult
-from ..problem.regularization import Ridge
-from ..problem.weighted_residuals import Problem
+from ..problem.weighted_residuals import Problem, Ridge
 from ..results.records import BoundConsequence
 from ..results.stages import StageResult
 from ..solvers.convergence import DAMPING, RESTORING_DAMPING, cost_of_a_row

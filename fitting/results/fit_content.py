@@ -16,8 +16,7 @@ from ..temperature.fitted_temperature import FittedTemperature
 from ..uncertainty.sandwich import Direction
 from .fitted import Fitted
 from .intervals import ListedInterval, listed_intervals
-from .records import BoundConsequence, ChannelFit, FittedCoefficient, HeldOut
-from .resampled import Bootstrap
+from .records import Bootstrap, BoundConsequence, ChannelFit, FittedCoefficient, HeldOut
 from .stages import StageResult
 from .verdict import Verdict
 

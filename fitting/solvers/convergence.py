@@ -19,8 +19,7 @@ from ...numerics.arrays import FloatArray
 from ...numerics.correlation import effective_sample_size
 from ...numerics.gauss_newton import Damping, minimize, restore
 from ..constraints.constraint_functions import ConstraintFunctions
-from ..problem.regularization import Ridge
-from ..problem.weighted_residuals import Problem
+from ..problem.weighted_residuals import Problem, Ridge
 from ..problem.weights import MIN_NOISE
 
 #: Largest step of a converged fit, in standard errors.
