@@ -93,6 +93,7 @@ def test_the_probabilities_are_those_of_the_explanations(thrust, tmp_path):
     assert page.index("explanation of the recording") < page.index("<h2")
 
 
+@pytest.mark.slow
 def test_the_result_does_not_depend_on_the_signs_of_the_recording(thrust):
     case, diagnosis = thrust
     turned = case.table.assign(Fy=-case.table["Fy"], Mz=-case.table["Mz"])
@@ -295,6 +296,7 @@ def test_every_yes_or_no_of_the_json_is_true_or_false(thrust):
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_what_nothing_explains_is_in_the_verdict():
     """Friction changes slowly with time: the bench cleaned its belt twice, and recorded nothing of it."""
     case = make_case(1)
@@ -362,6 +364,7 @@ def test_no_effect_is_identified_without_a_missing_effect():
     assert diagnosis.detectable["temp_friction"]["Fy"] > 0.0
 
 
+@pytest.mark.slow
 def test_sensor_errors_are_reported_as_confounded_only():
     diagnosis = answer(make_case(21, ("plysteer",)))
     assert [one.effect for one in diagnosis.found] == ["plysteer"]

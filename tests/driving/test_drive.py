@@ -191,6 +191,7 @@ def test_a_relaxation_length_is_that_of_the_truth(relaxing):
     assert answer.verdict.effects[0].coefficients["SIGY"] == pytest.approx(length, rel=0.25)
 
 
+@pytest.mark.slow
 def test_an_effect_is_a_name_only_if_it_is_certain_and_predicts(relaxing):
     answer, _ = relaxing
     assert answer.verdict.effects[0].effect == "relax_lat"
@@ -198,6 +199,7 @@ def test_an_effect_is_a_name_only_if_it_is_certain_and_predicts(relaxing):
     assert "axle: the drive disagrees most with its tire file" in " ".join(answer.verdict.lines)
 
 
+@pytest.mark.slow
 def test_a_drive_estimated_with_an_effect_has_it_in_its_tires(relaxing):
     answer, length = relaxing
     given = answer.grid, answer.estimate, answer.unknowns, answer.car
@@ -257,6 +259,7 @@ def test_a_signalbehind_lags_a_lag_is_that_of_the_differential_equation():
     np.testing.assert_allclose(late[20:-5], exact[20:-5], atol=2e-3)
 
 
+@pytest.mark.slow
 def test_without_a_peak_friction_is_not_determined(car, tire):
     logs, _ = road.made_drives([SAME], ["sweep"], [False], seed=2, seconds=10.0)
     answer = tirefmu.drive(logs[0], vehicle=car, tire=tire)
