@@ -24,7 +24,7 @@ def temperature_over_time(tire: Tire, fitted: FittedTemperature, recordings: Ite
     for balance, start in zip(balances, fitted.starts, strict=True):
         course = balance.temperatures({}, np.array(start))
         supplied, stored = balance.energy({}, course)
-        recorded = Series("points", balance.t, balance.measured - ZERO_CELSIUS, GRAY, "recorded", marker=".", size=2.0)
+        recorded = Series("points", balance.t, balance.measured - ZERO_CELSIUS, GRAY, "recorded", marker="o", size=2.0)
         colors = (BLUE, ORANGE, GREEN, RED)
         lines = [
             Series("line", balance.t, values - ZERO_CELSIUS, color, name)
