@@ -1,4 +1,4 @@
-"""A Dask cluster of two workers for the tests of a file: an idle one takes time, too. Its nannies replace workers that a test kills."""
+"""A Dask cluster of two workers for the tests of a file: an idle one takes time, too. Nannies replace killed workers."""
 
 from __future__ import annotations
 
