@@ -55,9 +55,11 @@ class Unknowns:
         return len(self.car) + len(self.factors)
 
     def car_values(self, car: Car, z: FloatArray) -> dict[str, float]:
-        """Return all entries of the car, and `cg_to_rear`."""
+        """Return all entries of the car, `cg_to_rear`, and factors under such names as `LKY_front`."""
         entries = {**car.values, **{name: float(self.entry(i, z[i], np.exp)) for i, name in enumerate(self.car)}}
-        return {**entries, "cg_to_rear": entries["wheelbase"] - entries["cg_to_front"]}
+        places = {f"{name}_{axle}": self.factor(axle, name) for axle, name in self.factors}
+        factors = {name: float(np.exp(self.spread[i] * z[i])) for name, i in places.items()}
+        return {**entries, **factors, "cg_to_rear": entries["wheelbase"] - entries["cg_to_front"]}
 
     def entry(self, i: int, z: Any, exp: Any) -> Any:
         """Return an entry of the car for its deviation; `exp`: the exponential of NumPy or CasADi."""
