@@ -45,7 +45,8 @@ FREEDOM = 4.0
 #: Most steps of the unknowns, and from an estimate that is near; most steps of the states for given unknowns, predicted
 #: relative decrease that ends the latter, smallest part of a step that is tried.
 ROUNDS, NEAR_ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 60, 20, 50, 1e-7, 1e-2
-#: Rounds for which the slope of the volume is kept, but for steps shorter than this.
+#: Rounds for which the slope of the volume is kept, but for steps shorter than this, and forces that are added, but for
+#: longer ones.
 SLOPE_ROUNDS, NEAR = 3, 1.0
 #: The estimate ends at a step of an unknown in its standard deviations and of the logarithm of a deviation below the
 #: first number, or at a step below 1 that gains less than the second one in the logarithm of the posterior.
@@ -172,13 +173,14 @@ def estimated(
         start[nodes] = first.states
         grid = _moved(grid, interval, start, log, car, unknowns.car_values(car, z))
 
-    def acting(grid: Grid, states: FloatArray, z: FloatArray) -> Added:
+    def acting(grid: Grid, states: FloatArray, z: FloatArray, held: Added) -> Added:
         beyond = values_of(interval, grid, states, z[:n], interval_data(grid))[:, -n_balance:]
         columns = discrepancy_columns(grid, states, unknowns.car_values(car, z), beyond)
-        return forces(grid, states, z).and_columns(size * columns)
+        return held.and_columns(size * columns)
 
-    added = acting(grid, start, z)
-    n_rest = added.columns.shape[2] - forces(grid, start, z).columns.shape[2]
+    held = forces(grid, start, z)
+    added = acting(grid, start, z, held)
+    n_rest = added.further - held.further
     rest = rest[len(rest) - n_rest :] if near else np.zeros(n_rest)
     z = np.concatenate([z, np.zeros(added.further - n_rest), rest])
     at = _solved(grid, interval, added, start, z, deviations, np.ones((len(grid.t), len(floor))))
@@ -221,7 +223,9 @@ def estimated(
             resized = abs(np.log(new / size))
             z[len(z) - n_rest :] *= size / new
             size = new
-        added = curved(grid, interval, acting(grid, tried.states, z), tried.states, z)
+        if longest > NEAR or round_ % SLOPE_ROUNDS == 0:
+            held = forces(grid, tried.states, z)
+        added = curved(grid, interval, acting(grid, tried.states, z, held), tried.states, z)
         at = _solved(grid, interval, added, tried.states, z, tried.deviations, weights)
     return grid, _estimate(at, interval, added, z, size, converged)
 
