@@ -63,7 +63,7 @@ def _panel(diagnosis: Diagnosis, finding: Finding) -> Panel:
 
 def _share(response: FloatArray, measured: FloatArray) -> float:
     """Return the size of the force by an effect as a share of the measured force."""
-    return float(np.sqrt(np.nanmean(response**2) / max(np.nanmean(measured**2), 1e-300)))
+    return float(np.sqrt(np.nanmean(response**2) / max(float(np.nanmean(measured**2)), 1e-300)))
 
 
 def _input(diagnosis: Diagnosis, effect: str) -> str:
