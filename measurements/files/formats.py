@@ -40,12 +40,24 @@ FORMATS: dict[str, Format] = {
 }
 #: Formats that their first bytes show, whatever the extension is.
 MAGIC: dict[bytes, Format] = {b"MDF     ": FORMATS[".mf4"], b"UnFinMF ": FORMATS[".mf4"]}
+#: The file that makes a folder a bag of ROS 2.
+BAG = "metadata.yaml"
 #: The default sign conventions, for the help text of ``--signs``.
 DEFAULT_SIGNS = f"sae for {' and '.join(name for name, kind in FORMATS.items() if kind.signs == 'sae')}, iso for tables"
 
 
+def is_bag(path: Path) -> bool:
+    """Return whether a path is a folder with a bag of ROS 2."""
+    return path.is_dir() and (path / BAG).is_file()
+
+
 def reader_of(path: Path) -> str:
-    """Return the reader of a file by its first bytes, otherwise by its extension, which has to be known."""
+    """Return the reader of a file by its first bytes, otherwise by its extension, which has to be known.
+
+    That of a folder is the one of a bag of ROS 2.
+    """
+    if is_bag(path):
+        return _ROS.reader
     with path.open("rb") as file:
         start = file.read(max(map(len, MAGIC)))
     shown = next((declared for magic, declared in MAGIC.items() if start.startswith(magic)), None)

@@ -88,8 +88,7 @@ def load(wanted: str, path: Path, *arguments: Any) -> Any:
     `DataError` if the file has another format, or the code that reads it crashes.
     """
     global _running
-    with path.open("rb") as file:
-        size = os.fstat(file.fileno()).st_size
+    size = _size(path)
     memory, largest = MEMORY + MEMORY_PER_BYTE * size, CONTENT + CONTENT_PER_BYTE * size
     request = (wanted, os.path.abspath(path), memory, largest, arguments)
     with _lock:
@@ -109,6 +108,14 @@ def load(wanted: str, path: Path, *arguments: Any) -> Any:
         )
         raise DataError(f"{path}: cannot be read as {kind}: {content}")
     return content
+
+
+def _size(path: Path) -> int:
+    """Return the bytes of a file that can be opened, or of the files in a folder."""
+    if path.is_dir():
+        return sum(entry.stat().st_size for entry in os.scandir(path) if entry.is_file())
+    with path.open("rb") as file:
+        return os.fstat(file.fileno()).st_size
 
 
 @atexit.register

@@ -16,7 +16,7 @@ from ..checks.rows.incomplete_rows import without_incomplete_rows
 from ..interpretation import Interpretation
 from ..recording import Recording
 from .columns.content import Content, frame_columns
-from .formats import FORMATS, reader_of
+from .formats import FORMATS, is_bag, reader_of
 from .table_recording import recording_of
 
 _PLUGINS: dict[str, EntryPoint] = {entry.name: entry for entry in plugins("readers") if entry.name not in FORMATS}
@@ -34,7 +34,7 @@ def read_content(path: str | PathLike[str], signs: str | None = None) -> Content
     file that does not exist, has an unknown extension or cannot be read.
     """
     file = path_from(path)
-    if file.suffix.lower() not in READERS:
+    if file.suffix.lower() not in READERS and not is_bag(file):
         raise DataError(f"{file}: unknown kind of recording {file.suffix!r}{nearest(file.suffix, READERS)}")
     try:
         if not file.exists():
