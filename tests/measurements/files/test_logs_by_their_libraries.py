@@ -1,4 +1,4 @@
-"""Logs written by the libraries of their formats: 30 variants of each are read to the digit, or refused with the remedy.
+"""Logs written by the libraries of their formats: 30 variants of each are read to the digit.
 
 A variant draws the order and the groups of its channels, their rates, units, signs and types, and a gap.
 """
@@ -32,7 +32,7 @@ SECONDS = 6.0
 
 @dataclass(frozen=True)
 class Signal:
-    """A channel of a log: `values` in its unit at `times`, s, in a group; `name` of the file, and what the user names."""
+    """A channel of a log: `values` in its unit at `times`, s, in a group, under a name."""
 
     name: str
     channel: str
