@@ -21,8 +21,8 @@ __all__ = ["MissingPackage", "close", "load"]
 MEMORY, MEMORY_PER_BYTE = 4 << 30, 100
 #: Limit of the content in bytes: a constant, and a factor for the size of the file, the largest compression ratio.
 CONTENT, CONTENT_PER_BYTE = 64 << 20, 1000
-#: Time limits in seconds: constants for the clock and for the processor, and a term for each byte of the file. Compressed
-#: messages of ROS need the longest for a byte.
+#: Time limits in seconds: constants for the clock and for the processor, and a term for each byte of the file.
+#: Compressed messages of ROS need the longest for a byte.
 SECONDS, PROCESSOR_SECONDS, SECONDS_PER_BYTE = 60.0, 4.0, 2e-5
 
 

@@ -1,9 +1,9 @@
 """Program that reads files by native code (MATLAB, HDF5, Arrow); `native_reader.py` starts it as a process.
 
 A damaged file can make such code crash, hang or fill the memory. Only this process ends then. It imports no module of
-tirefmu, so that it starts in a fraction of a second. A request is a pickled tuple of what to load, path, limits of memory
-and of processor time, largest size of the answer and further arguments. The answer is a pickled pair of a status and the content, the package
-or the reason.
+tirefmu, so that it starts in a fraction of a second. A request is a pickled tuple of what to load, path, limits of
+memory and of processor time, largest size of the answer and further arguments. The answer is a pickled pair of a status
+and the content, the package or the reason.
 """
 
 from __future__ import annotations

@@ -60,7 +60,7 @@ def read_content(path: str | PathLike[str], signs: str | None = None) -> Content
 
 
 def _check_size(path: Path, declared: Format) -> None:
-    """Raise for a file whose bytes are mostly absent, such as a part of a download, and for a text of too many bytes."""
+    """Raise for a file whose bytes are mostly absent, such as a part of a download, and for too long a text."""
     status = path.stat()
     stored = 512 * getattr(status, "st_blocks", 0)
     if 0 < stored < MIN_STORED * status.st_size and status.st_size > LARGEST_TEXT:

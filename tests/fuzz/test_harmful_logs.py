@@ -1,4 +1,4 @@
-"""Logs that claim more than they have are refused with one clear line and little memory, whatever reads their format."""
+"""Logs that claim more than they have are refused with one clear line and little memory."""
 
 from __future__ import annotations
 
@@ -21,10 +21,21 @@ ROOT = Path(__file__).parents[2]
 MEMORY = 500_000
 GIGABYTES = 10 << 30
 #: First bytes by extension, so that a file is taken for one of its format.
-HEADS = {".mat": b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM", ".mf4": b"MDF     4.10    ", ".tdms": b"TDSm",
-         ".ulg": b"ULog\x01\x12\x35\x01" + bytes(8), ".bag": b"#ROSBAG V2.0\n", ".db3": b"SQLite format 3\0",
-         ".mcap": b"\x89MCAP0\r\n", ".vbo": b"[column names]\ntime v\n[data]\n", ".tdx": b"**HEADER\n",
-         ".csv": b"t,steer\n0,0\n", ".dat": b"title\nET SA IA FZ\n", ".parquet": b"PAR1", ".xlsx": b"PK\x03\x04"}  # fmt: skip
+HEADS = {
+    ".mat": b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM",
+    ".mf4": b"MDF     4.10    ",
+    ".tdms": b"TDSm",
+    ".ulg": b"ULog\x01\x12\x35\x01" + bytes(8),
+    ".bag": b"#ROSBAG V2.0\n",
+    ".db3": b"SQLite format 3\0",
+    ".mcap": b"\x89MCAP0\r\n",
+    ".vbo": b"[column names]\ntime v\n[data]\n",
+    ".tdx": b"**HEADER\n",
+    ".csv": b"t,steer\n0,0\n",
+    ".dat": b"title\nET SA IA FZ\n",
+    ".parquet": b"PAR1",
+    ".xlsx": b"PK\x03\x04",
+}
 
 READING = """
 import json, resource, sys
@@ -115,5 +126,5 @@ def test_work_without_end_is_ended_by_its_processor_time(tmp_path, monkeypatch):
     content[group + 24 : group + 32] = struct.pack("<Q", group)  # the next group is this one
     path.write_bytes(content)
     monkeypatch.setattr(native_reader, "PROCESSOR_SECONDS", 0.5)
-    with pytest.raises(DataError, match="loop.mf4: cannot be read as a .mf4 log: reading takes too long"):
+    with pytest.raises(DataError, match=r"loop\.mf4: cannot be read as a \.mf4 log: reading takes too long"):
         read_content(path)
