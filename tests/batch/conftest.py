@@ -1,4 +1,4 @@
-"""A Dask cluster of two workers for the tests of a file: an idle one takes time, too. Nannies replace killed workers."""
+"""A Dask cluster of two workers for the tests of a file: an idle one takes time, too. Nannies replace dead workers."""
 
 from __future__ import annotations
 
