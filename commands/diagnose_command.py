@@ -96,7 +96,7 @@ def diagnose(
     from ..applications.batch.diagnose_many import write_answer
     from ..diagnosis import diagnose as run
     from ..diagnosis.diagnose import STEPS
-    from ..measurements import check_columns, data_findings, recordings_from
+    from ..measurements import CHANNELS, check_columns, data_findings, recordings_from
     from ..measurements.turn_slip import with_turn_slip
     from ..tires import tire_from
     from .terminal import Terminal
@@ -128,7 +128,7 @@ def diagnose(
     terminal.print(result.verdict)
     for line in _error_lines(summary):
         terminal.print(line)
-    if ignored := result.recording["ignored_columns"]:
+    if ignored := [name for name in result.recording["ignored_columns"] if name in CHANNELS]:
         terminal.print(f"note: ignored, no tested model has them: {', '.join(ignored)}")
     keys = ("tire", "base_tire", *(("fmu", "base_fmu") if fmus else ()))
     written_names = [*(summary[key] for key in keys), *(f"{effect.name}.toml" for effect in result.proposed)]

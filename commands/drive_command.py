@@ -61,8 +61,7 @@ def drive(
     rms = answer.before.rms, answer.after.rms
     changes = ", ".join(f"{name} {rms[0][name]:.3g} -> {rms[1][name]:.3g}" for name in rms[0])
     terminal.print(f"rms error of the simulated vehicle: {changes}")
-    if answer.log.ignored:
-        terminal.print(f"not read: {answer.log.ignored}")
+    terminal.not_read(answer.log.ignored)
     if not answer.written:
         terminal.print("no tire is written")
     terminal.print(*(f"{path}" for path in [*written, output / "drive.json", output / "report.html"]))

@@ -91,10 +91,17 @@ class Terminal:
         self._status.print(visible(line))
 
     def selection(self, *recordings: Recording) -> None:
-        """Print how many rows of each recording were selected, if rows were selected."""
+        """Print how many rows of each recording were selected, if rows were selected, and what is not read."""
         for recording in recordings:
             if count := recording.about.get("selected"):
                 self.print(f"{recording.source}: {count}")
+        for text in dict.fromkeys(recording.about.get("ignored", "") for recording in recordings):
+            self.not_read(text)
+
+    def not_read(self, ignored: str) -> None:
+        """Print what of a file is not read; nothing without it."""
+        if ignored:
+            self.print(f"not read: {ignored}")
 
     def table(self, title: str, content: tuple[Sequence[str], Sequence[Sequence[str]]], *, most: int = 1000) -> None:
         """Print a table of texts; rows beyond the limit are counted."""

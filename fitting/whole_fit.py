@@ -13,8 +13,7 @@ from ..tires import TireLike
 from .assembly import result_of
 from .fit_result import FitResult
 from .options import FitOptions
-from .resampling.bounds import with_consequences
-from .resampling.second_solutions import with_second_solutions
+from .resampling.near_solution import with_consequences, with_second_solutions
 from .setup import Plan, Setup
 from .solvers.interruption import Interruption, Progress
 from .stage import solve_stages

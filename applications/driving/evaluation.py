@@ -26,7 +26,8 @@ def interval_data(grid: Grid, share: float = 0.0) -> FloatArray:
     weights = np.where(sampled, 1.0 / np.where(sampled, grid.noise, 1.0), 0.0)
     lines = np.stack([grid.steer, grid.steer_slopes[:2], grid.steer_slopes[2:]])
     lines = lines + share * np.diff(lines, axis=1)
-    return np.concatenate([np.where(sampled, grid.means, 0.0), weights, lines.reshape(6, -1), grid.rims, grid.behind])
+    means = np.where(sampled, grid.means, 0.0)
+    return np.concatenate([means, weights, lines.reshape(6, -1), grid.rims, grid.rim_slopes, grid.behind])
 
 
 def curved(grid: Grid, interval: Interval, added: AddedForces, states: FloatArray, z: FloatArray) -> AddedForces:

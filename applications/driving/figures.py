@@ -110,7 +110,7 @@ def _forces(answer: Drive) -> Figure:
         )
         spread, after = 1.96 * float(np.median(deviation[i])), curves[1]
         points = Series(
-            "points", np.degrees(alpha[some]), Fy[some], RECORDED, "drive", marker=".", size=1.5, opacity=0.5
+            "points", np.degrees(alpha[some]), Fy[some], RECORDED, "drive", marker="o", size=1.5, opacity=0.5
         )
         panels.append(
             Panel(
@@ -130,7 +130,7 @@ def _map(answer: Drive) -> Figure:
         size = np.abs(answer.lacking[:, :, i])
         large = size > np.quantile(size[0], 0.9)
         series = tuple(
-            Series("points", x[rows], y[rows], color, label, marker=".", size=2.0)
+            Series("points", x[rows], y[rows], color, label, marker="o", size=2.0)
             for rows, color, label in (
                 (~large[0], RECORDED, "other places"),
                 (large[0] & ~large[1], BEFORE, "largest 10 % before"),

@@ -4,8 +4,8 @@ All are compared by the Gaussian of the estimate of the whole drive, in which th
 the coefficients of an effect join the unknowns, and its forces are linearized about them in some rounds. The evidence
 integrates over the motion, the car, its discrepancy, the factors and these coefficients. Residuals that are correlated
 over time count as fewer. For which factors changed, and at most one wrong entry of the car, a prior gives a changed
-factor the spread of factors, a wrong entry a multiple of its uncertainty (MacKay, Information Theory, Inference, and
-Learning Algorithms, 2003, chapter 28).
+factor the spread of factors, another one that of equal tires, and a wrong entry a multiple of its uncertainty (MacKay,
+Information Theory, Inference, and Learning Algorithms, 2003, chapter 28).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .effects import Missing, Motion, effect_columns, factor_values, motion_of, 
 from .estimate import Estimate, Forces
 from .inputs.car import Car
 from .inputs.grid import Grid
-from .inputs.unknowns import CHANGED, Unknowns
+from .inputs.unknowns import CHANGED, FACTOR_SPREAD, SAME_SPREAD, Unknowns
 from .interval import BALANCE, MOTION, AddedForces
 
 FloatArray = npt.NDArray[np.float64]
@@ -62,7 +62,7 @@ def probabilities_of(grid: Grid, estimate: Estimate, unknowns: Unknowns) -> Prob
     for row, some in enumerate(changed):
         for column in range(logs.shape[1]):
             spread = np.ones(len(estimate.z))
-            spread[places] = some
+            spread[places] = np.where(some, 1.0, SAME_SPREAD / FACTOR_SPREAD)
             if column:
                 spread[column - 1] = WRONG_SPREAD
             logs[row, column] = (np.log(ODDS) if column else 0.0) + evidence_of(information, score, spread)

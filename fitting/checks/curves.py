@@ -17,10 +17,11 @@ from ...numerics.slip_slope import SLOPE_WINDOW, read_slope
 from ...numerics.ties import graded
 from ...tires import TireLike, tire_from
 from ...tires.evaluation import Conventions, evaluate
+from ...tires.property_file.names import unmeasured_outputs
 from ...tires.signs import convert_signs
 from ...tires.tire import Tire
 
-_POINTS = 301  # of a curve
+_POINTS = 201  # of a curve
 #: Inputs that a program may set to several levels in addition to load and inclination: one panel has one level of each.
 FURTHER = ("p", "V")
 _UPRIGHT = 0.2  # of a tolerance: a smaller held inclination is taken as zero
@@ -71,8 +72,9 @@ class MeasuredCurves:
         return tuple(name for name in OUTPUTS if f"{name}_fit" in self.table)
 
     def residuals(self) -> dict[str, FloatArray]:
-        """Return measured minus computed for each channel; NaN if not measured."""
-        return {name: (self.table[name] - self.table[f"{name}_fit"]).to_numpy(dtype=float) for name in self.channels}
+        """Return measured minus computed for each channel that the tire was fitted to; NaN if not measured."""
+        fitted = [name for name in self.channels if name not in unmeasured_outputs(self.tire)]
+        return {name: (self.table[name] - self.table[f"{name}_fit"]).to_numpy(dtype=float) for name in fitted}
 
     def tolerance(self, channel: str) -> float:
         """Return the tolerance of the levels of a channel."""
@@ -81,7 +83,7 @@ class MeasuredCurves:
     def pure(self, channel: str, slip: str) -> list[CurveFamily]:
         """Return the families of pure slip: by load at the smallest inclination, by inclination at the nominal load.
 
-        Both are at the pressure and the speed with the most rows; with several of these, families by them follow.
+        Both are at the reference pressure and speed of the tire; with several of these, families by them follow.
         """
         rows = self._measured(channel, "lateral" if slip == "alpha" else "longitudinal")
         if slip == "kappa":
@@ -187,13 +189,19 @@ class MeasuredCurves:
         return self.table[self.table[sweep] & self.table[channel].notna()]
 
     def _main_levels(self, rows: pd.DataFrame) -> dict[str, float]:
-        """Return the level with the most rows of each further input that has several levels."""
+        """Return one level of each further input that has several: nearest to the reference of the tire.
+
+        For an input that the tire lacks it is the one with the most rows.
+        """
         main = {}
         for name in FURTHER:
             held = held_levels(rows[name]) if name in rows else []
             if len(held) > 1:
-                rows_at = {level: len(self._near(rows, name, level)) for level in held}
-                main[name] = max(rows_at, key=rows_at.__getitem__)
+                known = name in self.tire.inputs
+                reference = (
+                    self.tire.nominal(name) if known else max(held, key=lambda at: len(self._near(rows, name, at)))
+                )
+                main[name] = min(held, key=lambda level: _size(level - reference))
         return main
 
     def _at(self, rows: pd.DataFrame, levels: Mapping[str, float]) -> pd.DataFrame:

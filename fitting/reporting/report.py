@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from ...boundary.errors import FitError, path_from
-from ...drawing.figure import Figure
+from ...drawing.figure import Figure, Panel
 from ...drawing.page import page_text, write_page
 from ...measurements import DataFinding, TableLike, recordings_from
 from ...measurements.provenance import provenance
@@ -117,9 +118,13 @@ def overview(figures: Sequence[Figure]) -> list[Figure]:
     for title, names in OVERVIEW.items():
         shown = [first[name] for name in names if name in first]
         if shown:
-            panels = tuple(figure.panels[0] for figure in shown)
+            panels = tuple(_without_bands(figure.panels[0]) for figure in shown)
             overview_figures.append(Figure("overview", title, (panels,), shown[0].note))
     return overview_figures
+
+
+def _without_bands(panel: Panel) -> Panel:
+    return replace(panel, series=tuple(series for series in panel.series if series.kind != "band"))
 
 
 def correlated_pairs(correlation: pd.DataFrame) -> list[tuple[str, str, float]]:

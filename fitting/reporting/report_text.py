@@ -12,7 +12,7 @@ from ..checks.ripple import Ripple
 from ..constraints.physical import REACH
 from ..constraints.verification import Margin
 from ..results.fitted import Fitted
-from ..results.resampled import Bootstrap
+from ..results.records import Bootstrap
 
 #: Number of standard deviations above which a difference within the data is reported.
 SIGNIFICANT = 4.0

@@ -26,11 +26,11 @@ from ...numerics.arrays import FloatArray, IntArray
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..fit_result import FitResult
 from ..problem.slope_targets import SlopeTarget
-from ..results.resampled import Bootstrap, BootstrapInterval
+from ..results.records import Bootstrap, BootstrapInterval
 from ..results.stages import StageResult
-from ..solvers.convergence import STEP_TOLERANCE
+from ..solvers.convergence import STEP_TOLERANCE, cost_of_a_row
 from .leverage import Correction, corrections
-from .near_solution import cost_of_a_row, solve_near
+from .near_solution import solve_near
 
 #: Fewest sweeps, and fewest replicates: with fewer, percentiles 2.5 and 97.5 are the extremes or beyond.
 MIN_SWEEPS, MIN_REPLICATES = 10, 40
@@ -122,7 +122,7 @@ def replicates_of(task: ReplicateTask) -> FloatArray:
     that did not converge.
     """
     imposed = [ConstraintFunctions(stage.problem, stage.constraints) for stage in task.stages]
-    tolerances = [STEP_TOLERANCE**2 * len(stage.x) * cost_of_a_row(stage) for stage in task.stages]
+    tolerances = [STEP_TOLERANCE**2 * len(stage.x) * cost_of_a_row(stage.problem, stage.x) for stage in task.stages]
     count = int(task.sweeps.max()) + 1
     replicates = np.full((len(task.numbers), len(task.names)), np.nan)
     for row, number in zip(replicates, task.numbers, strict=True):

@@ -24,7 +24,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from ...numerics.arrays import FloatArray, IntArray
-from ..problem.regularization import Ridge
+from ..problem.weighted_residuals import Ridge
 from ..results.stages import StageResult
 from ..uncertainty.sandwich import MIN_CURVATURE, QUANTILE
 

@@ -22,8 +22,7 @@ from ..temperature.fitted_temperature import FittedTemperature
 from ..uncertainty.discrepancy import Discrepancy
 from ..uncertainty.sandwich import Direction, Uncertainty
 from .informed_discrepancies import informed_discrepancies
-from .records import BoundConsequence, ChannelFit, FittedCoefficient, HeldOut
-from .resampled import Bootstrap
+from .records import Bootstrap, BoundConsequence, ChannelFit, FittedCoefficient, HeldOut
 from .stages import FitRecord, StageResult
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from ...numerics.arrays import FloatArray
 from ..problem.weighted_residuals import Problem
-from .convergence import noise_of
+from .convergence import cost_of_a_row
 from .ipopt import SolverResult
 
 #: Largest distance of a scaled value at a bound; least relative reduction of the cost for which a restart is accepted.
@@ -86,16 +86,16 @@ def other_roots(problem: Problem, x: FloatArray, lower: FloatArray, upper: Float
 
     `x`, `lower`, `upper`, shape (n_free,): scaled free values of the solution, and their bounds.
     """
-    least, independent = noise_of(problem, x)
-    unit = max(problem.cost(x), least) / max(independent, 1.0)
+    unit = cost_of_a_row(problem, x)
     problem = problem.sampled(MAX_ROWS)
-    jacobian, residual, cost = _jacobian(problem, x), _residual(problem, x), problem.cost(x)
+    jacobian, residual, cost = problem.weighted_jacobian(x), problem.weighted_residual(x), problem.cost(x)
     inverse = np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-12, hermitian=True)
     inside = (x > lower) & (x < upper)
     for j in np.flatnonzero(inside & (np.diag(inverse) > 0.0)):
         along = inverse[:, j] / inverse[j, j]
         step = STEP / float(np.abs(along).max())
-        bent = (_residual(problem, x + step * along) + _residual(problem, x - step * along) - 2.0 * residual) / step**2
+        moved = problem.weighted_residual(x + step * along) + problem.weighted_residual(x - step * along)
+        bent = (moved - 2.0 * residual) / step**2
         followed = inverse @ (jacobian.T @ bent)
         if followed[j] == 0.0:
             continue
@@ -106,19 +106,3 @@ def other_roots(problem: Problem, x: FloatArray, lower: FloatArray, upper: Float
             start = np.clip(start, lower, upper)
             if problem.cost(start) - cost < MAX_DEVIANCE * unit:
                 yield start
-
-
-def _residual(problem: Problem, x: FloatArray) -> FloatArray:
-    """Return the weighted residuals of all channels, shape (n_channels * n,)."""
-    rows = problem.rows
-    return np.asarray((np.sqrt(problem.weights[rows.group].T * rows.weight) * problem.residual(x)).ravel())
-
-
-def _jacobian(problem: Problem, x: FloatArray) -> FloatArray:
-    """Return their derivatives by the scaled free values, shape (n_channels * n, n_free)."""
-    n = len(problem.rows)
-    jacobian = np.zeros((problem.weights.shape[1], n, len(problem.free)))
-    for _, root, outputs in problem.jacobian_chunks(x, n):
-        for channel, (free, derivatives) in outputs.items():
-            jacobian[channel][:, free] = (derivatives * root[channel]).T
-    return jacobian.reshape(-1, len(problem.free))

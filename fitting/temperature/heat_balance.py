@@ -21,6 +21,8 @@ from ...tires.states.transient import exchange, held_system, vector_recursion, w
 from ...tires.tire import Tire
 from ..problem.rows import inputs_of
 
+#: Prior mean and standard deviation of the delay of the sensor, s.
+DELAY, DELAY_SPREAD = 0.1, 0.1
 #: The effect whose states are temperatures.
 EFFECT = "temperature"
 #: Its heat capacities, in the order of the states.

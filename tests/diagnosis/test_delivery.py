@@ -64,6 +64,7 @@ def test_a_channel_has_one_residual(worn):
         assert gap["floor_with_history"] <= gap["floor"] <= gap["after"]
 
 
+@pytest.mark.slow
 def test_the_reported_error_of_a_tire_that_is_not_delivered_is_that_of_the_baseline_tire(worn, monkeypatch):
     """Both tires are fitted with the same weights of the channels."""
     case, _ = worn

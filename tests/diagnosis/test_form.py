@@ -37,6 +37,7 @@ def test_an_exact_form_is_not_corrected(made):
     assert form_of(*made) is None
 
 
+@pytest.mark.slow
 def test_what_the_formula_errs_by_is_corrected_on_rows_that_no_fit_used(made):
     problem, solution, start = made
     wrong = distorted(problem, 0.08)

@@ -110,6 +110,7 @@ def test_the_response_to_a_load_error_follows_the_direction_of_slip():
     assert np.mean((side * at_once)[falling] < 0.0) > 0.95
 
 
+@pytest.mark.slow
 def test_the_history_of_slip_is_identified_and_shown(tmp_path):
     table = recorded(tire_with("slip_history", **SLIP_HISTORY))
     result = diagnose(table, signs=FORMULA_SIGNS, effects=BASE, nominal=NOMINAL)
@@ -122,6 +123,7 @@ def test_the_history_of_slip_is_identified_and_shown(tmp_path):
     assert "<h2>Memory</h2>" in page
 
 
+@pytest.mark.slow
 def test_hysteresis_of_one_axis_leaves_the_other_one():
     """Both slips take turns; the brake force has no hysteresis."""
     table = program()

@@ -45,7 +45,7 @@ def draw(
     suffix : {"png", "svg", "pdf"}
         Format of the files.
     points : pandas.DataFrame, optional
-        Measured rows in SI units and ISO signs, drawn as crosses.
+        Measured rows in SI units and ISO signs, drawn as points.
     kappa : sequence of float, optional
         Lowest and highest longitudinal slip of the figures; by default the range in which the tire is known, at most
         -1 to 1.
