@@ -48,8 +48,8 @@ def _panel(diagnosis: Diagnosis, finding: FoundEffect) -> Panel:
     response, measured = responses[channel], _measured(diagnosis, channel)
     through = _input(diagnosis, finding.effect)
     x = rows[through].to_numpy(dtype=np.float64) * per_si(through)
-    known = np.isfinite(x) & np.isfinite(measured) & np.isfinite(response)
-    parts = [part for part in bins(x, known) if np.abs(response[part]).any()]
+    finite = np.isfinite(x) & np.isfinite(measured) & np.isfinite(response)
+    parts = [part for part in bins(x, finite) if np.abs(response[part]).any()]
     lines = []
     for shown, label, color, dashes in ((without, "without", RED, DASHED), (tire, "with", BLUE, ())):
         lacking = (measured - _force(shown, diagnosis, channel)) * response
