@@ -1,4 +1,7 @@
-"""A Dask cluster of two workers for the tests of a file: an idle one takes time, too. Its nannies replace workers that a test kills."""
+"""A Dask cluster of two workers, whose nannies replace workers that a test kills.
+
+It lives as long as the tests of a file: an idle one takes time, too.
+"""
 
 from __future__ import annotations
 
