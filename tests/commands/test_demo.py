@@ -14,14 +14,14 @@ from tirefmu.commands.demo import BENCH_TIRE, bench_tire
 from tirefmu.tires import published, read_tir
 
 
+@pytest.mark.slow
 def test_the_end_to_end_workflow(command, tmp_path, monkeypatch):
-    """With fewer rows, and fewer pixels in its second process, too."""
+    """With fewer pixels in its second process, too."""
     coarse = (
         "from tirefmu.drawing import picture; from tirefmu.tires.drawing import files; "
         "files.DPI = picture.DPI = picture.PAGE_DPI = 40"
     )
     monkeypatch.setattr(demo, "_end_with_ctrl_c", partial(exec, coarse))
-    monkeypatch.setattr(demo, "SAMPLE_RATE", 10.0)
     folder = tmp_path / "made for it" / "demo"
     outcome = command("demo", "-o", folder, "--json", tmp_path / "demo.json")
     assert outcome.status == 0, outcome.out + outcome.err
