@@ -1,7 +1,4 @@
-"""A Dask cluster of two workers, whose nannies replace workers that a test kills.
-
-It lives as long as the tests of a file: an idle one takes time, too.
-"""
+"""A Dask cluster of two workers for the tests of a file: an idle one takes time, too. Nannies replace dead workers."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ import pytest
 from tirefmu.diagnosis.diagnose import _start_model
 from tirefmu.diagnosis.explanations.form import FORM, form_effect, form_of
 from tirefmu.diagnosis.probing.baseline_fit import fit_baseline
-from tirefmu.diagnosis.recording.signals import signals_of
+from tirefmu.diagnosis.signals.signals import signals_of
 from tirefmu.diagnosis.verdict.improved_tire import tire_of
 from tirefmu.tires import tire_from
 

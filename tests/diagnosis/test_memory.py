@@ -11,9 +11,9 @@ import pytest
 
 from tirefmu.diagnosis import diagnose, write_report
 from tirefmu.diagnosis.probing.candidates import candidates_for, is_testable
-from tirefmu.diagnosis.recording.load_error import load_error_responses
-from tirefmu.diagnosis.recording.signals import FORMULA_SIGNS, signals_of
-from tirefmu.diagnosis.recording.simulation import Simulator
+from tirefmu.diagnosis.signals.disturbances import load_error_responses
+from tirefmu.diagnosis.signals.signals import FORMULA_SIGNS, signals_of
+from tirefmu.diagnosis.signals.simulation import Simulator
 from tirefmu.diagnosis.unexplained.features import features
 from tirefmu.measurements import Recording
 from tirefmu.measurements.turn_slip import with_turn_slip
