@@ -177,7 +177,7 @@ def test_a_coefficient_at_its_bound_is_in_the_verdict():
 
 def test_an_effect_that_is_more_probably_absent_is_not_called_missing():
     findings = [
-        Finding(name, ("Fy",), {}, 0.0, 0.5, 0.1, sure) for name, sure in (("load_lag", 0.87), ("conicity", 0.2))
+        FoundEffect(name, ("Fy",), {}, 0.0, 0.5, 0.1, sure) for name, sure in (("load_lag", 0.87), ("conicity", 0.2))
     ]
     nothing = {"periodic": [], "derived_columns": [], "ignored_columns": []}
     text = verdict_text(findings, (), {}, (), (), {}, (), nothing)
