@@ -354,7 +354,7 @@ class _Table:
         scored = gains(columns, possible)
         totals = {name: float(np.logaddexp.reduce([form.gain for form in forms])) for name, forms in scored.items()}
         above = self._root_above(own)
-        replaced = set(above.explanation.parts).difference(own) if above else ()
+        replaced: Collection[str] = set(above.explanation.parts).difference(own) if above else ()
         rivals = rivals_of(replaced, columns, possible)
         for name in sorted(totals, key=lambda part: -graded(totals[part])):
             best = max(scored[name], key=lambda form: graded(form.gain))
