@@ -44,12 +44,14 @@ def verdict_text(
 def _missing(
     findings: Sequence[FoundEffect], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]]
 ) -> str:
-    missing = []
+    """Return the sentences on effects that are more probable than not, and on others of the improved tire."""
+    missing, uncertain = list[str](), list[str]()
     for finding in findings:
+        certain = missing if finding.probability >= 0.5 else uncertain
         if finding.effect == "UNKNOWN":
             if unknown[0].formula:
                 sure = percent(finding.probability)
-                missing.append(
+                certain.append(
                     f"an unexplained effect that depends on {', '.join(unknown[0].depends_on)} (probability {sure})"
                 )
             continue
@@ -57,8 +59,9 @@ def _missing(
         others = ", ".join(sorted(size, key=lambda name: -graded(size[name])))
         bounds = f"; at its bound: {', '.join(finding.at_bounds)}" if finding.at_bounds else ""
         confounded_with = f"; confounded with {others}" if others else ""
-        missing.append(f"{finding.effect} (probability {percent(finding.probability)}{bounds}{confounded_with})")
-    return f"Missing: {'; '.join(missing)}" if missing else ""
+        certain.append(f"{finding.effect} (probability {percent(finding.probability)}{bounds}{confounded_with})")
+    headed = (("Missing", missing), ("The fit is better with, but does not identify", uncertain))
+    return ". ".join(f"{head}: {'; '.join(names)}" for head, names in headed if names)
 
 
 def percent(probability: float) -> str:

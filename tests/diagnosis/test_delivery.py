@@ -175,6 +175,19 @@ def test_a_coefficient_at_its_bound_is_in_the_verdict():
     assert text == "Missing: load_lag (probability 87 %; at its bound: LLEN)"
 
 
+def test_an_effect_that_is_more_probably_absent_is_not_called_missing():
+    findings = [
+        FoundEffect(name, ("Fy",), {}, 0.0, 0.5, 0.1, sure) for name, sure in (("load_lag", 0.87), ("conicity", 0.2))
+    ]
+    nothing = {"periodic": [], "derived_columns": [], "ignored_columns": []}
+    text = verdict_text(findings, (), {}, (), (), {}, (), nothing)
+    head, tail = text.split(". ")
+    assert "load_lag" in head
+    assert "conicity" not in head
+    assert "conicity (probability 20 %)" in tail
+    assert "Missing" not in verdict_text(findings[1:], (), {}, (), (), {}, (), nothing)
+
+
 # ------------------------------------------------------------------ evidence for an effect
 
 

@@ -13,7 +13,8 @@ from tirefmu.diagnosis.explanations.compare import compared
 from tirefmu.diagnosis.explanations.discrepancy import effect_discrepancy, model_discrepancy, smooth_functions
 from tirefmu.diagnosis.explanations.evidence import NormalEquations, Projected
 from tirefmu.diagnosis.explanations.explanation import UNKNOWN, Explanation, Term
-from tirefmu.diagnosis.explanations.linearization import Linearization
+from tirefmu.diagnosis.explanations.gains import rivals_of
+from tirefmu.diagnosis.explanations.linearization import Addition, Linearization
 from tirefmu.diagnosis.explanations.refit import shared_problem
 from tirefmu.diagnosis.explanations.terms import unknown_terms
 from tirefmu.diagnosis.probing.baseline_fit import fit_baseline
@@ -91,6 +92,17 @@ def test_a_column_is_correlated_with_the_columns_that_reproduce_it(linear_proble
 
 
 # ------------------------------------------------------------------ the answer
+
+
+def test_an_effect_with_the_same_columns_is_tried_in_place_of_another_one():
+    rng = np.random.default_rng(0)
+    fixed, part, other = rng.standard_normal((3, 400, 1))
+    same = 3.0 * part + fixed  # all that differs is in the explanation already
+    rows = np.concatenate([fixed, part, same, other], axis=1)
+    normal = NormalEquations(rows.T @ rows, np.zeros(4), 0.0, np.ones(4), np.zeros(4))
+    additions = [Addition(name, np.zeros((1, 1, 1)), np.ones(1)) for name in ("part", "same", "other")]
+    assert rivals_of({"part"}, Projected.of(normal, [1, 1, 1]), additions) == ("same",)
+    assert rivals_of((), Projected.of(normal, [1, 1, 1]), additions) == ()
 
 
 def test_the_answer_is_a_distribution_over_explanations():
