@@ -48,7 +48,7 @@ class DataTab {
     const { sections } = this.studio.state;
     fillChoice(find("signs"), SIGNS, sections.data?.signs ?? "");
     this.tables = sections.data?.tables?.length ? await this.studio.call("data") : [];
-    find("start").hidden = this.tables.length > 0;
+    find("first-steps").hidden = this.tables.length > 0;
     find("tables").replaceChildren(...this.tables.map((table, i) => this.tableCard(table, i)));
     const usable = this.tables.map((table, i) => [String(i), table.name]).filter(([i]) => !this.tables[i].error);
     find("history").hidden = !usable.length;
