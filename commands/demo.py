@@ -121,7 +121,7 @@ def _compile_for_diagnosis() -> None:
     code, parameters = fastest_code(tire.symbolic_model), tire.parameters()
     rows = np.array([[tire.nominal(name)] for name in tire.inputs])
     chosen_derivatives(code, rows, parameters, np.array([0]))
-    code.drives(rows, parameters)
+    code.state_lines(rows, parameters)
 
 
 def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[DemoStep]) -> Recording:

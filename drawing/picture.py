@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..boundary.whole_file import write_whole
+from ..boundary.bounded_file import write_whole
 from .figure import Cells, Figure, Panel, Series
 from .own_matplotlib import (
     Axes,

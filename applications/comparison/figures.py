@@ -1,4 +1,4 @@
-"""Figures of two tires over each other: forces over slip with points, their difference, quantities over load.
+"""Figures and page of two tires over each other: forces over slip with points, their difference, quantities over load.
 
 In the manner of figures 19 to 22 of the Trento report, which compare old and new parameters.
 """
@@ -6,15 +6,19 @@ In the manner of figures 19 to 22 of the Trento report, which compare old and ne
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from ...boundary.errors import path_from, writing
 from ...boundary.escaping import figure_text
 from ...drawing.figure import Figure, Panel, Series, curve, measured
 from ...drawing.labels import axis_label, held_text, letter, level_text, note, per_si, stiffness_unit
+from ...drawing.page import page_text, write_page
+from ...drawing.picture import write_figures
 from ...drawing.style import DASHED, SOLID, level_colors
 from ...measurements import Recording
 from ...tires import Tire
@@ -140,3 +144,25 @@ def _over_load(comparison: Comparison, role: str, title: str, signs: str) -> Fig
     panel = Panel(f"load {letter('Fz', signs)} (N)", f"{title} ({unit})", tuple(series), width=9.0)
     text = note(signs, "magnitudes at zero slip; each tire over its own range of loads")
     return Figure(f"{role}_over_load", f"{title.capitalize()} over load", ((panel,),), text)
+
+
+def write_comparison(
+    comparison: Comparison, recordings: Sequence[Recording], folder: str | Path, *, signs: str = "iso"
+) -> list[Path]:
+    """Write the figures of a comparison and the page ``report.html``, which contains them.
+
+    `folder`: created if it does not exist. `signs`, one of "iso", "adapted-sae", "sae": convention in which the figures
+    are drawn. Returns: the page first. Raises `TirefmuError` if a file cannot be written.
+    """
+    folder = path_from(folder, "folder")
+    figures = comparison_figures(comparison, recordings, signs)
+    page = page_text("tirefmu.applications.comparison", {"short": short}, comparison=comparison, figures=figures)
+    with writing(folder):
+        drawn = write_figures(figures, folder)
+        write_page(page, folder / "report.html")
+    return [folder / "report.html", *drawn]
+
+
+def short(value: float | None) -> str:
+    """Return a number with five digits, or a dash where there is none."""
+    return "-" if value is None else f"{value:.5g}"

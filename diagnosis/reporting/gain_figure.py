@@ -16,7 +16,7 @@ from ...numerics.ties import graded
 from ...tires.evaluation import Conventions, evaluate
 from ...tires.signs import convert_signs
 from ...tires.tire import Tire
-from ..verdict.findings import Finding
+from ..verdict.findings import FoundEffect
 from ..verdict.result import Diagnosis
 
 
@@ -40,7 +40,7 @@ def gain_figure(diagnosis: Diagnosis) -> Figure | None:
     return Figure("diagnosis_gain", "What each identified effect adds", in_rows(panels), note) if panels else None
 
 
-def _panel(diagnosis: Diagnosis, finding: Finding) -> Panel:
+def _panel(diagnosis: Diagnosis, finding: FoundEffect) -> Panel:
     tire, rows = diagnosis.tire, diagnosis.rows
     without = replace(tire, effects=tire.has - {finding.effect})
     error = diagnosis.gap["train"]

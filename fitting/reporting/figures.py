@@ -15,19 +15,21 @@ from ...boundary.escaping import figure_text
 from ...drawing.figure import Figure, Panel, Series, band, curve, in_rows, measured
 from ...drawing.labels import LEVEL, axis_label, drawn_unit, held_text, level_text, note, per_si
 from ...drawing.residual_panels import residuals_over_inputs
-from ...drawing.style import BLUE, DOTTED, level_colors, some_of
+from ...drawing.style import BLUE, DOTTED, GRAY, GREEN, ORANGE, RED, level_colors, some_of
 from ...measurements import Recording, TableLike, recordings_from
-from ...measurements.checks.recordings.coverage import Coverage
+from ...measurements.checks.recordings.coverage import ChannelCoverage
 from ...tires import TireLike
 from ...tires.drawing.tire_figures import PURE
 from ...tires.signs import SIGNS
 from ...tires.tire import Tire
-from ..evidence.curves import CurveFamily, MeasuredCurves, compare
+from ..checks.curves import CurveFamily, MeasuredCurves, compare
 from ..results.fitted import Fitted
 from ..results.intervals import band as confidence_band
 from ..results.records import quality
+from ..temperature.fitted_temperature import FittedTemperature
+from ..temperature.heat_balance import ZERO_CELSIUS, HeatBalance
+from ..temperature.selection import with_temperature
 from .load_figures import data_text, friction_over_load, stiffness_over_load
-from .temperature_figure import temperature_over_time
 
 #: Longitudinal slips at which a weighting function is drawn over the slip angle, and points of such a curve.
 WEIGHTING_LEVELS, CURVE_POINTS = 5, 201
@@ -102,7 +104,7 @@ def figures_of(
     `tire`, `recordings`, `truth`, `signs`: as for `draw_figures`. Raises `FitError` if there is no recording. Raises
     `DataError` if a recording has no measured output.
     """
-    fitted = tire if isinstance(tire, Fitted) and len(tire.solution.covariance) else None
+    fitted = tire if isinstance(tire, Fitted) and len(tire.uncertainty.complete) else None
     comparison = compare(tire.tire if isinstance(tire, Fitted) else tire, recordings, signs)
     families = [
         ("pure_Fx", "Pure longitudinal force", comparison.pure("Fx", "kappa")),
@@ -155,7 +157,7 @@ def figure_of_fit(result: Fitted, kind: str = "pure", *, bands: bool = False, si
 
 def _fitted_recordings(result: Fitted) -> list[Recording]:
     """Return the fitted rows of each recording."""
-    residuals = result.solution.residuals
+    residuals = result.residuals
     if residuals is None:
         raise NotDrawn("the result has no fitted rows")
     table = residuals.table.drop(columns=["segment"], errors="ignore")
@@ -179,7 +181,7 @@ def _families(
     return Figure(name, title, in_rows(panels), note(comparison.signs, text, data_text(comparison, rows)), bands)
 
 
-def _peaks(fitted: Fitted, channel: str) -> Iterable[Coverage]:
+def _peaks(fitted: Fitted, channel: str) -> Iterable[ChannelCoverage]:
     """Return whether the data of a fit determine the peak friction of a channel; empty if it has none."""
     coverage = fitted.findings.coverage
     return (c for c in coverage if (c.characteristic, c.channel) == ("peak friction", channel))
@@ -280,3 +282,28 @@ def _residual_panels(number: int, source: str, channel: str, rows: pd.DataFrame)
         Panel("time (s)" if clocked else "row", label, (points,), title, x_axis=f"{number}", width=8.5, **shared),
         Panel("number of rows", label, (histogram,), x_limits=(0.0, None), width=2.0, **shared),
     )  # fmt: skip
+
+
+def temperature_over_time(tire: Tire, fitted: FittedTemperature, recordings: Iterable[Recording]) -> Figure:
+    """Return a figure with two panels for each recording with a recorded temperature."""
+    panels = []
+    chosen = with_temperature(list(recordings), fitted.column)
+    balances = HeatBalance.of_all(tire, chosen, fitted.column)
+    for balance, start in zip(balances, fitted.starts, strict=True):
+        course = balance.temperatures({}, np.array(start))
+        supplied, stored = balance.energy({}, course)
+        recorded = Series("points", balance.t, balance.measured - ZERO_CELSIUS, GRAY, "recorded", marker="o", size=2.0)
+        colors = (BLUE, ORANGE, GREEN, RED)
+        lines = [
+            Series("line", balance.t, values - ZERO_CELSIUS, color, name)
+            for name, values, color in zip(balance.states, course.T, colors, strict=True)
+        ]
+        title = figure_text(balance.source)
+        panels.append(Panel("t (s)", "temperature (deg C)", (*lines, recorded), title=title))
+        heats = {"from sliding and rolling": supplied, "to road and air": supplied - stored, "stored": stored}
+        drawn = [
+            Series("line", balance.t, heat / 1e3, color, name)
+            for (name, heat), color in zip(heats.items(), (ORANGE, BLUE, GREEN), strict=True)
+        ]
+        panels.append(Panel("t (s)", "heat (kJ)", tuple(drawn), title=f"energy balance, {title}"))
+    return Figure("temperature", "Temperature", in_rows(panels, 2), fitted.text())

@@ -17,9 +17,9 @@ from ...numerics.arrays import FloatArray
 from ...numerics.slip_slope import SLOPE_WINDOW
 from ...numerics.ties import graded
 from ...tires.tire import Tire
-from ..evidence.characteristics import Characteristic
-from ..evidence.curves import CurveFamily, Group, MeasuredCurves
-from ..evidence.slip_stiffness import SlipStiffness
+from ..checks.characteristics import Characteristic
+from ..checks.curves import CurveFamily, Group, MeasuredCurves
+from ..checks.slip_stiffness import SlipStiffness
 from ..results.fitted import Fitted
 from ..results.intervals import band as confidence_band
 

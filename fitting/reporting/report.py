@@ -13,10 +13,10 @@ import pandas as pd
 from ...boundary.errors import FitError, path_from
 from ...drawing.figure import Figure, Panel
 from ...drawing.page import page_text, write_page
-from ...measurements import Finding, TableLike, recordings_from
+from ...measurements import DataFinding, TableLike, recordings_from
 from ...measurements.provenance import provenance
 from ...numerics.ties import graded
-from ..evidence.residuals import condition_text
+from ..checks.residuals import condition_text
 from ..results.fitted import Fitted
 from ..results.intervals import listed_intervals
 from ..results.verdict import verdict_of
@@ -48,7 +48,7 @@ def write_report(
     path: str | Path,
     figures: Sequence[Figure] | None = None,
     *,
-    findings: Sequence[Finding] = (),
+    findings: Sequence[DataFinding] = (),
     command: str = "",
 ) -> None:
     """Write the report of a fit.
@@ -63,7 +63,7 @@ def write_report(
         The HTML file to write.
     figures : sequence of Figure, optional
         `figures_of` them; made if absent.
-    findings : sequence of Finding
+    findings : sequence of DataFinding
         About the data, and about what the tire leaves in the residual.
     command : str
         The command line, for the provenance.
@@ -84,7 +84,7 @@ def write_report(
 
 def report_page(
     result: Fitted, figures: Sequence[Figure], origin: Sequence[tuple[str, str]] = (),
-    findings: Sequence[Finding] = (),
+    findings: Sequence[DataFinding] = (),
 ) -> str:  # fmt: skip
     """Return the page's text.
 

@@ -12,8 +12,7 @@ import pytest
 
 from tests.hostile import HOSTILE, Skeleton
 from tirefmu.applications.comparison.comparison import compare
-from tirefmu.applications.comparison.figures import comparison_figures
-from tirefmu.applications.comparison.report import write_comparison
+from tirefmu.applications.comparison.figures import comparison_figures, write_comparison
 from tirefmu.applications.comparison.sweeps import sweeps
 from tirefmu.commands.cli import main
 from tirefmu.drawing.style import DASHED, SOLID
@@ -140,7 +139,7 @@ def test_one_figure_has_one_pressure_and_one_curve_for_each_load(new, bench):
 
 @pytest.mark.parametrize("text", HOSTILE)
 def test_texts_do_not_change_the_page(old, new, bench, tmp_path, monkeypatch, text):
-    monkeypatch.setattr("tirefmu.applications.comparison.report.comparison_figures", lambda *_: [])
+    monkeypatch.setattr("tirefmu.applications.comparison.figures.comparison_figures", lambda *_: [])
 
     def page(name):
         result = compare(old, new, [replace(bench, source=name)], names=(name, "second"))

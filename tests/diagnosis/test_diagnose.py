@@ -20,7 +20,7 @@ from tirefmu.diagnosis.reporting.report import report_page
 from tirefmu.diagnosis.unexplained.formula_proposal import Unknown
 from tirefmu.diagnosis.verdict.adequacy import Adequacy
 from tirefmu.diagnosis.verdict.extrapolation import Extrapolation
-from tirefmu.diagnosis.verdict.findings import Finding, Interval
+from tirefmu.diagnosis.verdict.findings import CoefficientInterval, FoundEffect
 from tirefmu.diagnosis.verdict.result import Diagnosis
 from tirefmu.diagnosis.verdict.verdict import verdict_text
 from tirefmu.drawing.figure import Figure, Panel
@@ -95,6 +95,7 @@ def test_the_probabilities_are_those_of_the_explanations(thrust, tmp_path):
     assert page.index("explanation of the recording") < page.index("<h2")
 
 
+@pytest.mark.slow
 def test_the_result_does_not_depend_on_the_signs_of_the_recording(thrust):
     case, diagnosis = thrust
     turned = case.table.assign(Fy=-case.table["Fy"], Mz=-case.table["Mz"])
@@ -158,7 +159,7 @@ def test_invalid_tables_and_tires_raise_an_error_with_the_parameter_name(tmp_pat
 def with_text(diagnosis, text):
     """Return a diagnosis and a simulation in which every text from files and users is this one."""
     unknown = Unknown((text,), text, False, None, text)
-    finding = replace(diagnosis.found[0], effect=text, coefficients={text: Interval(1.0, 0.0, 2.0)})
+    finding = replace(diagnosis.found[0], effect=text, coefficients={text: CoefficientInterval(1.0, 0.0, 2.0)})
     left = {**diagnosis.recording, "left_aside": {text: text}}
     changed = replace(
         diagnosis, verdict=text, found=(finding,), confounded_with={text: {text: 0.9}}, next_measurement=(text,),
@@ -277,7 +278,7 @@ def test_the_json_is_valid_for_any_text(thrust, text, tmp_path):
 
 
 def test_every_yes_or_no_of_the_json_is_true_or_false(thrust):
-    names = declared_flags(Diagnosis, RankedExplanation, Finding, Adequacy, Unknown, Extrapolation)
+    names = declared_flags(Diagnosis, RankedExplanation, FoundEffect, Adequacy, Unknown, Extrapolation)
     numbers = Adequacy("Fy", np.float64(20.0), np.float64(10.0), "", (), np.bool_(True))  # of NumPy, as computed
     unknown = Unknown(("T",), "", False)
     reported = replace(thrust[1], unknown=(unknown,), adequacy=(*thrust[1].adequacy, numbers)).to_json()
@@ -288,6 +289,7 @@ def test_every_yes_or_no_of_the_json_is_true_or_false(thrust):
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_what_nothing_explains_is_in_the_verdict():
     """Friction changes slowly with time: the bench cleaned its belt twice, and recorded nothing of it."""
     case = make_case(1)
@@ -339,7 +341,7 @@ def test_a_wave_far_below_the_noise_floor_is_not_in_the_verdict():
 
 
 def test_the_verdict_has_every_explanation_that_the_page_lists_as_confounded():
-    finding = Finding("relax_lat", ("Fy",), {}, 1e-9, 0.5, 0.01, 0.8)
+    finding = FoundEffect("relax_lat", ("Fy",), {}, 1e-9, 0.5, 0.01, 0.8)
     confounded = {"relax_lat": {"relax_load": 0.71, "relax_slip": 0.95}}
     recording = {"periodic": [], "derived_columns": [], "ignored_columns": []}
     text = verdict_text((finding,), (), confounded, (), (), {}, (), recording)
@@ -355,6 +357,7 @@ def test_no_effect_is_identified_without_a_missing_effect():
     assert diagnosis.detectable["temp_friction"]["Fy"] > 0.0
 
 
+@pytest.mark.slow
 def test_sensor_errors_are_reported_as_confounded_only():
     diagnosis = answer(make_case(21, ("plysteer",)))
     assert [one.effect for one in diagnosis.found] == ["plysteer"]

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from ...boundary.bounded_file import write_whole
 from ...boundary.errors import UnknownName, path_from, writing
 from ...boundary.named_options import named
-from ...boundary.whole_file import write_whole
 from ...drawing.picture import DPI, picture, rendered
 from ..tire_argument import TireLike, tire_from
 from .surface_figure import surfaces
