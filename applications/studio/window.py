@@ -21,13 +21,8 @@ from ...measurements import Noise, VirtualBench, trento_program, write_table
 from ...measurements.catalogue import effects
 from ...measurements.files.reading import READERS
 from ...symbolic.models import MODELS, model_named
-<<<<<<< HEAD
 from ...tires import Tire, published, tire_from
-from ..explorer.fit_intervals import fit_intervals
-=======
-from ...tires import Tire, tire_from
 from ..explorer.explore import fit_intervals
->>>>>>> fa8c33e1859ecc9dcc5048e47bc836c4ef446ad9
 from ..project.project_file import SECTIONS
 from ..project.records import Records, files_of
 from ..project.steps import Step, reads_results, steps_of
