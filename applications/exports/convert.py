@@ -151,7 +151,8 @@ def _for_host(tire: Tire, rules: Host, model: str) -> Tire:
     values |= {key: value for key, value in GENERAL.items() if key in declared and not values.get(key)}
     shape = {key: share * tire.values["UNLOADED_RADIUS"] for key, share in SHAPE.items()}
     values |= {key: value for key, value in shape.items() if key in declared and not values.get(key)}
-    kept = tuple(entry for entry in tire.other_entries if entry[1] not in entries)
+    foreign = {title for title, key, _ in tire.other_entries if rules.tables and not key and title not in rules.tables}
+    kept = tuple(entry for entry in tire.other_entries if entry[1] not in entries and entry[0] not in foreign)
     present = {key for _, key, _ in kept} | set(declared)
     shape_lines = [("DIMENSION", key, repr(value)) for key, value in shape.items() if key not in present]
     general = [("MODEL", key, repr(value)) for key, value in GENERAL.items() if key not in present]
