@@ -48,7 +48,7 @@ studio: $(VENV)/installed-dev  ## the window in Chromium: from recordings to an 
 
 release: $(VENV)/installed-dev  ## wheel and sdist in dist/, the demo of the wheel in a clean environment, the conda recipe
 	@$(INSTALL) ".[release]"
-	TIREFMU_RELEASE="$(CURDIR)/dist" $(BIN)/pytest tests/test_release.py tests/test_wheel.py tests/test_packages.py
+	TIREFMU_SLOW=1 TIREFMU_RELEASE="$(CURDIR)/dist" $(BIN)/pytest tests/test_release.py tests/test_wheel.py tests/test_packages.py
 
 matrix: $(VENV)/installed  ## all tests with gcc and clang, on every supported Python, and with the oldest dependencies
 	@$(INSTALL) ".[matrix]"

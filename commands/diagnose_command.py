@@ -24,12 +24,19 @@ from .arguments import (
     tables_read,
     write_json,
 )
+from .command import command
 
 #: Default time limit, s. Convention: a few minutes.
 TIME_LIMIT = 300.0
 
 
-@click.command()
+@command(
+    section="From a recording to a tire", place=6,
+    examples=(
+        "diagnose run.csv --tire my.tir -o answer",
+        "diagnose run.csv --model mf61 --nominal Fz0=1100,R0=0.2 -o answer",
+    ),
+)  # fmt: skip
 @click.argument("tables", type=FILE, nargs=-1, required=True)
 @click.option("--tire", type=FILE, help="Tire as baseline model, instead of --model, --effects and --nominal.")
 @MODEL

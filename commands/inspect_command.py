@@ -19,6 +19,7 @@ from .arguments import (
     tables_read,
     write_json,
 )
+from .command import command
 
 if TYPE_CHECKING:
     from ..measurements.files.columns.content import Content
@@ -27,7 +28,14 @@ if TYPE_CHECKING:
 MAX_ROWS = 14
 
 
-@click.command()
+@command(
+    section="From a recording to a tire", place=1,
+    examples=(
+        "inspect cornering.mat drivebrake.mat -o page.html",
+        'inspect run.csv --where "p in 70..90 kPa"',
+        "inspect run.csv --columns Fy=FYC,alpha=-SA --units alpha=deg,Fz=lbf",
+    ),
+)  # fmt: skip
 @click.argument("tables", type=FILE, nargs=-1, required=True)
 @click.option(
     "-o",

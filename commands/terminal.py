@@ -21,7 +21,7 @@ from . import progress
 
 if TYPE_CHECKING:
     from ..fitting import FitResult
-    from ..measurements import Finding, Recording
+    from ..measurements import DataFinding, Recording
 
 #: Columns of the output.
 LINE = 100
@@ -115,7 +115,7 @@ class Terminal:
         if len(rows) > most:
             self.print(f"and {len(rows) - most} more (--all lists them)")
 
-    def findings(self, findings: Iterable[Finding]) -> None:
+    def findings(self, findings: Iterable[DataFinding]) -> None:
         """Print findings about the data: a serious one as a warning, any other as a note."""
         for finding in findings:
             if finding.serious:

@@ -24,14 +24,14 @@ from .explanations.final import final_fits
 from .least_squares import LeastSquares
 from .probing.baseline_fit import fit_baseline, worse_by_smoothing
 from .probing.candidates import Candidate, candidates_for
-from .recording.predicted_temperature import (
+from .signals.predicted_temperature import (
     TEMPERATURE,
     predicting,
     source_of_temperature,
     with_predicted_temperature,
 )
-from .recording.signals import FORMULA_SIGNS, signals_of
-from .verdict.composition import Outcome, composed
+from .signals.signals import FORMULA_SIGNS, signals_of
+from .verdict.composition import DiagnosisOutcome, composed
 from .verdict.improved_tire import tire_of
 from .verdict.result import Diagnosis
 
@@ -142,7 +142,7 @@ def diagnose(
             fits = final_fits(
                 comparison, problem, solution, start, report, no_formula=no_formula, correct_form=correct_form
             )
-            outcome = Outcome(recorded_or_read, candidates_tried, fits, comparison.answer, comparison.stopped)
+            outcome = DiagnosisOutcome(recorded_or_read, candidates_tried, fits, comparison.answer, comparison.stopped)
             return composed(outcome, began)
 
         result = with_final_fits()

@@ -12,8 +12,8 @@ from scipy.linalg import cho_factor, cho_solve
 
 from ..numerics.gauss_newton import Damping, minimize
 from ..numerics.noise_model import Whitening
-from .recording.disturbances import Disturbances
-from .recording.simulation import Simulator
+from .signals.disturbances import Disturbances
+from .signals.simulation import Simulator
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -1,20 +1,22 @@
-"""Figures of a drive: the motion over time, forces over slip of each axle, a map of the force that the tires lack."""
+"""Figures and page of a drive: motion over time, forces over slip of each axle, a map of missing force."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from ...boundary.errors import TirefmuError, path_from
 from ...drawing.figure import Figure, Panel, Series, band
+from ...drawing.page import page_text, write_page
 from ...drawing.style import DASHED, SOLID
+from .inputs.car_entries import ENTRIES
 from .inputs.unknowns import AXLES
 from .interval import OUTPUTS
+from .result import Drive
 from .simulation import estimated_motion
-
-if TYPE_CHECKING:
-    from .result import Drive
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -108,7 +110,7 @@ def _forces(answer: Drive) -> Figure:
         )
         spread, after = 1.96 * float(np.median(deviation[i])), curves[1]
         points = Series(
-            "points", np.degrees(alpha[some]), Fy[some], RECORDED, "drive", marker=".", size=1.5, opacity=0.5
+            "points", np.degrees(alpha[some]), Fy[some], RECORDED, "drive", marker="o", size=1.5, opacity=0.5
         )
         panels.append(
             Panel(
@@ -128,7 +130,7 @@ def _map(answer: Drive) -> Figure:
         size = np.abs(answer.lacking[:, :, i])
         large = size > np.quantile(size[0], 0.9)
         series = tuple(
-            Series("points", x[rows], y[rows], color, label, marker=".", size=2.0)
+            Series("points", x[rows], y[rows], color, label, marker="o", size=2.0)
             for rows, color, label in (
                 (~large[0], RECORDED, "other places"),
                 (large[0] & ~large[1], BEFORE, "largest 10 % before"),
@@ -152,3 +154,29 @@ def _track(answer: Drive) -> FloatArray:
     speed = (states[:, 0] + 1j * states[:, 1]) * np.exp(1j * heading)
     track = np.cumsum(speed) * answer.grid.step
     return np.stack([track.real, track.imag])
+
+
+#: What is simulated, with its unit.
+SIMULATED = {"yaw_rate": "yaw rate, rad/s", "ay": "lateral acceleration, m/s²", "vy": "lateral speed, m/s"}
+
+
+def write_drive(answer: Drive, path: str | Path, *, command: str = "") -> None:
+    """Write the page of an answer: verdict, factors, car, simulation, figures.
+
+    `command`: the command line, for the provenance. Raises `TirefmuError` if the file cannot be written.
+    """
+    path = path_from(path)
+    content: dict[str, Any] = answer.to_json()
+    page = page_text(
+        "tirefmu.applications.driving", {"short": _short}, answer=content, entries=ENTRIES, simulated=SIMULATED,
+        figures=drive_figures(answer),
+        origin=[("log", answer.log.source), ("car", answer.car.source), ("command", command or "tirefmu.drive")],
+    )  # fmt: skip
+    try:
+        write_page(page, path)
+    except OSError as error:
+        raise TirefmuError(f"{path}: cannot be written ({error.strerror or error})") from None
+
+
+def _short(number: float | None) -> str:
+    return "-" if number is None else f"{number:.4g}"

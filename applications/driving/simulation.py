@@ -16,8 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...fmu.packaging.export import export
-from ...fmu.simulation.coupled import Coupled
-from ...fmu.simulation.simulate import instances
+from ...fmu.simulation.simulate import Coupled, instances
 from ...symbolic.vehicle.quantities import CORNERS
 from ...tires import Tire
 from ...tires.code.modules import numpy_routine, two_track

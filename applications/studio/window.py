@@ -13,12 +13,13 @@ from ...boundary.errors import TirefmuError, UnknownName
 from ...boundary.escaping import excerpt, file_name
 from ...diagnosis.diagnose import with_library
 from ...diagnosis.probing.candidates import candidates_for
+from ...fitting.options import declared_options
 from ...fitting.problem.recipe import RECIPES
 from ...measurements.catalogue import effects
 from ...measurements.files.reading import READERS
 from ...symbolic.models import MODELS, model_named
 from ...tires import Tire, tire_from
-from ..explorer.fit_intervals import fit_intervals
+from ..explorer.explore import fit_intervals
 from ..project.project_file import SECTIONS
 from ..project.records import Records, files_of
 from ..project.steps import Step, reads_results, steps_of
@@ -92,7 +93,7 @@ class Window:
         return await asyncio.to_thread(self._state)
 
     async def do_choices(self, message: Event) -> Event:
-        """Return the models, and the effects and recipes of the project's model."""
+        """Return the models, the options of a fit with choices, and the effects and recipes of the project's model."""
         chosen = self.state.project().get("fit", "model", "mf61")
         available = await asyncio.to_thread(effects, None, chosen)
         model = model_named(chosen)
@@ -101,6 +102,11 @@ class Window:
             "effects": [{key: effect[key] for key in ("name", "kind", "physics")} for effect in available],
             "default": sorted(model.default_effects),
             "exports": {name: SECTIONS["export"][name].schema["items"]["enum"] for name in ("convert", "generate")},
+            "options": [
+                {"name": name, "label": option.label, "choices": list(option.choices.items()), "default": default}
+                for name, (option, default) in declared_options().items()
+                if option.label
+            ],
             "recipes": sorted({*RECIPES, *model.fit.recipes} - {"family"}),
         }
 

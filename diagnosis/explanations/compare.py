@@ -17,7 +17,7 @@ from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import Screen, starts
 from ..thresholds import CONFOUNDED, REFIT_MARGIN, RIVALS
-from ..unexplained.proposal import Dictionary
+from ..unexplained.formula_proposal import Dictionary
 from .answer import Answer, answer_of
 from .budget import Budget
 from .evidence import Projected, inflation

@@ -15,11 +15,11 @@ from ...symbolic.model import Model
 from ...tires.code import code_for
 from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
-from ..recording.disturbances import disturbances_of
-from ..recording.outliers import short_range
-from ..recording.signals import Signals
-from ..recording.simulation import Simulator
-from ..recording.skew import between_rows
+from ..signals.disturbances import disturbances_of
+from ..signals.outliers import short_range
+from ..signals.signals import Signals
+from ..signals.simulation import Simulator
+from ..signals.skew import between_rows
 from .candidates import declared_candidate, varies
 
 FloatArray = npt.NDArray[np.float64]

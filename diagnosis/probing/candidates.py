@@ -11,7 +11,7 @@ from ...symbolic.declarations import Coefficient
 from ...symbolic.detection import Detection, Form
 from ...symbolic.model import Model
 from ...tires.tire import Tire
-from ..recording.signals import Signals
+from ..signals.signals import Signals
 from ..thresholds import MAX_BLOCKS, MIN_VARIATION, MIN_VARIATION_IN_NOISE
 
 #: Inputs whose common deviation from zero an effect of two of them requires.

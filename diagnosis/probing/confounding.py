@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...symbolic.detection import Detection
-from ..recording.skew import delay_response
+from ..signals.skew import delay_response
 from ..thresholds import MIN_SHARE, SIDE
 from .effect_probing import Screen
 

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from ...numerics.block_regression import BlockSums, autocovariance, block_sums, coloured_covariance, regression, wald_p
 from ...symbolic.detection import Form, Probe
 from ..least_squares import LeastSquares, Solution
-from ..recording.simulation import Simulator
+from ..signals.simulation import Simulator
 from ..thresholds import FREE_PRIOR, MAX_CORRELATION_TIME, MIN_INDEPENDENT_SHARE, MIN_ROWS_OF_BLOCK
 from .baseline_fit import readable
 from .candidates import Candidate, counts_from_neutral, is_testable

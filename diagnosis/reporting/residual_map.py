@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from ...boundary.bounded_file import write_whole
 from ...boundary.errors import DataError, nearest
-from ...boundary.whole_file import write_whole
 from ...drawing.figure import Cells, Figure, Panel, Series
 from ...drawing.labels import axis_label, drawn_unit, note, per_si
 from ...drawing.style import BLACK

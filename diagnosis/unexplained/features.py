@@ -15,8 +15,8 @@ import numpy.typing as npt
 from ...symbolic.model import Model
 from ...tires.tire import Tire
 from ..probing.candidates import excited, varies
-from ..recording.signals import Signals
-from ..recording.simulation import Simulator
+from ..signals.signals import Signals
+from ..signals.simulation import Simulator
 from .past import Adding, Past, add_rates_and_memory
 
 FloatArray = npt.NDArray[np.float64]

@@ -9,7 +9,7 @@ from typing import Any
 
 from ...numerics.noise_floor import NoiseFloor
 from ...numerics.ties import graded
-from ..recording.range_text import range_text
+from ..signals.range_text import range_text
 from ..thresholds import INADEQUATE
 
 

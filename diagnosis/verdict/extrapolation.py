@@ -11,7 +11,7 @@ import numpy.typing as npt
 from ...numerics.ties import graded
 from ...symbolic.declarations import Quantity
 from ..least_squares import LeastSquares, Solution
-from ..recording.range_text import range_text
+from ..signals.range_text import range_text
 from ..thresholds import EXTRAPOLATED_SHARE, MAX_CHANGE
 
 FloatArray = npt.NDArray[np.float64]

@@ -7,20 +7,20 @@ from dataclasses import dataclass, field, replace
 
 
 @dataclass(frozen=True)
-class Interval:
+class CoefficientInterval:
     """A coefficient's value and its 95 % confidence interval under coloured noise."""
 
     value: float
     lower: float
     upper: float
 
-    def mirrored(self) -> Interval:
+    def mirrored(self) -> CoefficientInterval:
         """Return the interval with the opposite sign."""
-        return Interval(turned_sign(self.value), turned_sign(self.upper), turned_sign(self.lower))
+        return CoefficientInterval(turned_sign(self.value), turned_sign(self.upper), turned_sign(self.lower))
 
 
 @dataclass(frozen=True)
-class Finding:
+class FoundEffect:
     """An identified missing effect.
 
     Attributes
@@ -29,7 +29,7 @@ class Finding:
         Name, or "UNKNOWN" for unexplained structure.
     channels : tuple of str
         Channels that the effect changes.
-    coefficients : mapping of str to Interval
+    coefficients : mapping of str to CoefficientInterval
         In the sign convention of the diagnosis.
     p : float
         p-value under coloured noise, adjusted for the number of forms tested.
@@ -49,7 +49,7 @@ class Finding:
 
     effect: str
     channels: tuple[str, ...]
-    coefficients: Mapping[str, Interval]
+    coefficients: Mapping[str, CoefficientInterval]
     p: float
     cv_gain: float
     cv_gain_se: float
@@ -59,7 +59,7 @@ class Finding:
     flips: frozenset[str] = frozenset()
     at_bounds: tuple[str, ...] = ()
 
-    def mirrored(self) -> Finding:
+    def mirrored(self) -> FoundEffect:
         """Return the finding in the other sign convention of coefficients."""
         mirrored = {name: interval.mirrored() for name, interval in self.coefficients.items() if name in self.flips}
         return replace(self, coefficients={**self.coefficients, **mirrored})

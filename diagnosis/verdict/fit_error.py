@@ -20,8 +20,8 @@ from ...tires.evaluation import Conventions, evaluate
 from ...tires.signs import convert_signs
 from ...tires.tire import Tire
 from ..probing.effect_probing import Screen
-from ..recording.outliers import short_range
-from ..recording.signals import FORMULA_SIGNS, Signals
+from ..signals.outliers import short_range
+from ..signals.signals import FORMULA_SIGNS, Signals
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -30,7 +30,7 @@ FitErrors = dict[str, dict[str, dict[str, float]]]
 
 
 @dataclass(frozen=True, eq=False)
-class Residuals:
+class DeliveredResiduals:
     """Residuals of the delivered tires over the compared rows of a recording, N and N m.
 
     Attributes
@@ -67,7 +67,7 @@ class Residuals:
 
 def delivered_residuals(
     tires: Iterable[Tire], recording: Recording, screens: tuple[Screen, Screen], rows: IntArray
-) -> Residuals:
+) -> DeliveredResiduals:
     """Return the residuals of both tires over a recording.
 
     Parameters
@@ -83,7 +83,7 @@ def delivered_residuals(
 
     Returns
     -------
-    Residuals
+    DeliveredResiduals
     """
     signals = screens[0].signals
     first, last = (_residual(tire, recording, screen, rows) for tire, screen in zip(tires, screens, strict=True))
@@ -94,7 +94,7 @@ def delivered_residuals(
     for start, end in signals.holdout_stretches():
         holdout[compared[start] : compared[end] + 1] = True
     block = signals.block[np.maximum(np.searchsorted(compared, np.arange(len(rows)), side="right") - 1, 0)]
-    return Residuals(rows, first, last, used, holdout, compared, block)
+    return DeliveredResiduals(rows, first, last, used, holdout, compared, block)
 
 
 def preprocessed(recording: Recording, signals: Signals) -> Recording:
@@ -149,13 +149,13 @@ def _residual(tire: Tire, recording: Recording, screen: Screen, rows: IntArray) 
     return np.asarray(measured - simulated - removed)
 
 
-def floors_of(recording: Recording, residuals: Residuals, channels: Sequence[str]) -> dict[str, NoiseFloor]:
+def floors_of(recording: Recording, residuals: DeliveredResiduals, channels: Sequence[str]) -> dict[str, NoiseFloor]:
     """Return the noise floor of each channel on the fitted rows (`tirefmu.numerics.noise_floor`).
 
     Parameters
     ----------
     recording : Recording
-    residuals : Residuals
+    residuals : DeliveredResiduals
         Of this recording; a smooth function is added to the improved tire.
     channels : sequence of str
     """
@@ -163,14 +163,16 @@ def floors_of(recording: Recording, residuals: Residuals, channels: Sequence[str
     return noise_floor(recording.table.iloc[residuals.rows], dict(zip(channels, rest, strict=True)))
 
 
-def fit_errors(before: Screen, after: Screen, residuals: Residuals, floors: dict[str, NoiseFloor]) -> FitErrors:
+def fit_errors(
+    before: Screen, after: Screen, residuals: DeliveredResiduals, floors: dict[str, NoiseFloor]
+) -> FitErrors:
     """Return root mean square residuals of the delivered tires, with all errors of the recording removed.
 
     Parameters
     ----------
     before, after : Screen
         Of the solutions of the baseline model and the improved model.
-    residuals : Residuals
+    residuals : DeliveredResiduals
         Of both delivered tires.
     floors : dict of str to NoiseFloor
 

@@ -10,11 +10,11 @@ from ...numerics.ties import graded
 from ..thresholds import CHANNEL_SHARE
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
-from .findings import Finding
+from .findings import FoundEffect
 
 
 def verdict_text(
-    findings: Sequence[Finding], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]],
+    findings: Sequence[FoundEffect], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]],
     refined: Sequence[str], adequacy: Sequence[Adequacy], detectable: Mapping[str, Mapping[str, float]],
     against: Sequence[str], recording: Mapping[str, Any],
 ) -> str:  # fmt: skip
@@ -22,7 +22,7 @@ def verdict_text(
 
     Parameters
     ----------
-    findings : sequence of Finding
+    findings : sequence of FoundEffect
     unknown : sequence of Unknown
     confounded : mapping of str to mapping of str to float
         Correlation with other explanations, by effect.
@@ -54,7 +54,7 @@ def verdict_text(
 
 
 def _missing(
-    findings: Sequence[Finding], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]]
+    findings: Sequence[FoundEffect], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]]
 ) -> str:
     missing = []
     for finding in findings:

@@ -114,7 +114,7 @@ def test_no_line_is_longer_than_the_limit(chain, command, bench_csv, published_f
     folder, outcomes = chain
     shutil.copy(folder / "fitted.tir", "my.tir")
     # Figures take longer than all commands.
-    monkeypatch.setattr("tirefmu.applications.comparison.report.write_figures", lambda _, folder: folder.mkdir() or [])
+    monkeypatch.setattr("tirefmu.applications.comparison.figures.write_figures", lambda _, folder: folder.mkdir() or [])
     lines = [
         "inspect bench.csv --all", "info my.tir --all", "info trento_hoosier", "effects", "effects camber_thrust",
         "columns", "models", "lint my.tir --for carsim", "convert my.tir --for adams -o adams.tir",

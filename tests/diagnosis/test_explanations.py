@@ -18,8 +18,8 @@ from tirefmu.diagnosis.explanations.refit import shared_problem
 from tirefmu.diagnosis.explanations.terms import unknown_terms
 from tirefmu.diagnosis.probing.baseline_fit import fit_baseline
 from tirefmu.diagnosis.probing.candidates import candidates_for
-from tirefmu.diagnosis.recording.signals import signals_of
-from tirefmu.diagnosis.recording.skew import between_rows
+from tirefmu.diagnosis.signals.signals import signals_of
+from tirefmu.diagnosis.signals.skew import between_rows
 from tirefmu.diagnosis.thresholds import EFFECT_ODDS, INEXACT_SHARE
 from tirefmu.diagnosis.verdict.verdict import percent
 from tirefmu.symbolic.detection import Form

@@ -104,6 +104,7 @@ levels = 2
 """
 
 
+@pytest.mark.slow
 def test_the_documented_chain_ends_with_the_effect(tmp_path):
     """Load and pressure change together in the first recording, so that it does not tell their effects apart."""
     golden = read_tir("tests/golden/MagicFormula61_Parameters.tir")

@@ -8,11 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ...symbolic.model import Model
+from .buffer_pool import RESULTS
 from .c_code import c_code
-from .interface import Code, all_straight, slices, straight_rows
+from .interface import Code, all_plain, plain_rows, slices
 from .kernel import ChosenDerivatives, Kernel
 from .normal_equations import Equations, EquationsKernel, WeightedRows, equations_by_chunks
-from .result_memory import RESULTS
 
 FloatArray = npt.NDArray[np.float64]
 #: Rows of which the derivatives by inputs, 35 numbers in MF6.1, fit into the second cache of a processor. With a
@@ -109,9 +109,9 @@ class _BatchCode(Code):
         self._kernel("forces")  # raises CompilerError here rather than at the first use
 
     def forces_of_each(self, inputs: FloatArray, population: FloatArray) -> FloatArray:
-        straight = straight_rows(self._model, inputs, population[0])
+        plain = plain_rows(self._model, inputs, population[0])
         results, undone = self._kernel("forces").each(inputs, population)
-        undone |= ~straight
+        undone |= ~plain
         for i in np.flatnonzero(undone.any(axis=1)):
             results[i][:, undone[i]] = self._single.forces(inputs[:, undone[i]], population[i])
         return results
@@ -119,7 +119,7 @@ class _BatchCode(Code):
     def chosen_derivatives(
         self, inputs: FloatArray, parameters: FloatArray, entries: npt.NDArray[np.intp]
     ) -> FloatArray:
-        if not all_straight(self._model, inputs, parameters):
+        if not all_plain(self._model, inputs, parameters):
             return self.jacobian_entries(inputs, parameters)[entries]
         if self._chosen is None:
             self._chosen = ChosenDerivatives(self._model)
@@ -129,7 +129,7 @@ class _BatchCode(Code):
         return results
 
     def normal_equations(self, rows: WeightedRows, parameters: FloatArray) -> Equations:
-        if not all_straight(self._model, rows.inputs, parameters):
+        if not all_plain(self._model, rows.inputs, parameters):
             return equations_by_chunks(self, rows, parameters)
         if self._equations is None:
             self._equations = EquationsKernel(self._model)
@@ -142,11 +142,11 @@ class _BatchCode(Code):
     def quantities(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         return self._single.quantities(inputs, parameters)
 
-    def drives(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        return self._single.drives(inputs, parameters)
+    def state_lines(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return self._single.state_lines(inputs, parameters)
 
     def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        if not all_straight(self._model, inputs, parameters):
+        if not all_plain(self._model, inputs, parameters):
             return super().jacobian_inputs(inputs, parameters)
         n, forces, columns = inputs.shape[1], len(self._module.FORCES), len(self._module.INPUTS)
         matrices = RESULTS.empty((n, forces * columns))
@@ -166,7 +166,7 @@ class _BatchCode(Code):
     def jacobian_chunks(
         self, inputs: FloatArray, parameters: FloatArray, size: int
     ) -> Iterator[tuple[slice, FloatArray]]:
-        if not all_straight(self._model, inputs, parameters):
+        if not all_plain(self._model, inputs, parameters):
             yield from super().jacobian_chunks(inputs, parameters, size)
             return
         yield from self._chunks("jacobian_parameters", inputs, parameters, size)
@@ -174,7 +174,7 @@ class _BatchCode(Code):
     def _chunks(
         self, routine: str, inputs: FloatArray, parameters: FloatArray, size: int
     ) -> Iterator[tuple[slice, FloatArray]]:
-        """Yield the results of straight rows, shape (n_results, size), each in the same memory.
+        """Yield the results of plain rows, shape (n_results, size), each in the same memory.
 
         One buffer for all chunks: it stays in the processor's cache, and no new memory is allocated.
         """
@@ -204,14 +204,12 @@ class _BatchCode(Code):
         return self._kernels[routine]
 
     def _table(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        straight = (
-            None if all_straight(self._model, inputs, parameters) else straight_rows(self._model, inputs, parameters)
-        )
-        if straight is not None and not straight.any():
+        plain = None if all_plain(self._model, inputs, parameters) else plain_rows(self._model, inputs, parameters)
+        if plain is not None and not plain.any():
             return self._row_by_row(routine, inputs, parameters)
         results, undone = self._kernel(routine)(inputs, parameters)
-        if straight is not None:
-            undone |= ~straight
+        if plain is not None:
+            undone |= ~plain
         if np.count_nonzero(undone):
             results[:, undone] = self._row_by_row(routine, inputs[:, undone], parameters)
         return results

@@ -44,7 +44,7 @@ class PrintoutSelection:
 
 
 @dataclass(frozen=True)
-class Program:
+class PrintedProgram:
     """A printout before any language.
 
     Attributes
@@ -116,7 +116,7 @@ def program(
     values: Mapping[str, float],
     nominal: Mapping[str, float],
     selection: PrintoutSelection,
-) -> Program:
+) -> PrintedProgram:
     """Return the printout of a tire, without header and self-test.
 
     `name`: any text; it becomes an identifier. `effects`: the effects that the tire has. Lines of other effects are not
@@ -154,7 +154,7 @@ def program(
         quantities,
         rates,
     )
-    return Program(
+    return PrintedProgram(
         identifier(name), model, selection.placement, inputs, tuple(outputs),
         {**nominal, **{quantity.name: 0.0 for quantity in inputs if quantity.name not in nominal}}, coefficients,
         lines, routines, tuple(name for name in model.effects if name in effects),
