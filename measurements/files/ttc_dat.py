@@ -26,8 +26,8 @@ def read_ttc_dat(path: Path) -> Content:
     """
     lines = _lines(path)
     begun = enumerate(lines[:_TITLE_LINES])
-    found = ((n, mark) for n, line in begun for mark in (None, ";", ",") if has_bench_names(_cells(line, mark)))
-    at, separator = next(found, (None, None))
+    headers = ((n, mark) for n, line in begun for mark in (None, ";", ",") if has_bench_names(_cells(line, mark)))
+    at, separator = next(headers, (None, None))
     if at is None:
         raise DataError(
             f"{path}: no line has the channel names (ET ... SA IA ... FZ): not a bench file of the FSAE TTC"

@@ -108,7 +108,7 @@ def name_and_unit(header: str) -> tuple[str, str | None]:
     header = header.strip()
     match = _HEADER.fullmatch(header) if len(header) <= LONGEST_HEADER else None
     if match is None or (match["square"] is None and not is_unit(match["round"])) or _INDEX.search(header):
-        units = [found for found in _ELSEWHERE.finditer(header[:LONGEST_HEADER]) if is_unit(found[0][1:-1])]
+        units = [unit for unit in _ELSEWHERE.finditer(header[:LONGEST_HEADER]) if is_unit(unit[0][1:-1])]
         if len(units) != 1 or _INDEX.search(header):
             return header, None
         (unit,) = units
