@@ -75,7 +75,7 @@ def test_hostile_texts_in_chromium(opened, bench, tmp_path):
     """No script runs, and a saved file has the texts."""
     text = "".join(HOSTILE[4:9])
     tire = hostile_tire(text)
-    page = opened(tire, recordings=[replace(bench, source=text)], compare=tire)
+    page = opened(tire, tables=[replace(bench, source=text)], compare=tire)
     assert page.evaluate("document.querySelectorAll('img, script[src], b').length") == 0
     (tmp_path / "x.tir").write_text(page.evaluate("propertyFile(now)"), encoding="utf-8")
     saved = read_tir(tmp_path / "x.tir")

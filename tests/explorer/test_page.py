@@ -242,7 +242,7 @@ def test_moving_curves_have_fewer_points_and_those_at_rest_are_all_of_the_tires(
 
 def test_an_input_is_changed_where_it_differs_from_the_selected_condition(opened, tires, bench):
     """The words beside a slider, those of the status line and the address agree; reset returns to the condition."""
-    page = opened(tires["mf96"], recordings=[bench])
+    page = opened(tires["mf96"], tables=[bench])
     marked = "[...document.querySelectorAll('#inputs .row.changed label')].map((label) => label.textContent)"
     status = "document.getElementById('status').textContent"
     for condition in range(page.evaluate("measured.conditions.length")):
@@ -300,7 +300,7 @@ def test_the_save_button_and_the_address_keep_the_state(opened, tires, tmp_path)
 
 def test_measured_rows_and_their_residuals(opened, tires, bench):
     """R2 and RMSE of the selected condition and of all rows are those of Python; points belong to the condition."""
-    page = opened(tires["mf96"], recordings=[bench])
+    page = opened(tires["mf96"], tables=[bench])
     until(page, "document.querySelectorAll('#quality tbody tr').length > 0")
     rows = page.evaluate(
         "[...document.querySelectorAll('#quality tbody tr')].map((r) => [...r.cells].map((c) => c.textContent))"
@@ -328,7 +328,7 @@ def test_measured_rows_and_their_residuals(opened, tires, bench):
 
 def test_all_measured_loads_are_in_one_chart_with_their_points(opened, tires, bench):
     """Each load has one color for its curve and its points; with one load there are the points of the condition."""
-    page = opened(tires["mf96"], recordings=[bench])
+    page = opened(tires["mf96"], tables=[bench])
     drawn = page.evaluate(
         """charts.slice(0, 2).map(({ chart }) => [
           chart.title.slice(0, 2),
@@ -397,7 +397,7 @@ def test_key_figures_are_those_of_the_curves(opened, tires):
 @pytest.mark.parametrize(("width", "height"), [(1400, 900), (390, 844)])
 def test_accessible_and_without_sideways_scrolling(opened, tires, bench, width, height):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed: make pages")
-    page = opened(tires["mf96"], recordings=[bench], compare=tires["mf61"], width=width, height=height,
+    page = opened(tires["mf96"], tables=[bench], compare=tires["mf61"], width=width, height=height,
                   intervals={"PDY1": (2.6, 2.8)})  # fmt: skip
     until(page, "document.querySelectorAll('#numbers tbody tr').length > 0")
     page.locator("#slider-PDY1").scroll_into_view_if_needed()
