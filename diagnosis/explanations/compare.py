@@ -346,15 +346,15 @@ class _Table:
         with this part are refitted in its place: most act through time and are not linear in their coefficients.
         """
         self._report(f"adding an effect to {', '.join(refit.explanation.parts) or 'the baseline model'}")
-        own = refit.explanation.parts
-        base, possible = self.scores[own], self._possible(refit.linear)
+        leading = refit.explanation.parts
+        base, possible = self.scores[leading], self._possible(refit.linear)
         if not possible:
             return
         columns = projected(refit.linear, possible)
         scored = gains(columns, possible)
         totals = {name: float(np.logaddexp.reduce([form.gain for form in forms])) for name, forms in scored.items()}
-        above = self._root_above(own)
-        replaced: Collection[str] = set(above.explanation.parts).difference(own) if above else ()
+        above = self._root_above(leading)
+        replaced: Collection[str] = set(above.explanation.parts).difference(leading) if above else ()
         rivals = rivals_of(replaced, columns, possible)
         for name in sorted(totals, key=lambda part: -graded(totals[part])):
             best = max(scored[name], key=lambda form: graded(form.gain))
@@ -362,7 +362,7 @@ class _Table:
             if parts in self.refits:
                 continue
             if score > self.scores.get(parts, -np.inf):
-                self.scores[parts], self.extensions[parts] = score, own
+                self.scores[parts], self.extensions[parts] = score, leading
             if (name in rivals or score > max(self.scores.values()) + REFIT_MARGIN) and not self.budget.ended:
                 self._add(self._with_effect(refit, best, above if name in rivals else None))
 
