@@ -171,9 +171,9 @@ def in_rows(panels: Sequence[Panel], columns: int = 2) -> tuple[tuple[Panel | No
     return tuple(tuple(padded[i : i + columns]) for i in range(0, len(padded), columns))
 
 
-def curve(x: npt.ArrayLike, y: npt.ArrayLike, color: str, label: str, *, known: bool = True) -> Series:
+def curve(x: npt.ArrayLike, y: npt.ArrayLike, color: str, label: str, *, is_measured: bool = True) -> Series:
     """Return the line of a level: solid; dotted where no data determined it."""
-    return Series("line", x, y, color, label, SOLID if known else DOTTED)
+    return Series("line", x, y, color, label, SOLID if is_measured else DOTTED)
 
 
 def measured(rows: pd.DataFrame, slip: str, channel: str, color: str, label: str = "") -> Series:

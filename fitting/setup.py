@@ -214,11 +214,19 @@ def _initial_values(
         if start.model != model.name:
             raise FitError(f"the start tire is {start.model}, not {model.name}")
         return {**start.in_signs("adapted-sae").values, **measured, **given}
+    values = nominal_values(model, data, given, measured, notes)
+    if "FNOMIN" not in values:
+        raise FitError("no load Fz in the data: specify --nominal Fz0=...")
+    return values
+
+
+def nominal_values(
+    model: Model, data: pd.DataFrame, given: Mapping[str, float], measured: Mapping[str, float], notes: list[str]
+) -> dict[str, float]:
+    """Return the given coefficients, `measured` dimensions and, for nominal values that are not given, medians."""
     values = {"UNLOADED_RADIUS": UNKNOWN_RADIUS, **measured, **_medians(model, data, given, notes), **given}
     if "UNLOADED_RADIUS" not in {*measured, *given}:
         notes.append(f"radius R0 not known: {UNKNOWN_RADIUS} m is assumed; give --size 205/55R16 or --nominal R0=0.31")
-    if "FNOMIN" not in values:
-        raise FitError("no load Fz in the data: specify --nominal Fz0=...")
     return values
 
 

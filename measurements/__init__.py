@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ..boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
-    from .channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
+    from ..tires.channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
     from .checks.columns.check import check_columns, column_notes
     from .checks.columns.limits import check_plausible
     from .checks.recordings.data_findings import data_findings
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 #: The names of each module.
 _ON_DEMAND = {
-    "channels": ("CHANNELS", "Channel", "INPUTS", "OUTPUTS", "channel"),
+    ".tires.channels": ("CHANNELS", "Channel", "INPUTS", "OUTPUTS", "channel"),
     "checks.columns.check": ("check_columns", "column_notes"),
     "checks.columns.limits": ("check_plausible",),
     "files.reading": ("READERS", "read_recording"),

@@ -45,7 +45,7 @@ def comparison_figures(comparison: Comparison, recordings: Sequence[Recording], 
     omitted, and what the data of neither determined.
     """
     given = [recording.with_signs(signs) for recording in recordings]
-    figures = []
+    figures, slopes = [], []
     for channel, slip in PAIRS:
         if not all(channel in tire.outputs and slip in tire.inputs for tire in comparison.tires):
             continue
@@ -56,7 +56,8 @@ def comparison_figures(comparison: Comparison, recordings: Sequence[Recording], 
             ranges = [Sweep(slip, {"Fz": -sweep.load}, sweep.low, sweep.high, sweep.rows) for sweep in ranges]
         figures.append(_family(comparison, ranges, channel, signs))
         if channel != "Mz":
-            figures.append(_slopes(comparison, ranges, channel, signs))
+            slopes.append(_slopes(comparison, ranges, channel, signs))
+    figures += slopes
     for role, title in ROLES.items():
         names = [tire.symbolic_model.leading(role) for tire in comparison.tires]
         if all(names) and not all(

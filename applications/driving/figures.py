@@ -21,8 +21,8 @@ from .simulation import estimated_motion
 FloatArray = npt.NDArray[np.float64]
 
 RECORDED, BEFORE, AFTER = "#555555", "#a33b00", "#0b4f9c"
-#: Panels in a row of beliefs.
-ROW = 4
+#: Panels in a row of beliefs; values below which these are drawn in thousandths.
+ROW, SMALL = 4, 2e-3
 #: Most points of a series.
 MAX_POINTS = 4000
 
@@ -78,16 +78,21 @@ def _beliefs(answer: Drive) -> Figure:
     unknowns, estimate = answer.unknowns, answer.estimate
     deviation = np.sqrt(np.diag(estimate.covariance))
     names = [*unknowns.car, *(f"log {name} {axle}" for axle, name in unknowns.factors)]
+    units = [ENTRIES[name].unit for name in unknowns.car] + ["1"] * len(unknowns.factors)
     panels = []
     for i, name in enumerate(names):
-        z = np.linspace(min(-3.0, estimate.z[i] - 3.0), max(3.0, estimate.z[i] + 3.0), 121)
+        wide = np.linspace(min(-3.0, estimate.z[i] - 3.0), max(3.0, estimate.z[i] + 3.0), 61)
+        z = np.sort(np.concatenate([wide, estimate.z[i] + deviation[i] * np.linspace(-4.0, 4.0, 61)]))
         before, after = np.exp(-(z**2) / 2), np.exp(-(((z - estimate.z[i]) / deviation[i]) ** 2) / 2)
         x = unknowns.center[i] + unknowns.spread[i] * z
+        small = np.abs(x).max() < SMALL
+        label = " ".join(["0.001"] * small + [units[i]] * (units[i] != "1")) or "value"
+        x = 1e3 * x if small else x
         series = (
             Series("line", x, before, BEFORE, "before", DASHED, size=1.5),
             Series("line", x, after, AFTER, "after", size=2.0),
         )
-        panels.append(Panel("", "", series, name, width=3.0, height=1.8))
+        panels.append(Panel(label, "belief", series, name, width=3.0, height=1.8))
     rows = tuple(tuple(panels[first : first + ROW]) for first in range(0, len(panels), ROW))
     text = "Belief relative to the most probable value: before, that of the car file; after, with the drive."
     return Figure("beliefs", "Car and tires before and after the drive", rows, text)

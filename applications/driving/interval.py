@@ -198,7 +198,7 @@ def relaxation_of(tire: Tire) -> Relaxation:
 
     rows, name, stiffer = pd.DataFrame({"alpha": 0.0, "Fz": loads}), "LKY", 1.1
     pair = tire, tire.with_values(**{name: stiffer * tire.values[name]})
-    lengths, grown = (each.evaluate(rows, steady=True)[quantity].to_numpy(np.float64) for each in pair)
+    lengths, grown = (tire.evaluate(rows, steady=True)[quantity].to_numpy(np.float64) for tire in pair)
     power = np.log(np.sum(grown) / np.sum(lengths)) / np.log(stiffer) if lengths.any() else 0.0
     return Relaxation(loads, lengths, float(power))
 

@@ -14,6 +14,7 @@ from typing import Any
 from ...boundary.escaping import excerpt, file_name
 from ...symbolic.declarations import Coefficient, Quantity
 from ...tires import Tire
+from ...tires.channels import CHANNELS
 from ...tires.definition import RANGES as RANGE_KEYS
 from ...tires.property_file.names import ASSUMED, listed, unmeasured_coefficients
 from ...tires.property_file.writing import tir_text
@@ -21,11 +22,7 @@ from ...tires.property_file.writing import tir_text
 #: Units of the sliders, and the factors from SI values; all other units are SI units.
 _SHOWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3), "1": ("", 1.0), "-": ("", 1.0), "degC": ("deg C", 1.0)}
 #: Ranges of the sliders of inputs, in SI units, where neither the tire nor a recording has a range.
-RANGES = {
-    "kappa": (-0.3, 0.3), "alpha": (-0.25, 0.25), "gamma": (-0.15, 0.15), "V": (0.0, 60.0), "phit": (-0.2, 0.2),
-    "T": (0.0, 120.0), "T_ambient": (253.15, 333.15), "T_road": (253.15, 353.15), "t": (0.0, 600.0),
-    "distance": (0.0, 5000.0),
-}  # fmt: skip
+RANGES = {name: channel.usual for name, channel in CHANNELS.items() if channel.usual} | {"distance": (0.0, 5000.0)}
 #: Range of a temperature of the tire, K.
 NODE_RANGE = (253.15, 423.15)
 #: Range of an input that is positive, as shares of its nominal value.

@@ -54,6 +54,7 @@ class Host:
     - `longest_line`: longest line in characters; 0: no limit known.
     - `expects_crlf`: its own tools write lines with CRLF.
     - `cuts_lines`: its reader takes the last two characters of every line for CRLF.
+    - `tables`: the sections in which it reads rows without a key; empty: any.
     - `notes`: what is known to differ, or is not known.
     """
 
@@ -65,6 +66,7 @@ class Host:
     longest_line: int = 0
     expects_crlf: bool = True
     cuts_lines: bool = False
+    tables: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
 
@@ -150,12 +152,12 @@ HOSTS: dict[str, Host] = {
         expects_crlf=False,
         notes=(
             "Chrono evaluates with the opposite sign of the slip angle: terms of plysteer and conicity are mirrored",
-            "QSY1, QSY2 and QSY8 are not evaluated, nor any coefficient of pressure: its reader sets them to zero in"
-            " every file",
-            "inclination is limited to 3 deg, slip to -1..1; LMUY also scales the cornering stiffness",
+            "QSY1, QSY2 and QSY8 are zero in every file, so that the tire has no constant rolling resistance, and so is"
+            " every coefficient of pressure",
+            "inclination has no effect on a vehicle: the angle that the forces read is never set",
+            "alpha is the angle, not its tangent; slip is limited to -1..1; LMUY also scales the cornering stiffness",
             "B times slip is limited to 1.56: forces beyond differ (two tested tires: by up to 11 %); at kappa = 0,"
             " USE_MODE 4 computes Mz with the trail at zero slip angle",
-            "QSY1, QSY2 and QSY8 are not read: the tire has no constant rolling resistance there",
         ),
     ),
     "mfeval": Host(
@@ -168,5 +170,6 @@ HOSTS: dict[str, Host] = {
         },
         ignored=TRANSIENT,
         cuts_lines=True,
+        tables=("SHAPE",),
     ),
 }  # fmt: skip

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...boundary.errors import UnknownName, path_from
-from ...boundary.escaping import quoted
+from ...boundary.escaping import quoted, visible
 from ...boundary.named_options import named
 from ...tires import Tire
 from ...tires.implausible import Doubt, implausible
@@ -25,13 +25,9 @@ OWN = "TIREFMU"
 class LintMessage:
     """What a check found.
 
-    Attributes
-    ----------
-    severity : str
-        "error": the file is not sound, or the host refuses or misreads it. "note": anything else worth knowing.
-    line : int
-        Of the file; 0: the file as a whole.
-    text : str
+    - `severity`: "error": the file is not sound, or the host refuses or misreads it. "note": anything else worth
+      knowing.
+    - `line`: of the file; 0: the file as a whole.
     """
 
     severity: str
@@ -45,6 +41,15 @@ class _Entry:
     section: str
     key: str
     value: str
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A row without a key; `heading` is the line of its section's title."""
+
+    line: int
+    section: str
+    heading: int
 
 
 def host_named(name: str) -> Host:
@@ -123,7 +128,7 @@ def host_messages(path: str | Path, host: str) -> list[LintMessage]:
     entries = _entries(text)
     errors = [*_model_errors(entries, rules.dialects[tire.model]), *_unit_errors(entries, rules)]
     errors += [*_layout_errors(text, rules), *_number_errors(tire), *_range_errors(tire, "error")]
-    errors += _line_end_errors(path, text, rules)
+    errors += [*_line_end_errors(path, text, rules), *_table_errors(text, rules)]
     errors += _lacking_errors(entries, tire, rules.dialects[tire.model].lacking)
     notes = [*_line_end_notes(path, rules), *lost_effects(tire, rules), *use_notes(tire), *rules.notes]
     return errors + [LintMessage("note", 0, note) for note in notes]
@@ -237,15 +242,38 @@ def _has_only_lf(path: str | Path) -> bool:
 
 
 def _line_end_errors(path: str | Path, text: str, rules: Host) -> list[LintMessage]:
-    """Check values that lose their last characters to a reader which takes these for CRLF."""
+    """Check values, and headings of tables, that lose their last characters to a reader which takes these for CRLF."""
     if not (rules.cuts_lines and _has_only_lf(path)):
         return []
     lines = text.splitlines()
+    lost = [(entry.line, entry.key) for entry in _entries(text) if lines[entry.line - 1].endswith(entry.value)]
+    headings = {row.heading: f"[{row.section}]" for row in _table_rows(text)}
+    lost += [(number, name) for number, name in headings.items() if lines[number - 1].endswith("]")]
     return [
-        LintMessage("error", entry.line, f"{entry.key} loses its last characters: the line ends with LF, not with CRLF")
-        for entry in _entries(text)
-        if lines[entry.line - 1].endswith(entry.value)
+        LintMessage("error", number, f"{name} loses its last characters: the line ends with LF, not with CRLF")
+        for number, name in lost
     ]
+
+
+def _table_errors(text: str, rules: Host) -> list[LintMessage]:
+    """Check rows without a key in sections where the host expects keys."""
+    rows = {row.section: row for row in reversed(_table_rows(text)) if rules.tables and row.section not in rules.tables}
+    return [
+        LintMessage("error", row.line, f"a row without '=' in [{visible(row.section)}]: the program stops here")
+        for row in rows.values()
+    ]
+
+
+def _table_rows(text: str) -> list[_Row]:
+    """Return the rows of a file that are neither entries nor comments."""
+    rows, section, heading = [], "", 0
+    for number, line in enumerate(text.splitlines(), 1):
+        plain = re.split(r"[$!]", line, maxsplit=1)[0].strip()
+        if plain.startswith("["):
+            section, heading = plain.strip("[] ").upper(), number
+        elif plain and "=" not in plain:
+            rows.append(_Row(number, section, heading))
+    return rows
 
 
 def _line_end_notes(path: str | Path, rules: Host) -> list[str]:

@@ -43,13 +43,14 @@ def gain_figure(diagnosis: Diagnosis) -> Figure | None:
 def _panel(diagnosis: Diagnosis, finding: FoundEffect) -> Panel:
     tire, rows = diagnosis.tire, diagnosis.rows
     without = replace(tire, effects=tire.has - {finding.effect})
-    responses = {name: _force(tire, diagnosis, name) - _force(without, diagnosis, name) for name in finding.channels}
-    channel = max(responses, key=lambda name: graded(_share(responses[name], _measured(diagnosis, name))))
-    response, measured = responses[channel], _measured(diagnosis, channel)
+    error = diagnosis.gap["train"]
+    channel = min(finding.channels, key=lambda name: graded(error[name]["after"] / max(error[name]["before"], 1e-300)))
+    response = _force(tire, diagnosis, channel) - _force(without, diagnosis, channel)
+    measured = _measured(diagnosis, channel)
     through = _input(diagnosis, finding.effect)
     x = rows[through].to_numpy(dtype=np.float64) * per_si(through)
-    known = np.isfinite(x) & np.isfinite(measured) & np.isfinite(response)
-    parts = [part for part in bins(x, known) if np.abs(response[part]).any()]
+    finite = np.isfinite(x) & np.isfinite(measured) & np.isfinite(response)
+    parts = [part for part in bins(x, finite) if np.abs(response[part]).any()]
     lines = []
     for shown, label, color, dashes in ((without, "without", RED, DASHED), (tire, "with", BLUE, ())):
         lacking = (measured - _force(shown, diagnosis, channel)) * response
@@ -59,11 +60,6 @@ def _panel(diagnosis: Diagnosis, finding: FoundEffect) -> Panel:
     y = f"{channel} that is missing ({drawn_unit(channel)})"
     signs = diagnosis.recording_signs
     return Panel(axis_label(through, signs), y, tuple(lines), f"{finding.effect}: {channel}", across=(0.0,))
-
-
-def _share(response: FloatArray, measured: FloatArray) -> float:
-    """Return the size of the force by an effect as a share of the measured force."""
-    return float(np.sqrt(np.nanmean(response**2) / max(float(np.nanmean(measured**2)), 1e-300)))
 
 
 def _input(diagnosis: Diagnosis, effect: str) -> str:

@@ -34,15 +34,7 @@ def memory_figure(diagnosis: Diagnosis, channel: str) -> Figure:
 
     The force is that at the most frequent load, measured and of both tires; the residual is that of all rows.
 
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        Of a recording with time, whose improved tire has states.
-    channel : str
-
-    Returns
-    -------
-    Figure
+    `diagnosis`: of a recording with time, whose improved tire has states.
     """
     slip = max(
         (n for n in (ALPHA.name, KAPPA.name) if n in diagnosis.rows), key=lambda n: graded(np.ptp(diagnosis.rows[n]))

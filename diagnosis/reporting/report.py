@@ -79,19 +79,7 @@ def write_report(
 def report_page(
     diagnosis: Diagnosis, recording: Recording, simulated: Mapping[str, Any] | None = None, command: str = ""
 ) -> str:
-    """Return the HTML text of the page, figures included.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-    recording : Recording
-    simulated : mapping, optional
-    command : str
-
-    Returns
-    -------
-    str
-    """
+    """Return the HTML text of the page, figures included."""
     return page_text(
         "tirefmu.diagnosis.reporting",
         {
@@ -116,16 +104,6 @@ def report_page(
 def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
     """Return the equations with effects that only the second tire has.
 
-    Parameters
-    ----------
-    before, after : Tire
-
-    Returns
-    -------
-    tuple of ChangedLine
-
-    Examples
-    --------
     >>> small = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
     >>> plain = Tire("mf61", small, effects=["load_friction"])
     >>> richer = Tire("mf61", small, effects=["load_friction", "camber_friction"])

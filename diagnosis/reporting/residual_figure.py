@@ -43,17 +43,8 @@ def residual_location_figure(
 
     Where the misfit of both models over time is the same, both are drawn once.
 
-    Parameters
-    ----------
-    before, after : sequence of mapping
-        Results of `residual_location.residual_maps` for one channel, over the same pairs.
-    course : mapping
-        Result of `residual_location.time_course` for the channel.
-    channel : str
-
-    Returns
-    -------
-    Figure
+    `before`, `after`: results of `residual_location.residual_maps` for one channel, over the same pairs. `course`:
+    result of `residual_location.time_course` for the channel.
     """
     misfits = [np.asarray(course[name], dtype=np.float64) for name in ("before", "after")]
     models = [("baseline model", before, "before", RED, DASHED), ("improved model", after, "after", BLUE, SOLID)]

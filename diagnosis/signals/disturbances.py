@@ -32,18 +32,11 @@ CROSS_TALK = "cross_talk_"
 class Disturbances:
     """Linear disturbances of the channels.
 
-    Attributes
-    ----------
-    names : tuple of str
-        offset_Fy, drift1_Fy, ..., cross_talk_Fx_in_Fy.
-    columns : ndarray, shape (n_channels, n, n_disturbances)
-        Change of the forces per unit of each, N and N m.
-    deviation : ndarray, shape (n_disturbances,)
-        Standard deviation of the zero-mean prior of each.
-    added : frozenset of str
-        Names of columns that are no disturbances of a recording: errors of the functional form of a model.
-    lines : tuple of PeriodicLine
-        Periodic disturbances; the columns of the first one are wave1_cosine_Fx, wave1_sine_Fx, ...
+    - `names`: offset_Fy, drift1_Fy, ..., cross_talk_Fx_in_Fy.
+    - `columns`, shape (n_channels, n, n_disturbances): change of the forces per unit of each, N and N m.
+    - `deviation`, shape (n_disturbances,): standard deviation of the zero-mean prior of each.
+    - `added`: names of columns that are no disturbances of a recording: errors of the functional form of a model.
+    - `lines`: periodic disturbances; the columns of the first one are wave1_cosine_Fx, wave1_sine_Fx, ...
     """
 
     names: tuple[str, ...]
@@ -81,13 +74,7 @@ class Disturbances:
     ) -> Disturbances:
         """Return the disturbances with a periodic disturbance of all channels.
 
-        Parameters
-        ----------
-        line : PeriodicLine
-        at : ndarray, shape (n,)
-            Time or distance at the compared rows.
-        noise : ndarray, shape (n_channels,)
-        channels : sequence of str
+        `at`, shape (n,): time or distance at the compared rows. `noise`, shape (n_channels,).
         """
         names, columns, deviation = [], [], []
         number = 1 + len(self.lines)
@@ -119,17 +106,8 @@ class Disturbances:
 def disturbances_of(signals: Signals, noise: FloatArray, radius: float) -> Disturbances:
     """Return the disturbances that a recording may have.
 
-    Parameters
-    ----------
-    signals : Signals
-    noise : ndarray, shape (n_channels,)
-        Standard deviation of each channel's noise.
-    radius : float, m
-        Unloaded radius, the length to which cross-talk of a force into a moment refers.
-
-    Returns
-    -------
-    Disturbances
+    `noise`, shape (n_channels,): standard deviation of each channel's noise. `radius`, m: unloaded radius, the length
+    to which cross-talk of a force into a moment refers.
     """
     n_channels, n = signals.measured.shape
     waves = half_waves(passed(signals, signals.t[signals.rows]), DRIFT_WAVES if signals.timed else 0)
@@ -163,19 +141,10 @@ def passed(signals: Signals, t: FloatArray) -> FloatArray:
 def reported_disturbances(disturbances: Disturbances, values: FloatArray, signals: Signals) -> dict[str, Any]:
     """Return the estimated disturbances of a recording.
 
-    Parameters
-    ----------
-    disturbances : Disturbances
-    values : ndarray, shape (n_disturbances,)
-    signals : Signals
-
-    Returns
-    -------
-    dict
-        offset, drift (root mean square) by channel; cross_talk; input_noise;
-        periodic (waves over time or distance: frequency in 1/s or 1/m, amplitude, cosine and sine part by channel);
-        skew (delay of the forces behind the inputs, s); removed (by channel: offset, drift as the amplitudes of cosine
-        half waves over the recording) and removed_over (start and end of these waves, s).
+    `values`, shape (n_disturbances,). Returns: offset, drift (root mean square) by channel; cross_talk; input_noise;
+    periodic (waves over time or distance: frequency in 1/s or 1/m, amplitude, cosine and sine part by channel); skew
+    (delay of the forces behind the inputs, s); removed (by channel: offset, drift as the amplitudes of cosine half
+    waves over the recording) and removed_over (start and end of these waves, s).
     """
     named = dict(zip(disturbances.names, values.tolist(), strict=True))
     drift = {
@@ -200,11 +169,7 @@ def reported_disturbances(disturbances: Disturbances, values: FloatArray, signal
 def removed_from(disturbances: Disturbances, values: FloatArray, signals: Signals) -> dict[str, dict[str, Any]]:
     """Return what is subtracted from the residuals of each channel: offset, and drift as amplitudes of half waves.
 
-    Parameters
-    ----------
-    disturbances : Disturbances
-    values : ndarray, shape (n_disturbances,)
-    signals : Signals
+    `values`, shape (n_disturbances,).
     """
     named = dict(zip(disturbances.names, values.tolist(), strict=True))
     return {
@@ -239,11 +204,7 @@ TURNING = 0.3
 def load_error_responses(simulator: Simulator, parameters: FloatArray) -> FloatArray:
     """Return the change of the forces per relative error of the load, shape (n_channels, n, len(LAGS)).
 
-    Parameters
-    ----------
-    simulator : Simulator
-        Of a recording with time.
-    parameters : ndarray, shape (n_parameters,)
+    `simulator`: of a recording with time. `parameters`, shape (n_parameters,).
     """
     signals = simulator.signals
     named = dict(zip(signals.names, signals.inputs, strict=True))

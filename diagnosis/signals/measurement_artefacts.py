@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ...measurements import Recording
-from ...measurements.channels import OUTPUTS
 from ...numerics.smoothing import HALF_WIDTHS
 from ...numerics.wheel_periodicity import once_per_revolution
+from ...tires.channels import OUTPUTS
 from ...tires.tire import Tire
 from .disturbances import Disturbances, reported_disturbances
 from .predicted_temperature import SURROUNDINGS, TEMPERATURE
@@ -28,22 +28,8 @@ def recording_errors(
 ) -> dict[str, Any]:  # fmt: skip
     """Return the disturbances and measurement artefacts of a recording.
 
-    Parameters
-    ----------
-    recording : Recording
-    signals : Signals
-    disturbances : Disturbances
-    values : ndarray, shape (n_disturbances,)
-        Their estimates.
-    residual : ndarray, shape (n_channels, n)
-        Residual of the tire and the disturbances, N and N m.
-    tire : Tire
-        The baseline model.
-
-    Returns
-    -------
-    dict
-        As `Diagnosis.recording`.
+    `values`, shape (n_disturbances,): their estimates. `residual`, shape (n_channels, n): residual of the tire and the
+    disturbances, N and N m. `tire`: the baseline model. Returns: as `Diagnosis.recording`.
     """
     table = recording.table
     used = {"t", "distance", *tire.inputs, *OUTPUTS, *(SURROUNDINGS if TEMPERATURE in signals.derived else ())}
@@ -63,18 +49,8 @@ def recording_errors(
 def ripple(signals: Signals, residual: FloatArray, radius: float) -> dict[str, float]:
     """Return the amplitude of the ripple once per wheel revolution, by channel; channels without it are omitted.
 
-    Parameters
-    ----------
-    signals : Signals
-    residual : ndarray, shape (n_channels, n)
-        Residual of the tire and the slow disturbances, N and N m.
-    radius : float
-        Unloaded radius, m; the rolling radius is searched around it (`once_per_revolution`).
-
-    Returns
-    -------
-    dict of str to float
-        N and N m.
+    `residual`, shape (n_channels, n): residual of the tire and the slow disturbances, N and N m. `radius`: unloaded
+    radius, m; the rolling radius is searched around it (`once_per_revolution`). Returns: N and N m.
     """
     if not signals.timed or "V" not in signals.recorded or len(signals.rows) < 2:
         return {}
@@ -98,12 +74,8 @@ def ripple(signals: Signals, residual: FloatArray, radius: float) -> dict[str, f
 def quantisation(values: FloatArray) -> float:
     """Return the quantisation step of a channel, 0 if it is not quantised.
 
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
+    `values`, shape (n,).
 
-    Examples
-    --------
     >>> raw = np.random.default_rng(1).normal(0, 100, 2000)
     >>> quantisation(np.round(raw / 2.5) * 2.5), quantisation(raw)
     (2.5, 0.0)

@@ -15,18 +15,8 @@ _READABLE = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3), "degC": ("deg C"
 def range_text(name: str, lower: float, upper: float) -> str:
     """Return a range of an input, or of another quantity without its unit.
 
-    Parameters
-    ----------
-    name : str
-    lower, upper : float
-        SI units, deg C.
+    `lower`, `upper`: SI units, deg C.
 
-    Returns
-    -------
-    str
-
-    Examples
-    --------
     >>> range_text("gamma", 0.0, 0.07), range_text("Fz", 794.2, 1090.4), range_text("sweep", 1.0, 2.0)
     ('gamma 0 to 4.01 deg', 'Fz 794 to 1090 N', 'sweep 1 to 2')
     """

@@ -15,8 +15,8 @@ import pandas as pd
 from scipy.interpolate import PchipInterpolator
 
 from ...boundary.errors import DataError
-from ...measurements.channels import OUTPUTS
 from ...numerics.smoothing import smoothed
+from ...tires.channels import OUTPUTS
 from ...tires.signs import convert_signs
 from ...tires.states.transient import rolled_distance
 from ...tires.tire import Tire
@@ -44,41 +44,25 @@ FORMULA_SIGNS = "adapted-sae"
 class Signals:
     """The signals of a recording that the diagnosis uses.
 
-    Attributes
-    ----------
-    names : tuple of str
-        Names of the inputs.
-    t : ndarray, shape (m,), s
-        Time of the rows over which transient slip is integrated: all rows, or every n-th of long recordings.
-    inputs : ndarray, shape (n_inputs, m)
-        Smoothed, in the order of the tire's inputs, adapted SAE.
-    rows : ndarray of int, shape (n,)
-        Rows of `t` and `inputs` at which forces are compared.
-    table_rows : ndarray of int, shape (n,)
-        The same rows, counted in the recording.
-    channels : tuple of str
-        Measured outputs.
-    output_index : ndarray of int, shape (n_channels,)
-        Index of each channel in the outputs of the model.
-    measured : ndarray, shape (n_channels, n)
-        Adapted SAE.
-    present : ndarray of bool, shape (n_channels, n)
-        False if a channel was not measured or is an outlier.
-    block : ndarray of int, shape (n,)
-    holdout : ndarray of bool, shape (n,)
-        Rows of the hold-out set, which no fit uses; effects, formulas and the delivered tire are checked on them.
-    recorded : frozenset of str
-        Inputs that the recording contains; the others have their nominal values.
-    input_noise : mapping of str to float
-        Standard deviation of the noise that smoothing removed.
-    timed : bool
-        Whether the recording has a column t.
-    excluded_channels : mapping of str to str
-        Measured channels that are not compared, and the reason.
-    skew : float, s
-        Time by which the inputs were delayed, because the forces are recorded later.
-    derived : frozenset of str
-        Inputs that were computed from recorded ones.
+    - `names`: names of the inputs.
+    - `t`, shape (m,), s: time of the rows over which transient slip is integrated: all rows, or every n-th of long
+      recordings.
+    - `inputs`, shape (n_inputs, m): smoothed, in the order of the tire's inputs, adapted SAE.
+    - `rows`, shape (n,): rows of `t` and `inputs` at which forces are compared.
+    - `table_rows`, shape (n,): the same rows, counted in the recording.
+    - `channels`: measured outputs.
+    - `output_index`, shape (n_channels,): index of each channel in the outputs of the model.
+    - `measured`, shape (n_channels, n): adapted SAE.
+    - `present`, shape (n_channels, n): false if a channel was not measured or is an outlier.
+    - `block`, shape (n,).
+    - `holdout`, shape (n,): rows of the hold-out set, which no fit uses; effects, formulas and the delivered tire are
+      checked on them.
+    - `recorded`: inputs that the recording contains; the others have their nominal values.
+    - `input_noise`: standard deviation of the noise that smoothing removed.
+    - `timed`: whether the recording has a column t.
+    - `excluded_channels`: measured channels that are not compared, and the reason.
+    - `skew`, s: time by which the inputs were delayed, because the forces are recorded later.
+    - `derived`: inputs that were computed from recorded ones.
     """
 
     names: tuple[str, ...]
@@ -140,25 +124,9 @@ def signals_of(
 ) -> Signals:
     """Preprocess a table.
 
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        A recording in SI units.
-    tire : Tire
-        Determines the inputs and their nominal values.
-    signs : str
-        Sign convention of the table.
-    smooth : bool
-        Whether noise is removed from the inputs.
-
-    Returns
-    -------
-    Signals
-
-    Raises
-    ------
-    DataError
-        If there are too few rows or time blocks, no measured output or no load, or if an input is not finite.
+    `table`: a recording in SI units. `tire`: determines the inputs and their nominal values. `signs`: sign convention
+    of the table. `smooth`: whether noise is removed from the inputs. Raises `DataError` if there are too few rows or
+    time blocks, no measured output or no load, or if an input is not finite.
     """
     if len(table) < MIN_ROWS:
         raise DataError(f"the recording has {len(table)} rows: a diagnosis needs at least {MIN_ROWS}")

@@ -41,11 +41,8 @@ STORED = 16
 class Simulator:
     """A tire's generated code over one recording's signals.
 
-    Parameters
-    ----------
-    tire : Tire
-        Determines the model. All coefficients of the model are available, also those of effects that the tire lacks.
-    signals : Signals
+    - `tire`: determines the model. All coefficients of the model are available, also those of effects that the tire
+      lacks.
     """
 
     tire: Tire
@@ -356,11 +353,8 @@ class Simulator:
     def forces(self, parameters: FloatArray, shifts: Mapping[str, float] | None = None) -> FloatArray:
         """Return the forces of the measured channels, shape (n_channels, n).
 
-        Parameters
-        ----------
-        parameters : ndarray, shape (n_parameters,)
-        shifts : mapping of str to float, optional
-            Offsets added to inputs by name, as by a sensor with a zero error.
+        `parameters`, shape (n_parameters,). `shifts`: offsets added to inputs by name, as by a sensor with a zero
+        error.
         """
         if not shifts:
             return self._forces(parameters.tobytes())

@@ -17,11 +17,7 @@ FloatArray = npt.NDArray[np.float64]
 def delay_response(simulator: Simulator, parameters: FloatArray) -> FloatArray:
     """Return the change of the forces per second of delay, shape (n_channels, n), N/s and N m/s.
 
-    Parameters
-    ----------
-    simulator : Simulator
-        Of a recording with time.
-    parameters : ndarray, shape (n_parameters,)
+    `simulator`: of a recording with time. `parameters`, shape (n_parameters,).
     """
     signals = simulator.signals
     every = simulator.with_signals(replace(signals, rows=np.arange(len(signals.t))))
@@ -37,10 +33,7 @@ def between_rows(simulator: Simulator, parameters: FloatArray) -> FloatArray:
     misses the force there by a 20th of its sixth difference, which is small for a sweep and half of a step. The error
     is uniformly distributed, and moves by the largest skew of a bench.
 
-    Parameters
-    ----------
-    simulator : Simulator
-    parameters : ndarray, shape (n_parameters,)
+    `parameters`, shape (n_parameters,).
     """
     signals = simulator.signals
     if not signals.timed or len(signals.t) < 7:

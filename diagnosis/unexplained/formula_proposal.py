@@ -29,19 +29,11 @@ from .past import STATES
 class Unknown:
     """Structure that no candidate effect explains.
 
-    Attributes
-    ----------
-    depends_on : tuple of str
-    formula : str
-        As in an effect file: "quantity, factor or term: formula".
-    added : bool
-        Whether the improved tire contains it: only if it predicts the hold-out set better.
-    effect : AddedEffect or None
-        The proposed effect file.
-    not_added_because : str
-        Reason; "" if it was added.
-    next_measurement : str
-        The measurement that determines its form.
+    - `formula`: as in an effect file: "quantity, factor or term: formula".
+    - `added`: whether the improved tire contains it: only if it predicts the hold-out set better.
+    - `effect`: the proposed effect file.
+    - `not_added_because`: reason; "" if it was added.
+    - `next_measurement`: the measurement that determines its form.
     """
 
     depends_on: tuple[str, ...]
@@ -56,13 +48,7 @@ class Unknown:
 class AddedFormula:
     """A proposed formula that was added to the model.
 
-    Attributes
-    ----------
-    effect : AddedEffect
-    tire : Tire
-        The baseline model with the effect of the formula.
-    problem : LeastSquares
-    solution : Solution
+    - `tire`: the baseline model with the effect of the formula.
     """
 
     effect: AddedEffect
@@ -117,13 +103,7 @@ def _table_of(state: str) -> str:
 def unknown_of(structure: UnexplainedStructure, effect: AddedEffect, added: AddedFormula | str) -> Unknown:
     """Return the report of structure that no candidate effect explains.
 
-    Parameters
-    ----------
-    structure : UnexplainedStructure
-    effect : AddedEffect
-        Result of `effect_of`.
-    added : AddedFormula or str
-        Result of `with_formula`.
+    `effect`: result of `effect_of`. `added`: result of `with_formula`.
     """
     formula = structure.formula
     if isinstance(added, AddedFormula):
@@ -158,20 +138,8 @@ def with_formula(
 ) -> AddedFormula | str:
     """Add a formula to the model.
 
-    Parameters
-    ----------
-    structure : UnexplainedStructure
-    effect : AddedEffect
-        Result of `effect_of`.
-    start : Tire
-    problem : LeastSquares
-    solution : Solution
-        Solution without the formula.
-
-    Returns
-    -------
-    AddedFormula or str
-        Otherwise the reason why the model cannot contain the formula.
+    `effect`: result of `effect_of`. `solution`: solution without the formula. Returns: otherwise the reason why the
+    model cannot contain the formula.
     """
     try:
         tire = replace(start, added=(*start.added, effect))
@@ -192,12 +160,7 @@ def with_formula(
 class UnexplainedStructure:
     """A sum of features that acts on quantities of the model.
 
-    Attributes
-    ----------
-    location : Location
-    terms : tuple of Feature
-    sizes : tuple of float
-        The estimated coefficient of each term.
+    - `sizes`: the estimated coefficient of each term.
     """
 
     location: Location
@@ -217,10 +180,7 @@ class UnexplainedStructure:
     def formula_with(self, sizes: Iterable[float]) -> str:
         """Return the formula with given coefficients.
 
-        Parameters
-        ----------
-        sizes : iterable of float
-            One per term.
+        `sizes`: one per term.
         """
         terms = " ".join(f"{value:+.3g}*{_bracketed(term)}" for value, term in zip(sizes, self.terms, strict=True))
         head = "1 " if self.location.how == "factor" else ""

@@ -57,17 +57,10 @@ NOT_DELIVERED = "the improved tire is not delivered"
 class DiagnosisOutcome:
     """What a comparison of explanations found.
 
-    Attributes
-    ----------
-    recording : Recording
-    candidates : mapping of str to Candidate
-        All that were compared.
-    final : Final
-        The final fits.
-    answer : Answer
-        The probabilities.
-    stopped : str
-        Why the comparison ended although explanations remained, or ''.
+    - `candidates`: all that were compared.
+    - `final`: the final fits.
+    - `answer`: the probabilities.
+    - `stopped`: why the comparison ended although explanations remained, or ''.
     """
 
     recording: Recording
@@ -102,11 +95,7 @@ class _Delivery:
 def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
     """Return the diagnosis, in the sign convention of the formula.
 
-    Parameters
-    ----------
-    outcome : DiagnosisOutcome
-    began : float
-        Start time of the diagnosis by `time.perf_counter`, s.
+    `began`: start time of the diagnosis by `time.perf_counter`, s.
     """
     fits, signals, added = outcome.final, outcome.signals, _added(outcome.final)
     delivery = _delivery(outcome, added)

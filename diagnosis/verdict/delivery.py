@@ -14,12 +14,8 @@ FloatArray = npt.NDArray[np.float64]
 def reasons_against(errors: FitErrors, residuals: DeliveredResiduals) -> tuple[str, ...]:
     """Return the reason why an improved tire is not delivered, or nothing.
 
-    Parameters
-    ----------
-    errors : dict
-        Of the delivered tires (`fit_error.fit_errors`).
-    residuals : DeliveredResiduals
-        Of the same tires, from which the errors are computed.
+    `errors`: of the delivered tires (`fit_error.fit_errors`). `residuals`: of the same tires, from which the errors are
+    computed.
     """
     gain = density_gain(residuals)
     if gain.sum() >= 0.0:  # NaN is a reason

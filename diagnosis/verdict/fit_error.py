@@ -33,19 +33,13 @@ FitErrors = dict[str, dict[str, dict[str, float]]]
 class DeliveredResiduals:
     """Residuals of the delivered tires over the compared rows of a recording, N and N m.
 
-    Attributes
-    ----------
-    rows : ndarray of int, shape (m,)
-        Rows of the recording.
-    before, after : ndarray, shape (n_channels, m)
-        Of the baseline tire and the improved tire, in the sign convention of the computation.
-    used : ndarray of bool, shape (n_channels, m)
-        False if a channel was not measured or is an outlier.
-    holdout : ndarray of bool, shape (m,)
-    compared : ndarray of int, shape (n,)
-        Positions of the rows that the diagnosis compared.
-    block : ndarray of int, shape (m,)
-        Time block of each row.
+    - `rows`, shape (m,): rows of the recording.
+    - `before`, `after`, shape (n_channels, m): of the baseline tire and the improved tire, in the sign convention of
+      the computation.
+    - `used`, shape (n_channels, m): false if a channel was not measured or is an outlier.
+    - `holdout`, shape (m,).
+    - `compared`, shape (n,): positions of the rows that the diagnosis compared.
+    - `block`, shape (m,): time block of each row.
     """
 
     rows: IntArray
@@ -70,20 +64,8 @@ def delivered_residuals(
 ) -> DeliveredResiduals:
     """Return the residuals of both tires over a recording.
 
-    Parameters
-    ----------
-    tires : iterable of Tire
-        Baseline tire and improved tire.
-    recording : Recording
-        Without skew (`without_skew`).
-    screens : tuple of Screen
-        Of their solutions. Offsets, drift, cross-talk and waves of the recording are subtracted.
-    rows : ndarray of int, shape (m,)
-        The compared rows.
-
-    Returns
-    -------
-    DeliveredResiduals
+    `tires`: baseline tire and improved tire. `recording`: without skew (`without_skew`). `screens`: of their solutions.
+    Offsets, drift, cross-talk and waves of the recording are subtracted. `rows`, shape (m,): the compared rows.
     """
     signals = screens[0].signals
     first, last = (_residual(tire, recording, screen, rows) for tire, screen in zip(tires, screens, strict=True))
@@ -103,12 +85,7 @@ def preprocessed(recording: Recording, signals: Signals) -> Recording:
     A state that follows the direction of slip follows noise of the slip, too. Whether a tire with states is better is
     therefore decided with these inputs.
 
-    Parameters
-    ----------
-    recording : Recording
-        With time.
-    signals : Signals
-        Of this recording.
+    `recording`: with time. `signals`: of this recording.
     """
     table, t = recording.table, recording.table["t"].to_numpy(dtype=np.float64)
     if (np.diff(t) < 0.0).any():
@@ -124,11 +101,7 @@ def preprocessed(recording: Recording, signals: Signals) -> Recording:
 def without_skew(recording: Recording, signals: Signals) -> Recording:
     """Return a recording with inputs that are delayed by the skew, as the forces are.
 
-    Parameters
-    ----------
-    recording : Recording
-    signals : Signals
-        Of this recording.
+    `signals`: of this recording.
     """
     if not signals.skew:
         return recording
@@ -152,12 +125,7 @@ def _residual(tire: Tire, recording: Recording, screen: Screen, rows: IntArray) 
 def floors_of(recording: Recording, residuals: DeliveredResiduals, channels: Sequence[str]) -> dict[str, NoiseFloor]:
     """Return the noise floor of each channel on the fitted rows (`tirefmu.numerics.noise_floor`).
 
-    Parameters
-    ----------
-    recording : Recording
-    residuals : DeliveredResiduals
-        Of this recording; a smooth function is added to the improved tire.
-    channels : sequence of str
+    `residuals`: of this recording; a smooth function is added to the improved tire.
     """
     rest = np.where(residuals.used & ~residuals.holdout, residuals.after, np.nan)
     return noise_floor(recording.table.iloc[residuals.rows], dict(zip(channels, rest, strict=True)))
@@ -168,18 +136,8 @@ def fit_errors(
 ) -> FitErrors:
     """Return root mean square residuals of the delivered tires, with all errors of the recording removed.
 
-    Parameters
-    ----------
-    before, after : Screen
-        Of the solutions of the baseline model and the improved model.
-    residuals : DeliveredResiduals
-        Of both delivered tires.
-    floors : dict of str to NoiseFloor
-
-    Returns
-    -------
-    dict
-        train, cv, holdout -> channel -> before, after, floor, floor_with_history.
+    `before`, `after`: of the solutions of the baseline model and the improved model. `residuals`: of both delivered
+    tires. Returns: train, cv, holdout -> channel -> before, after, floor, floor_with_history.
     """
     compared, used = residuals.compared, residuals.used
     both = (residuals.before, residuals.after)

@@ -15,15 +15,8 @@ def diagnosis_text(
 ) -> str:
     """Return the verdict, the findings with their evidence, and the hold-out error before and after.
 
-    Parameters
-    ----------
-    verdict : str
-    found : sequence of FoundEffect
-    holdout : mapping of str to mapping of str to float
-        By channel: root mean square on the hold-out ``before`` and ``after``, N and N m.
-    n_rows : int
-    signs : str
-        Sign convention of the coefficients.
+    `holdout`: by channel: root mean square on the hold-out ``before`` and ``after``, N and N m. `signs`: sign
+    convention of the coefficients.
     """
     lines = [f"Diagnosis: {verdict}"]
     for finding in findings:

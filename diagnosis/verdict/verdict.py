@@ -20,21 +20,9 @@ def verdict_text(
 ) -> str:  # fmt: skip
     """Return the verdict: missing effects, finer forms, what was not identified, what was removed, and reservations.
 
-    Parameters
-    ----------
-    findings : sequence of FoundEffect
-    unknown : sequence of Unknown
-    confounded : mapping of str to mapping of str to float
-        Correlation with other explanations, by effect.
-    refined : sequence of str
-        Refinements of effects of the baseline model.
-    adequacy : sequence of Adequacy
-    detectable : mapping of str to mapping of str to float
-        Smallest detectable sizes, by effect and channel.
-    against : sequence of str
-        Reasons why the improved tire is not delivered.
-    recording : mapping
-        Errors of the recording.
+    `confounded`: correlation with other explanations, by effect. `refined`: refinements of effects of the baseline
+    model. `detectable`: smallest detectable sizes, by effect and channel. `against`: reasons why the improved tire is
+    not delivered. `recording`: errors of the recording.
     """
     parts = [_missing(findings, unknown, confounded)]
     if refined:
@@ -82,12 +70,6 @@ def percent(probability: float) -> str:
     Of the effects with more than 90 %, 86 to 92 % were missing in the suites of docs/discovery.md: the digits of a
     larger number would mean nothing.
 
-    Parameters
-    ----------
-    probability : float
-
-    Examples
-    --------
     >>> percent(0.9999), percent(0.625)
     ('over 90 %', '62 %')
     """

@@ -197,9 +197,9 @@ class MeasuredCurves:
         for name in FURTHER:
             held = held_levels(rows[name]) if name in rows else []
             if len(held) > 1:
-                known = name in self.tire.inputs
+                is_input = name in self.tire.inputs
                 reference = (
-                    self.tire.nominal(name) if known else max(held, key=lambda at: len(self._near(rows, name, at)))
+                    self.tire.nominal(name) if is_input else max(held, key=lambda at: len(self._near(rows, name, at)))
                 )
                 main[name] = min(held, key=lambda level: _size(level - reference))
         return main

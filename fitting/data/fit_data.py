@@ -95,6 +95,8 @@ def prepare(
     excluded_rows: list[ExcludedRows] = []
     for part in recordings:
         part.measured()  # raises if no output is measured, and suggests columns that may be misnamed channels
+        if "Fz" not in part.table:
+            raise DataError(f"{part.source}: no load Fz: name its column (--columns Fz=NAME), or add one")
         check_inputs(part)  # before they are compared with levels
     unfitted: list[str] = []
     segments = 0

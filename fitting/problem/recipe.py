@@ -21,12 +21,12 @@ from ...boundary.bounded_file import toml_content, toml_file
 from ...boundary.errors import DataError, FitError, UnknownName
 from ...boundary.json_schema import document, object_schema, one_of
 from ...boundary.schema_check import check_content
-from ...measurements.channels import CHANNELS
 from ...measurements.row_selection.expression import Selection, parse_range, parse_selection
 from ...numerics.arrays import FloatArray
 from ...symbolic.effects import EFFECTS
 from ...symbolic.model import Model
 from ...symbolic.models import MODELS, model_named
+from ...tires.channels import CHANNELS
 
 #: The recipes that come with the package.
 RECIPES = ("progressive", "joint", "trento", "scaling", "family")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +15,9 @@ from ...boundary.escaping import figure_text
 from ...drawing.figure import Figure, Panel, Series
 from ...drawing.labels import note
 from ...drawing.style import BLACK, BLUE, GRAY, RED
-from .result import CheckedChannel, CheckResult
+
+if TYPE_CHECKING:
+    from .result import CheckedChannel, CheckResult
 
 FloatArray = npt.NDArray[np.float64]
 

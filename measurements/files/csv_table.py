@@ -18,6 +18,7 @@ import pandas as pd
 from ...boundary.errors import DataError
 from .columns.content import MAX_COLUMNS, Column, Content
 from .columns.layout import SAMPLED, layout
+from .encoding import encoding_of
 
 _SEPARATORS = ",;\t"
 #: Upper limits: characters of a line up to the header's end; lines in which a table begins; cells that its rows lack.
@@ -123,7 +124,7 @@ def _body(path: Path, skipped: int, width: int, separator: str) -> pd.DataFrame:
 
 @contextmanager
 def _opened(path: Path, skipped: int = 0) -> Iterator[TextIO]:
-    with path.open(encoding="utf-8-sig", newline="") as file:
+    with path.open(encoding=encoding_of(path), newline="") as file:
         for _ in range(skipped):
             file.readline()
         yield file
@@ -151,7 +152,7 @@ def _check_cells(path: Path, skipped: int, width: int, separator: str, most: int
 
 def _line(path: Path, skipped: int, row: int) -> int:
     """Return the line number of a row of the body. pandas skips blank lines."""
-    with path.open(encoding="utf-8-sig", newline="") as file:
+    with _opened(path) as file:
         rows = -1
         for number, line in enumerate(file, start=1):
             rows += number > skipped and bool(line.strip())

@@ -54,7 +54,7 @@ def read_content(path: str | PathLike[str], signs: str | None = None) -> Content
     except MemoryError:
         raise DataError(f"{file}: reading needs more memory than there is") from None
     except UnicodeDecodeError:
-        raise DataError(f"{file}: not a text file (UTF-8)") from None
+        raise DataError(f"{file}: not a text file") from None
     except OSError as error:
         raise DataError(f"{file}: {error.strerror or error}") from None
 

@@ -12,7 +12,7 @@ import pandas as pd
 
 from ...boundary.errors import DataError, TirefmuError, nearest
 from ...numerics.arrays import FloatArray
-from ..channels import CHANNELS, OUTPUTS
+from ...tires.channels import CHANNELS, OUTPUTS
 from ..checks.columns.radii import deflection, median_radius
 from ..column_names import intended_channel
 from ..thresholds import FREE_ROLLING_FORCE, LOWEST_KPA

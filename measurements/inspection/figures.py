@@ -12,7 +12,7 @@ from ...drawing.figure import Figure, Panel, Series, in_rows, measured
 from ...drawing.labels import axis_label, held_text, level_text, note, per_si
 from ...drawing.style import BLACK, BLUE, GRAY, GREEN, LIGHT_GRAY, ORANGE, RED, level_colors, some_of
 from ...numerics.arrays import BoolArray, FloatArray
-from ..channels import CHANNELS, INPUTS, OUTPUTS
+from ...tires.channels import CHANNELS, INPUTS, OUTPUTS
 from ..operating_conditions.levels import held_levels, level_tolerance
 from .inspection import Inspection
 

@@ -179,6 +179,7 @@ def _interrupted(jobs, folder, handler):
     return subprocess.run(command, capture_output=True, text=True, start_new_session=True, check=False)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="no process groups with SIGINT")
 def test_a_batch_in_the_background_is_not_interrupted(jobs, tmp_path):
     _interrupted(jobs, tmp_path, "SIG_IGN")

@@ -236,6 +236,7 @@ def test_the_command_draws_at_the_loads_of_a_table(small, command, tmp_path, mon
     assert len(drawn["points"]) == 297
 
 
+@pytest.mark.slow
 def test_signs_are_those_of_the_table_and_of_the_figures(small, command, tmp_path, monkeypatch):
     """Rows in any convention are the same crosses; figures have the table's convention unless another is named."""
     drawn = {}

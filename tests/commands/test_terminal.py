@@ -106,6 +106,7 @@ def test_a_terminal_without_a_character_still_shows_the_line(monkeypatch, tmp_pa
     assert screen.getvalue().startswith(rb"Stra\xdfe \u65e5: ")
 
 
+@pytest.mark.slow
 def test_no_line_is_longer_than_the_limit(chain, command, bench_csv, published_fmu, tmp_path, monkeypatch):
     """Except for a command to enter: all tables and texts of the main commands, on a recording with few rows."""
     monkeypatch.chdir(tmp_path)

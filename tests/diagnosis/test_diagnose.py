@@ -23,6 +23,7 @@ from tirefmu.diagnosis.verdict.extrapolation import Extrapolation
 from tirefmu.diagnosis.verdict.findings import CoefficientInterval, FoundEffect
 from tirefmu.diagnosis.verdict.result import Diagnosis
 from tirefmu.diagnosis.verdict.verdict import verdict_text
+from tirefmu.drawing import picture as drawn
 from tirefmu.drawing.figure import Figure, Panel
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.added import library
@@ -175,6 +176,7 @@ def page_with_text(thrust, text):
     changed, simulated = with_text(diagnosis, text)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(report, "_maps", lambda *_: [])
+        patch.setattr(drawn, "png", lambda *_: b"")
         patch.setattr(report, "gain_figure", lambda *_: Figure("gain", "gain", ((Panel("x", "y"),),)))
         return report_page(changed, Recording(case.table, case.signs, text), simulated, text)
 

@@ -281,6 +281,7 @@ def test_a_misfit_counts_less_where_more_is_explained(sideways):
     assert squares == pytest.approx([squares[0], squares[0] / 2.0, squares[0] / 10.0], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_what_is_compared_does_not_depend_on_the_order_of_the_candidates(sideways):
     problem, solution, candidates = sideways
     reverse = dict(reversed(candidates.items()))

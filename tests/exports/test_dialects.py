@@ -80,6 +80,21 @@ def test_a_reader_that_cuts_lines_reads_the_same_tire(tire_of, tmp_path, model, 
     assert tire.forces(**camber) == again.forces(**camber)
 
 
+def test_tables_reach_a_reader_that_cuts_lines_and_knows_one_table_only(tire_of, tmp_path):
+    """MFeval skips [SHAPE]; it stops at a row of another table, and of [SHAPE] if its heading loses the bracket."""
+    tire, path = tire_of("mf52"), tmp_path / "x.tir"
+    curve = (("DEFLECTION_LOAD_CURVE", "", " 0.00  0.0"), ("DEFLECTION_LOAD_CURVE", "", " 0.01  900.0"))
+    replace(tire, other_entries=(*tire.other_entries, *curve)).save(path)
+    assert {line[:-1] for line in path.read_text().split("\n") if "SHAPE" in line} == {"[SHAPE]"}
+    assert [found.text for found in errors_of(path, "mfeval")] == [
+        "a row without '=' in [DEFLECTION_LOAD_CURVE]: the program stops here"
+    ]
+    assert not errors_of(convert(read_tir(path), tmp_path / "y.tir", "mfeval").path, "mfeval")
+    assert "DEFLECTION_LOAD_CURVE" in convert(read_tir(path), tmp_path / "z.tir", "chrono").path.read_text()
+    path.write_bytes(path.read_bytes().replace(b"[SHAPE] ", b"[SHAPE]"))
+    assert any("[SHAPE] loses its last characters" in found.text for found in errors_of(path, "mfeval"))
+
+
 def test_lint_names_files_with_line_feeds_only(tire_of, tmp_path):
     tire_of("mf61").save(tmp_path / "x.tir")
     for host in HOSTS:

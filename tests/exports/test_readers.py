@@ -1,21 +1,14 @@
 """Forces of open programs that read what `convert` writes: a test runs if a variable of the environment has the path.
 
-TIREFMU_MFEVAL
-    The folder above `+mfeval` of MFeval 4 (BSD-3); run in Octave.
-TIREFMU_OPENTIRE
-    The folder `code` of OpenTirePython (MIT), a reader of PAC2002 files.
-TIREFMU_CHRONO
-    A program around Project Chrono's ChPac02Tire (BSD-3) with a property file as argument. For each line
-    `kappa alpha gamma Fz` of its standard input it prints `Fx Fy Mz` as CalcFxyMz returns them.
+The programs are MFeval, OpenTirePython and Project Chrono; `benchmarks/readers.py` has their variables and calls them.
 
 `make readers` prints the largest differences, relative to the largest force of the rows.
 """
 
 from __future__ import annotations
 
+import importlib.util
 import os
-import subprocess
-from importlib import import_module
 
 import numpy as np
 import pandas as pd
@@ -30,17 +23,15 @@ from tirefmu.fmu import export
 from tirefmu.measurements import read_recording
 from tirefmu.tires import read_tir
 
-from .conftest import tool
+from ..rooms import ROOT
 
 MODEL = "mf52"
 ROWS = 200
 #: Where Chrono's formulas are those of PAC2002: it limits B times slip to pi/2 - 0.01 and curvature factors to 1.
 CHRONO_LIMIT = 1.56
-#: Functions of MATLAB that MFeval calls and Octave 7 lacks, by file.
-MATLAB_FUNCTIONS = {
-    "contains.m": "function found = contains(text, part)\n  found = ! isempty(strfind(text, part));\nend\n",
-    "+coder/extrinsic.m": "function extrinsic(name)\nend\n",
-}
+_SPEC = importlib.util.spec_from_file_location("readers", ROOT / "benchmarks" / "readers.py")
+readers = importlib.util.module_from_spec(_SPEC)
+_SPEC.loader.exec_module(readers)
 
 
 @pytest.fixture(scope="module")
@@ -65,12 +56,12 @@ def converted(tire, tmp_path):
     return lambda host: convert(tire, tmp_path / f"{host}.tir", host)
 
 
-def path_of(name):
-    """Return the path in a variable of the environment, or skip the test."""
-    path = os.environ.get(name)
-    if not path:
-        pytest.skip(f"{name} is not set: see the head of this file")
-    return path
+def evaluated_by(name, path, table):
+    """Return forces of a program, or skip the test if its path is not known."""
+    variable, evaluate = readers.READERS[name]
+    if not os.environ.get(variable):
+        pytest.skip(f"{variable} is not set: see benchmarks/readers.py")
+    return evaluate(path, table)
 
 
 def rows(tire, **fixed):
@@ -90,52 +81,6 @@ def differences(reader, forces, expected, where=slice(None)):
         largest[name] = float(difference / size) if size else float(difference)  # a fit without Mx has none
     print(f"{reader}: {', '.join(f'{name} {value:.0e}' for name, value in largest.items())}")
     return largest
-
-
-def mfeval(path, table, folder, mode=221):
-    """Return forces of MFeval in Octave; mode 221: combined slip, alpha* = tan(alpha), no limits."""
-    octave, source = tool("octave-cli"), path_of("TIREFMU_MFEVAL")
-    inputs = table.assign(phit=0.0)[["Fz", "kappa", "alpha", "gamma", "phit", "V"]]
-    np.savetxt(folder / "rows.txt", inputs.to_numpy(), fmt="%.17g")
-    (folder / "+coder").mkdir()
-    for name, text in MATLAB_FUNCTIONS.items():
-        (folder / name).write_text(text)
-    (folder / "evaluate_rows.m").write_text(
-        f"addpath('{source}'); warning('off', 'all'); solver = mfeval.Solver();\n"
-        f"found = solver.fullSteadyState(mfeval.readTIR('{path}'), dlmread('rows.txt'), {mode});\n"
-        "printf('%.17g %.17g %.17g %.17g %.17g\\n', found(:, [1 2 6 4 5])');\n"
-    )
-    command = [octave, "--norc", "--no-history", "--quiet", "evaluate_rows.m"]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, check=False)
-    assert done.returncode == 0, done.stderr
-    columns = np.array([line.split() for line in done.stdout.splitlines()], dtype=float).T
-    return dict(zip(("Fx", "Fy", "Mz", "Mx", "My"), columns, strict=True))
-
-
-def chrono(path, table):
-    """Return forces of Chrono's formulas, in the signs of the file."""
-    lines = "\n".join(" ".join(map(repr, row)) for row in table[["kappa", "alpha", "gamma", "Fz"]].to_numpy().tolist())
-    done = subprocess.run(
-        [path_of("TIREFMU_CHRONO"), str(path)], input=lines, capture_output=True, text=True, timeout=60, check=True
-    )
-    columns = np.array([line.split() for line in done.stdout.splitlines()], dtype=float).T
-    return dict(zip(("Fx", "Fy", "Mz"), columns, strict=True))
-
-
-def opentire(path, table, monkeypatch):
-    """Return forces of OpenTirePython."""
-    monkeypatch.syspath_prepend(path_of("TIREFMU_OPENTIRE"))
-    reader, state = import_module("opentire.Core.TIRFile"), import_module("opentire.Core.tirestate")
-    model = reader.TIRFile().load(str(path))
-    names = {"SR": "kappa", "SA": "alpha", "IA": "gamma", "FZ": "Fz", "V": "V"}
-    columns = {"Fx": [], "Fy": [], "Mz": []}
-    for row in table.to_dict("records"):
-        now = state.TireState()
-        now.update({theirs: float(row[ours]) for theirs, ours in names.items()})
-        for name, forces in columns.items():
-            now[name.upper()] = getattr(model, f"calculate_{name.lower()}")(now)  # Mz reads Fx and Fy
-            forces.append(now[name.upper()])
-    return {name: np.array(forces) for name, forces in columns.items()}
 
 
 def within(evaluated, *factors):
@@ -162,18 +107,39 @@ def test_files_of_a_fitted_tire_pass_the_check_of_each_host_and_give_its_forces(
             np.testing.assert_array_equal(forces[name], values, err_msg=f"{host}: {name}")
 
 
-def test_mfeval_has_the_same_forces_and_moments(converted, tmp_path):
+def compared_with_mfeval(path, tire, table):
+    """Return the largest differences of MFeval where no curvature factor is above 1: the copy of OpenTire limits it.
+
+    That copy also has another residual moment and another rolling resistance: Mz and My are printed only.
+    """
+    evaluated = tire.evaluate(table)
+    where = within(evaluated, "E_x", "E_y", "E_t", "E_xalpha", "E_ykappa")
+    assert where.sum() > ROWS / 2
+    largest = differences(f"MFeval, {path.name}", evaluated_by("MFeval", path, table), evaluated, where)
+    return max(largest[name] for name in ("Fx", "Fy", "Mx"))
+
+
+def test_mfeval_has_the_same_forces_and_moments(converted):
     result = converted("mfeval")
-    table = rows(result.tire)
-    forces = mfeval(result.path, table, tmp_path)
-    largest = differences("MFeval", forces, result.tire.forces(**table))
-    assert max(largest.values()) < 1e-12
+    assert compared_with_mfeval(result.path, result.tire, rows(result.tire)) < 1e-12
 
 
-def test_opentire_has_the_same_forces_where_no_curvature_factor_is_limited(converted, monkeypatch):
+@pytest.mark.parametrize("model", ["mf52", "mf61", "mf62"])
+@pytest.mark.parametrize("way", ["convert", "save"])
+def test_mfeval_reads_the_model_of_a_file_and_its_camber(tire_of, tmp_path, model, way):
+    """A FITTYP that loses a character makes MF6.1 an MF5.2, whose camber differs."""
+    tire, path = tire_of(model), tmp_path / f"{way}_{model}.tir"
+    if way == "convert":
+        convert(tire, path, "mfeval")
+    else:
+        tire.save(path)
+    assert compared_with_mfeval(path, tire, rows(tire).assign(gamma=0.08)) < 1e-12
+
+
+def test_opentire_has_the_same_forces_where_no_curvature_factor_is_limited(converted):
     result = converted("adams")
     table = rows(result.tire)
-    forces, evaluated = opentire(result.path, table, monkeypatch), result.tire.evaluate(table)
+    forces, evaluated = evaluated_by("OpenTirePython", result.path, table), result.tire.evaluate(table)
     differences("OpenTire, all rows", forces, evaluated)
     where = within(evaluated, "E_x", "E_y", "E_t", "E_xalpha", "E_ykappa")
     assert where.sum() > ROWS / 2
@@ -187,7 +153,7 @@ def test_chrono_has_the_same_forces_where_it_limits_nothing(converted, fixed, na
     """It uses the slip angle where others use its tangent, and adds 0.1 N to a denominator."""
     result = converted("chrono")
     table = rows(result.tire, gamma=0.0, **fixed)
-    forces, evaluated = chrono(result.path, table), result.tire.evaluate(table, slip_angle="angle")
+    forces, evaluated = evaluated_by("Chrono", result.path, table), result.tire.evaluate(table, slip_angle="angle")
     differences("Chrono, all rows", forces, evaluated)
     slips = (evaluated["B_x"] * evaluated["kappa_x"], evaluated["B_y"] * evaluated["alpha_y"])
     where = within(evaluated, "E_x", "E_y") & np.all([np.abs(slip) < CHRONO_LIMIT for slip in slips], axis=0)
@@ -223,9 +189,9 @@ def slalom(tire, folder, largest, inclination):
 def test_a_hub_fmu_drives_a_slalom_as_chronos_tire_does(tire_of, tmp_path, largest, inclination):
     """With the slips of the FMU's carcass, which Chrono's tire has not."""
     result = convert(tire_of(MODEL), tmp_path / "chrono.tir", "chrono")
-    path_of("TIREFMU_CHRONO")
     driven = slalom(result.tire, tmp_path, largest, inclination)
     assert driven[["Fx", "Fy"]].abs().max().min() > 4000.0
-    errors = differences(f"Chrono, slalom {largest} {inclination}", chrono(result.path, driven), driven)
+    forces = evaluated_by("Chrono", result.path, driven.assign(V=0.0))  # it reads no speed
+    errors = differences(f"Chrono, slalom {largest} {inclination}", forces, driven)
     if (largest, inclination) == (0.08, 0.0):  # nothing is limited
         assert max(errors.values()) < 2e-5

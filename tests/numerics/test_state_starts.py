@@ -77,6 +77,7 @@ def test_the_measured_forces_determine_the_starts(recording):
     np.testing.assert_allclose(found, STARTS, atol=0.05)
 
 
+@pytest.mark.slow
 def test_a_fit_estimates_the_starts_and_the_coefficient(recording):
     fitted = fit([recording], start=tire(WARMMU=0.05)).tire
     assert fitted.values["WARMMU"] == pytest.approx(0.15, rel=0.1)

@@ -76,6 +76,7 @@ def test_pairs_of_a_diagnosis(tmp_path):
         pairs_of(tmp_path)
 
 
+@pytest.mark.slow
 def test_command_after_a_diagnosis(tmp_path, capsys):
     folder, bench = answer(tmp_path, {"conicity": ["load_friction"]}), tmp_path / "bench.toml"
     bench.write_text(example_text())

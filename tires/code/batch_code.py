@@ -31,19 +31,9 @@ def batch_code(model: Model) -> Code:
 def forces_of_each(code: Code, inputs: FloatArray, population: FloatArray) -> FloatArray:
     """Return the forces of many tires of one model at the same rows.
 
-    Parameters
-    ----------
-    code : Code
-        Of the model, in any language.
-    inputs : ndarray, shape (n_inputs, n)
-        In the order of the model, SI, signs of the parameters.
-    population : ndarray, shape (n_tires, n_parameters)
-        They differ in coefficients, not in options.
-
-    Returns
-    -------
-    ndarray, shape (n_tires, n_forces, n)
-        N and N m.
+    `code`: of the model, in any language. `inputs`, shape (n_inputs, n): in the order of the model, SI, signs of the
+    parameters. `population`, shape (n_tires, n_parameters): they differ in coefficients, not in options. Returns shape
+    (n_tires, n_forces, n): N and N m.
     """
     if isinstance(code, _BatchCode):
         return code.forces_of_each(inputs, population)
@@ -55,21 +45,9 @@ def chosen_derivatives(
 ) -> FloatArray:
     """Return some derivatives of the forces by coefficients.
 
-    Parameters
-    ----------
-    code : Code
-        Of the model, in any language.
-    inputs : ndarray, shape (n_inputs, n)
-        In the order of the model, SI, signs of the parameters.
-    parameters : ndarray, shape (n_parameters,)
-        From `Tire.parameters`.
-    entries : ndarray of int, shape (n_chosen,)
-        Indices into `Code.entries`.
-
-    Returns
-    -------
-    ndarray, shape (n_chosen, n)
-        Those of the given entries, in SI units.
+    `code`: of the model, in any language. `inputs`, shape (n_inputs, n): in the order of the model, SI, signs of the
+    parameters. `parameters`, shape (n_parameters,): from `Tire.parameters`. `entries`, shape (n_chosen,): indices into
+    `Code.entries`. Returns shape (n_chosen, n): those of the given entries, in SI units.
     """
     if isinstance(code, _BatchCode):
         return code.chosen_derivatives(inputs, parameters, entries)
@@ -79,19 +57,8 @@ def chosen_derivatives(
 def normal_equations(code: Code, rows: WeightedRows, parameters: FloatArray) -> Equations:
     """Return the normal equations of weighted least squares in chosen coefficients, force by force.
 
-    Parameters
-    ----------
-    code : Code
-        Of the model, in any language.
-    rows : WeightedRows
-        Inputs, residual weights and channels.
-    parameters : ndarray, shape (n_parameters,)
-        From `Tire.parameters`.
-
-    Returns
-    -------
-    list of (ndarray of shape (n,), ndarray of shape (n, n))
-        Gradient J^T W r and matrix J^T W J of each force.
+    `code`: of the model, in any language. `rows`: inputs, residual weights and channels. `parameters`, shape
+    (n_parameters,): from `Tire.parameters`. Returns: gradient J^T W r and matrix J^T W J of each force.
     """
     if isinstance(code, _BatchCode):
         return code.normal_equations(rows, parameters)

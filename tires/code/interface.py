@@ -18,12 +18,9 @@ FloatArray = npt.NDArray[np.float64]
 class Code(ABC):
     """What a language's code offers: rows of inputs in, rows of results out.
 
-    Attributes
-    ----------
-    quantities_names : tuple of str
-        Names of the rows of `quantities`, in the letters of the book.
-    entries : ndarray of int, shape (2, n_entries)
-        Force and coefficient of each derivative by coefficients that is not 0 everywhere.
+    - `quantities_names`: names of the rows of `quantities`, in the letters of the book.
+    - `entries`, shape (2, n_entries): force and coefficient of each derivative by coefficients that is not 0
+      everywhere.
     """
 
     def __init__(self, model: Model) -> None:

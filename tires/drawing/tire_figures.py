@@ -245,9 +245,9 @@ def _pure_panel(sketch: Sketch, channel: str, slip: str) -> Panel:
     x = grid * per_si(slip)
     series = []
     for load, color in zip(sketch.loads, level_colors(len(sketch.loads), "Fz"), strict=True):
-        forces, known = sketch.over(load, kappa, alpha), channel not in unmeasured_outputs(sketch.tire)
+        forces, is_measured = sketch.over(load, kappa, alpha), channel not in unmeasured_outputs(sketch.tire)
         series.append(measured(sketch.measured(load, channel, zero=other), slip, channel, color))
-        series.append(curve(x, forces[channel], color, level_text("Fz", load), known=known))
+        series.append(curve(x, forces[channel], color, level_text("Fz", load), is_measured=is_measured))
     return Panel(
         axis_label(slip), axis_label(channel), tuple(series), f"{channel} over {letter(slip)} at {letter(other)} = 0",
         (0.0,), (0.0,), x_limits=(x[0], x[-1]), width=4.9, height=4.0,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from ...boundary.bounded_file import write_whole
@@ -79,9 +79,14 @@ def tir_text(tire: TireDefinition) -> str:
         sections.setdefault(section, []).append(line)
     lines = sections.pop("")
     for title, content in sections.items():
-        lines += ["", f"[{title}]", *content] if content else []
+        lines += ["", _heading(title, content), *content] if content else []
     lines += ["", "$ What follows is tirefmu's own; other readers skip it.", *_only_here(tire)]
     return "\n".join(lines[not lines[0] :]) + "\n"
+
+
+def _heading(title: str, content: Sequence[str]) -> str:
+    """Return the first line of a section; that of a table ends with a blank: the same readers skip [SHAPE]."""
+    return f"[{title}]" + " " * any("=" not in line for line in content)
 
 
 def _with_comment(section: str, line: str) -> str:

@@ -205,10 +205,8 @@ def with_delays(grid: Grid, log: Log, car: Car, entries: Mapping[str, float]) ->
     by_lag = (at(delay, lag * 1.05) - at(delay, lag * 0.95)) / (0.1 * lag) if lag else np.zeros_like(by_delay)
     slopes, late = np.concatenate([by_delay, by_lag]), entries["wheel_delay"]
     before, rims, after = (_rims(log, car, grid.t + late + more, grid.step) for more in (-change, 0.0, change))
-    return replace(
-        grid, steer=at(delay, lag), steer_slopes=slopes, rims=rims, rim_slopes=(after - before) / (2 * change),
-        used=(delay, lag, late, *grid.used[3:]),
-    )  # fmt: skip
+    rim_slopes, used = (after - before) / (2 * change), (delay, lag, late, *grid.used[3:])
+    return replace(grid, steer=at(delay, lag), steer_slopes=slopes, rims=rims, rim_slopes=rim_slopes, used=used)
 
 
 def _wheel_angle(log: Log, car: Car) -> tuple[FloatArray, FloatArray]:

@@ -163,4 +163,5 @@ def _check(channels: Mapping[str, Samples], chosen: Mapping[str, ColumnChoice], 
 def _hint(name: str, content: Content) -> str:
     similar = nearest_column(name, content)
     meant = f"is it {quoted(similar)}? " if similar else ""
-    return f": {meant}Name its column in [columns] of the car file or by --columns {name}=HEADER"
+    ignored = f" (not read: {'; '.join(content.ignored)})" if content.ignored else ""
+    return f": {meant}Name its column in [columns] of the car file or by --columns {name}=HEADER{ignored}"

@@ -12,13 +12,13 @@ import numpy.typing as npt
 
 from ....boundary.errors import TirefmuError, UnknownName
 from ....boundary.escaping import toml_string
-from ....measurements.channels import CHANNELS, OUTPUTS
 from ....measurements.column_names import intended_channel
 from ....measurements.files.columns.cells import numbers
 from ....measurements.files.columns.content import Column, Content, is_unit, name_and_unit
 from ....measurements.files.columns.resolution import choices
 from ....measurements.interpretation import NOT_READ
 from ....measurements.units import GRAVITY, to_si, unit_named
+from ....tires.channels import CHANNELS, OUTPUTS
 from .car_entries import example_text
 from .clock import TRIED, clock_problem
 from .log_channels import LOG_CHANNELS, TURNED, VERTICAL

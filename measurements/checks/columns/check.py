@@ -6,8 +6,8 @@ import numpy as np
 
 from ....boundary.errors import DataError
 from ....numerics.ties import graded
+from ....tires.channels import OUTPUTS
 from ....tires.signs import REVERSED
-from ...channels import OUTPUTS
 from ...column_names import check_names
 from ...recording import Recording, once
 from .defects import defects, lost_signs, unmoved_slips

@@ -47,18 +47,9 @@ class Readings:
 def explanation(recording: Recording) -> Readings:
     """Return the best readings of a recording compared with the claimed one.
 
-    Parameters
-    ----------
-    recording : Recording
-        In the signs and units that its file or caller states.
+    `recording`: in the signs and units that its file or caller states. Returns: without better readings if none is
+    clearly better.
 
-    Returns
-    -------
-    Explanation
-        Without better readings if none is clearly better.
-
-    Examples
-    --------
     >>> import numpy as np, pandas as pd
     >>> alpha = np.linspace(-0.2, 0.2, 200)
     >>> table = pd.DataFrame({"alpha": alpha, "Fz": 900.0 / 4.448, "Fy": -1300.0 * np.tanh(14.0 * alpha)})

@@ -9,7 +9,7 @@ import numpy as np
 
 from ....numerics.arrays import FloatArray, IndexArray
 from ....numerics.ties import graded
-from ...channels import CHANNELS, CONTROLLED_INPUTS
+from ....tires.channels import CHANNELS, CONTROLLED_INPUTS
 from ...operating_conditions.levels import held_levels
 from ...operating_conditions.phases import SLIP_INPUTS
 from ...recording import Recording

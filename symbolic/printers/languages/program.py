@@ -47,30 +47,17 @@ class PrintoutSelection:
 class PrintedProgram:
     """A printout before any language.
 
-    Attributes
-    ----------
-    name : str
-        Identifier: prefix of files, functions, modules.
-    model : Model
-        The model of the tire, with its added effects.
-    placement : str
-        Where the values of coefficients are: of `PLACEMENTS`.
-    inputs, outputs : tuple of Quantity
-        The lagged slips are the last inputs if the states are printed.
-    nominal : mapping of str to float
-        The value of an absent input.
-    coefficients : mapping of str to float
-        Those that the functions read; none if the values are in the lines.
-    lines : tuple of Equation
-        What the functions compute.
-    routines : tuple of Routine
-        What is printed, in order.
-    effects : tuple of str
-        The effects that the tire has.
-    header : tuple of str
-        Lines of the comment at the head of each file, unescaped.
-    check : str
-        The text of the self-test's file.
+    - `name`: identifier: prefix of files, functions, modules.
+    - `model`: the model of the tire, with its added effects.
+    - `placement`: where the values of coefficients are: of `PLACEMENTS`.
+    - `inputs`, `outputs`: the lagged slips are the last inputs if the states are printed.
+    - `nominal`: the value of an absent input.
+    - `coefficients`: those that the functions read; none if the values are in the lines.
+    - `lines`: what the functions compute.
+    - `routines`: what is printed, in order.
+    - `effects`: the effects that the tire has.
+    - `header`: lines of the comment at the head of each file, unescaped.
+    - `check`: the text of the self-test's file.
     """
 
     name: str
