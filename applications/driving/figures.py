@@ -85,7 +85,7 @@ def _beliefs(answer: Drive) -> Figure:
         z = np.sort(np.concatenate([wide, estimate.z[i] + deviation[i] * np.linspace(-4.0, 4.0, 61)]))
         before, after = np.exp(-(z**2) / 2), np.exp(-(((z - estimate.z[i]) / deviation[i]) ** 2) / 2)
         x = unknowns.center[i] + unknowns.spread[i] * z
-        small = np.abs(x).max() < SMALL
+        small = bool(np.abs(x).max() < SMALL)
         label = " ".join(["0.001"] * small + [units[i]] * (units[i] != "1")) or "value"
         x = 1e3 * x if small else x
         series = (
