@@ -3,7 +3,7 @@
 /** Room for the axes of a chart in pixels of the page, and pixels for an inch of a panel's height. */
 const AXIS = { x: 36, y: 62 };
 const PER_INCH = 77;
-const MIN_HEIGHT = 190;
+const MIN_HEIGHT = 160;
 const FONT = "12px system-ui, sans-serif";
 /** Ends and middle of the colors of a map, red, green, blue: below 0, 0, above 0. */
 const MAP_COLORS = [[33, 102, 172], [247, 247, 247], [178, 24, 43]];

@@ -30,6 +30,17 @@ PAGES = (
 )  # fmt: skip
 
 
+#: Reports of one recording: none is higher, px at 1,400 px, or larger, bytes.
+REPORTS = (
+    "demo/index.html",
+    "demo/inspection.html",
+    "demo/check.html",
+    "demo/diagnosis/report.html",
+    "comparison/report.html",
+)
+HIGHEST, LARGEST = 4500, 1_000_000
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """Return a folder with the pages of all steps."""
@@ -51,6 +62,9 @@ def test_nothing_is_wider_than_the_screen_and_the_first_screen_has_the_verdict(f
     page = opened_file(folder / name, width=width, height=844)
     page.wait_for_timeout(500)
     assert page.evaluate("document.documentElement.scrollWidth") <= width
+    if name in REPORTS and width == 1400:
+        assert page.evaluate("document.documentElement.scrollHeight") < HIGHEST
+        assert (folder / name).stat().st_size < LARGEST
     answer = page.locator(".verdict, #charts figure").first.bounding_box()
     assert answer["y"] + min(answer["height"], 200.0) < 844.0
 
