@@ -13,7 +13,7 @@ PYTHON ?= $(shell for python in python3.14 python3.13 python3.12 python3.11 pyth
 .PHONY: install demo test check generate docs pages studio release matrix types clean
 .NOTPARALLEL:
 
-install: $(VENV)/installed  ## the command tirefmu in .venv/bin
+install: $(VENV)/installed  ## the command tirefmu in .venv/bin, with its window
 
 demo: $(VENV)/installed  ## the full workflow on the built-in virtual bench
 	$(BIN)/tirefmu demo -o demo-output
@@ -48,7 +48,7 @@ studio: $(VENV)/installed-dev  ## the window in Chromium: from recordings to an 
 
 release: $(VENV)/installed-dev  ## wheel and sdist in dist/, the demo of the wheel in a clean environment, the conda recipe
 	@$(INSTALL) ".[release]"
-	TIREFMU_RELEASE="$(CURDIR)/dist" $(BIN)/pytest tests/test_release.py tests/test_wheel.py tests/test_packages.py
+	TIREFMU_SLOW=1 TIREFMU_RELEASE="$(CURDIR)/dist" $(BIN)/pytest tests/test_release.py tests/test_wheel.py tests/test_packages.py
 
 matrix: $(VENV)/installed  ## all tests with gcc and clang, on every supported Python, and with the oldest dependencies
 	@$(INSTALL) ".[matrix]"
@@ -70,7 +70,7 @@ clean:
 # pip runs without build isolation: the setuptools in $(VENV) builds everything.
 $(VENV)/installed: pyproject.toml | $(VENV)/created
 	@echo "Installing tirefmu into $(VENV) (once, and when pyproject.toml changes; 1 to 5 minutes)"
-	@$(INSTALL) .
+	@$(INSTALL) ".[studio]"
 	@touch $@
 
 $(VENV)/installed-dev: pyproject.toml | $(VENV)/created

@@ -56,7 +56,7 @@ def points(model: Model, n: int) -> FloatArray:
 def casadi_c(model: Model, values: FloatArray) -> Callable[[FloatArray], object]:
     """Return the C code that CasADi generates for the same equations, compiled with -O2, parameters as constants."""
     x = ca.SX.sym("x", len(model.inputs))
-    forces = casadi_expression(model, "forces", x, ca.DM(values), straight=True)
+    forces = casadi_expression(model, "forces", x, ca.DM(values), plain=True)
     function = ca.Function("forces", [x], [forces])
     with tempfile.TemporaryDirectory() as folder:
         generator = ca.CodeGenerator("forces.c")

@@ -26,7 +26,7 @@ from self_tests import COMMANDS, command_of, differences
 
 from tirefmu.applications.exports.printout import printed, program_of
 from tirefmu.symbolic.printers.languages import LANGUAGES, printer
-from tirefmu.symbolic.printers.languages.program import FUNCTIONS, PrintoutSelection, Program
+from tirefmu.symbolic.printers.languages.program import FUNCTIONS, PrintedProgram, PrintoutSelection
 from tirefmu.tires import Tire, published, read_tir
 
 ROOT = Path(__file__).parents[1]
@@ -118,7 +118,7 @@ def tires() -> dict[str, Tire]:
 
 
 @lru_cache(maxsize=4)
-def program(name: str, placement: str, rows: int, functions: tuple[str, ...]) -> Program:
+def program(name: str, placement: str, rows: int, functions: tuple[str, ...]) -> PrintedProgram:
     """Return the printout of a tire: lines, functions and rows are the same in all languages."""
     tire = tires()[name].in_signs("iso")
     possible = set(functions) - ({"jacobian_parameters"} if placement == "inline" else set())
@@ -126,7 +126,7 @@ def program(name: str, placement: str, rows: int, functions: tuple[str, ...]) ->
     return program_of(tire, tire.model, PrintoutSelection(tuple(sorted(possible)), placement), rows)
 
 
-def printed_differences(found: Program, language: str) -> dict[str, float]:
+def printed_differences(found: PrintedProgram, language: str) -> dict[str, float]:
     """Return the largest difference of each function of a printout, by name."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

@@ -19,6 +19,7 @@ import numpy as np
 
 import tirefmu
 from tirefmu.applications.driving.inputs.car import Car
+from tirefmu.boundary.errors import DataError
 
 AXLES, NAMES = ("front", "rear"), ("LMUY", "LKY")
 #: kg/m^3, of air.
@@ -83,9 +84,12 @@ def main() -> None:
         with (case / "log.csv").open() as log:
             car = believed_car(given, log.readline())
         start = time.process_time()
-        answer = tirefmu.drive(
-            case / "log.csv", vehicle=car, tire=believed_tire(tires["front"]), rear=believed_tire(tires["rear"])
-        )
+        front, rear = (believed_tire(tires[axle]) for axle in AXLES)
+        try:
+            answer = tirefmu.drive(case / "log.csv", vehicle=car, tire=front, rear=rear)
+        except DataError as refusal:
+            print(f"{name} [{truth['group']}] {truth['hidden']}: refused: {refusal}", flush=True)
+            continue
         found = {(finding.axle, finding.name) for finding in answer.verdict.tires}
         true = {(axle, key): truth["factors"][f"{key}_{axle}"] for axle in AXLES for key in NAMES}
         different = {pair for pair, value in true.items() if value != 1.0}
@@ -97,10 +101,13 @@ def main() -> None:
         counts["effects"] += bool(answer.verdict.effect)
         for axle, key in () if truth["effects"] else true:
             factor = answer.factors[axle][key]
+            numbers = f"{factor.value:.3f} ({factor.low:.3f} to {factor.high:.3f}), truth {true[axle, key]:g}"
+            print(f"    {axle} {key} {numbers}{'' if factor.determined else ', ' + factor.reason}")
             counts["determined"] += factor.determined
             counts["inside"] += factor.determined and factor.low <= true[axle, key] <= factor.high
         print(
-            f"{name} [{truth['group']}] {truth['hidden']}: {sorted(found)}, effect {answer.verdict.effect}, car "
+            f"{name} [{truth['group']}] {truth['hidden']}: {sorted(found)}, effect {answer.verdict.effect}, lacking "
+            f"{answer.verdict.lacking:.2f} {[one.effect for one in answer.verdict.effects]}, car "
             f"{[one.name for one in answer.verdict.car]}, contradiction p {answer.verdict.contradiction.p:.2g}, "
             f"written {answer.written}, {time.process_time() - start:.0f} CPU s",
             flush=True,

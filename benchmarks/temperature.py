@@ -25,8 +25,7 @@ from tirefmu import FitResult, fit
 from tirefmu.diagnosis import diagnose
 from tirefmu.fitting.temperature.heat_balance import EFFECT, HeatBalance
 from tirefmu.fitting.temperature.optimum import optimum_temperature
-from tirefmu.fitting.temperature.solution import solved
-from tirefmu.fitting.temperature.temperature_fit import FITTED_SHARE, FREE, STARTS, fit_temperature
+from tirefmu.fitting.temperature.temperature_fit import FITTED_SHARE, FREE, STARTS, fit_temperature, solved
 from tirefmu.fmu.packaging.binaries import FLAGS
 from tirefmu.measurements import Recording, recording_from
 from tirefmu.tires import Tire

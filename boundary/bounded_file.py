@@ -1,5 +1,6 @@
-"""Files read within limits: what is larger or deeper than any sensible file of its kind does not fill the memory.
+"""Files read within limits, and written completely or not at all.
 
+What is larger or deeper than any sensible file of its kind does not fill the memory.
 `tomllib` stores every beginning of a dotted key, so its memory grows with the square of the depth: a key of 80 KB takes
 6 GB. All TOML is therefore read here, and its depth is checked before it is parsed.
 """
@@ -9,6 +10,8 @@ from __future__ import annotations
 import errno
 import re
 import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
@@ -101,3 +104,29 @@ def text_file(path: Path, error: type[TirefmuError]) -> str:
         raise error(f"{path}: cannot be read ({reason.strerror or reason})") from None
     except UnicodeDecodeError:
         raise error(f"{path}: not a text file (UTF-8)") from None
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Give a temporary file that replaces a file if nothing fails: no partial file ever has its name.
+
+    Raises `OSError` if the file cannot be written.
+    """
+    part = path.parent / f".{path.name}.part"
+    try:
+        part.unlink(missing_ok=True)  # a link would point elsewhere
+        yield part
+        part.replace(path)
+    finally:
+        with suppress(OSError):
+            part.unlink()
+
+
+def write_whole(path: Path, content: bytes) -> Path:
+    """Write a file so that no partial file ever has its name; return its path.
+
+    Raises `OSError` if the file cannot be written.
+    """
+    with replacing(path) as part:
+        part.write_bytes(content)
+    return path

@@ -15,6 +15,8 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, NotRequired, Union, get_args, get_origin, get_type_hints, is_typeddict
 
+#: Metadata of a field of a frozen class that is no part of its JSON.
+NOT_WRITTEN = {"written": False}
 #: The schema of a text that is not empty.
 FILLED = {"type": "string", "pattern": r"\S", "title": "a text that is not empty"}
 _TYPES = {bool: "boolean", int: "integer", float: "number", str: "string", NoneType: "null"}
@@ -63,11 +65,15 @@ def schema_of(kind: Any, *, missing: bool = False) -> dict[str, Any]:
 def _object(kind: Any, missing: bool) -> dict[str, Any]:
     """Return the schema of a frozen class or a typed dictionary."""
     hints = get_type_hints(kind, include_extras=True)
-    names = [part.name for part in fields(kind)] if is_dataclass(kind) else list(hints)
+    names = _written(kind) if is_dataclass(kind) else list(hints)
     optional = {name for name in names if get_origin(hints[name]) is NotRequired}
     of = {name: get_args(hints[name])[0] if name in optional else hints[name] for name in names}
     properties = {name: schema_of(part, missing=missing) for name, part in of.items()}
     return object_schema(properties, [name for name in names if name not in optional])
+
+
+def _written(value: Any) -> list[str]:
+    return [part.name for part in fields(value) if part.metadata.get("written", True)]
 
 
 def object_schema(properties: Mapping[str, Any], required: Iterable[str] = ()) -> dict[str, Any]:
@@ -138,7 +144,7 @@ def json_value(value: Any) -> Any:
     {'size': [1.0, None]}
     """
     if is_dataclass(value) and not isinstance(value, type):
-        return {part.name: json_value(getattr(value, part.name)) for part in fields(value)}
+        return {name: json_value(getattr(value, name)) for name in _written(value)}
     if isinstance(value, Mapping):
         return {str(key): json_value(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):

@@ -13,6 +13,7 @@ import click
 from ..boundary.errors import TirefmuError
 from ..boundary.escaping import command_text
 from .arguments import FILE, check_input_paths, check_output_paths, command_line, common, grouped, names, write_json
+from .command import command
 
 if TYPE_CHECKING:
     from ..applications.planning.plan import PlanResult
@@ -37,7 +38,16 @@ class Aim:
             raise TirefmuError("--between needs two effects, such as slip_history,heat_friction")
 
 
-@click.command()
+@command(
+    section="From a recording to a tire", place=7,
+    examples=(
+        "plan --example",
+        "plan similar.tir --bench bench.toml --minutes 20 -o program",
+        "plan similar.tir --bench bench.toml --for friction --compare today.csv -o program",
+        "plan my.tir --bench bench.toml --between slip_history,heat_friction -o program",
+        "plan --bench bench.toml --after answer -o program",
+    ),
+)  # fmt: skip
 @click.argument("tire", type=FILE, required=False)
 @click.option("--bench", type=FILE, help="What the bench can do: a TOML file such as that of --example.")
 @click.option("-o", "--output", type=FILE, help="Folder to write.")
@@ -130,7 +140,15 @@ def _print(terminal: Terminal, result: PlanResult, written: Sequence[Path]) -> N
     terminal.print(f"report: {written[-1]}")
 
 
-@click.command()
+@command(
+    section="To try it", place=2,
+    examples=(
+        "example -o run.csv",
+        "example -o small.csv --sample-rate 10 --tire my.tir",
+        "example --program unicamp -o points.csv",
+        "example --tire my.tir --program program/program.csv --bench bench.toml -o measured.csv",
+    ),
+)  # fmt: skip
 @click.option("-o", "--output", type=FILE, default=Path("example.csv"), show_default=True,
               help="CSV or Parquet file to write, in SI units and ISO signs.")  # fmt: skip
 @click.option("--program", default="trento", show_default=True,

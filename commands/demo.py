@@ -20,7 +20,7 @@ from ..applications.batch.resumable import made_folder
 from ..applications.explorer.explore import explore
 from ..diagnosis import diagnose, draw_residual_maps, residual_map
 from ..diagnosis.diagnose import with_library
-from ..diagnosis.reporting.curves_figure import curves_figure
+from ..diagnosis.reporting.gain_figure import gain_figure
 from ..diagnosis.reporting.residual_map import residual_map_figure
 from ..drawing.labels import drawn_unit
 from ..drawing.picture import write_figures
@@ -93,7 +93,7 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
             drawn = figures.result()
     terminal.print(f"  {len(drawn)} figures of both fits: {folder / 'figures'}")
     shown = {"fit": chapters[1], "fmu_check": chapters[2], "diagnosis": chapters[4]}
-    pictures = write_figures([replace(chapter.figures[0], name=name) for name, chapter in shown.items()], folder)
+    pictures = write_figures([replace(c.figures[0], name=name) for name, c in shown.items() if c.figures], folder)
     terminal.print(f"  the results in three pictures: {', '.join(map(str, pictures))}")
     seconds = time.perf_counter() - began
     ok = full.ok and all(checks.values()) and missing["flat_with_effect"] and diagnosis["ok"]
@@ -121,7 +121,7 @@ def _compile_for_diagnosis() -> None:
     code, parameters = fastest_code(tire.symbolic_model), tire.parameters()
     rows = np.array([[tire.nominal(name)] for name in tire.inputs])
     chosen_derivatives(code, rows, parameters, np.array([0]))
-    code.drives(rows, parameters)
+    code.state_lines(rows, parameters)
 
 
 def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[DemoStep]) -> Recording:
@@ -301,7 +301,9 @@ def _diagnosis(
         ),
     )
     files = tuple(path for path in written_files if path.is_file())
-    chapters.append(DemoStep("The missing effect, found", texts, (curves_figure(result, "Fy"),), files))
+    gain = gain_figure(result)
+    shown = (gain,) if gain else ()
+    chapters.append(DemoStep("The missing effect, found", texts, shown, files))
     return {"ok": names == ["camber_thrust"] and simulated["ok"], "found": names, "gap": gap, "simulated": simulated}
 
 

@@ -24,12 +24,19 @@ from .arguments import (
     tables_read,
     write_json,
 )
+from .command import command
 
 #: Default time limit, s. Convention: a few minutes.
 TIME_LIMIT = 300.0
 
 
-@click.command()
+@command(
+    section="From a recording to a tire", place=6,
+    examples=(
+        "diagnose run.csv --tire my.tir -o answer",
+        "diagnose run.csv --model mf61 --nominal Fz0=1100,R0=0.2 -o answer",
+    ),
+)  # fmt: skip
 @click.argument("tables", type=FILE, nargs=-1, required=True)
 @click.option("--tire", type=FILE, help="Tire as baseline model, instead of --model, --effects and --nominal.")
 @MODEL
@@ -89,7 +96,7 @@ def diagnose(
     from ..applications.batch.diagnose_many import write_answer
     from ..diagnosis import diagnose as run
     from ..diagnosis.diagnose import STEPS
-    from ..measurements import check_columns, data_findings, recordings_from
+    from ..measurements import CHANNELS, check_columns, data_findings, recordings_from
     from ..measurements.turn_slip import with_turn_slip
     from ..tires import tire_from
     from .terminal import Terminal
@@ -121,7 +128,7 @@ def diagnose(
     terminal.print(result.verdict)
     for line in _error_lines(summary):
         terminal.print(line)
-    if ignored := result.recording["ignored_columns"]:
+    if ignored := [name for name in result.recording["ignored_columns"] if name in CHANNELS]:
         terminal.print(f"note: ignored, no tested model has them: {', '.join(ignored)}")
     keys = ("tire", "base_tire", *(("fmu", "base_fmu") if fmus else ()))
     written_names = [*(summary[key] for key in keys), *(f"{effect.name}.toml" for effect in result.proposed)]

@@ -9,9 +9,16 @@ import click
 from ..boundary.errors import writing
 from ..boundary.json_schema import write_toml
 from .arguments import FILE, check_input_paths, check_output_paths, command_line, common, texts_by_channel, write_json
+from .command import command
 
 
-@click.command()
+@command(
+    section="From a recording to a tire", place=8,
+    examples=(
+        "drive --example car.toml",
+        "drive log.csv --vehicle car.toml --tire front.tir --rear rear.tir -o answer",
+    ),
+)  # fmt: skip
 @click.argument("log", type=FILE, required=False)
 @click.option("--vehicle", type=FILE, help="Car file (TOML).")
 @click.option("--tire", type=FILE, help="Tire of the front axle, and of the rear one without --rear.")
@@ -39,7 +46,7 @@ def drive(
     check_output_paths(json_file, folder=output)
     check_input_paths(log, vehicle, tire, rear)
     from ..applications.driving.drive import drive as run
-    from ..applications.driving.report import write_drive
+    from ..applications.driving.figures import write_drive
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
@@ -54,8 +61,7 @@ def drive(
     rms = answer.before.rms, answer.after.rms
     changes = ", ".join(f"{name} {rms[0][name]:.3g} -> {rms[1][name]:.3g}" for name in rms[0])
     terminal.print(f"rms error of the simulated vehicle: {changes}")
-    if answer.log.ignored:
-        terminal.print(f"not read: {answer.log.ignored}")
+    terminal.not_read(answer.log.ignored)
     if not answer.written:
         terminal.print("no tire is written")
     terminal.print(*(f"{path}" for path in [*written, output / "drive.json", output / "report.html"]))

@@ -22,6 +22,7 @@ from .arguments import (
     tables_read,
     write_json,
 )
+from .command import command
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ class Proof:
     def export(self, tire: Any, target: Path, selection: TableOptions, **options: Any) -> Path:
         """Write an FMU, with its proof if there is a table; either the complete file is written or none."""
         from ..fmu import add_proof, export
-        from ..fmu.proof.verdict import read_verdict
+        from ..fmu.proof.repetition import read_verdict
         from ..measurements import recording_from
 
         if self.path is None:
@@ -61,7 +62,16 @@ class Proof:
             return add_proof(export(tire, Path(folder) / target.name, **options), recording, target, verdict=verdict)
 
 
-@click.command()
+@command(
+    section="From a recording to a tire", place=4,
+    examples=(
+        "export my.tir -o my.fmu",
+        "export my.tir -o my.fmu --proof run.csv",
+        "export my.tir -o my.fmu --inputs wheel --fmi 2 --platforms all",
+        "export my.tir --kind sti -o libmy.so",
+        "export front.tir front.tir rear.tir rear.tir --ssp car.ssp",
+    ),
+)  # fmt: skip
 @click.argument("tires", metavar="TIRE...", type=FILE, nargs=-1, required=True)
 @click.option("-o", "--output", type=FILE, help="FMU to write; with --kind sti a library, with ssv a parameter set.")
 @click.option("--ssp", type=FILE, metavar="FILE",

@@ -12,10 +12,10 @@ import click
 
 from ..boundary.errors import writing
 from ..boundary.escaping import command_text, file_name
+from ..fitting.options import Declaration, declared_options
 from .arguments import (
     FILE,
     MODEL,
-    NOMINAL,
     Spread,
     TableOptions,
     check_input_paths,
@@ -28,10 +28,11 @@ from .arguments import (
     tables_read,
     write_json,
 )
+from .command import command
 
 if TYPE_CHECKING:
     from ..fitting import FitResult
-    from ..measurements import Finding, Recording
+    from ..measurements import DataFinding, Recording
     from ..tires import Tire
 
 
@@ -52,7 +53,41 @@ def _weight(text: str) -> tuple[str, float]:
         raise click.BadParameter(f"{text!r} is not like '2: Fz in 200..240 N'") from None
 
 
-@click.command()
+def _fit_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options of `tirefmu.fit`."""
+    for name, (option, default) in reversed(declared_options().items()):
+        shown = option.kind in ("text", "integer", "number") and default is not None
+        add = click.option(option.flag, name, help=option.help, show_default=shown, **_taken(option, default))
+        function = add(function)
+    return function
+
+
+def _taken(option: Declaration, default: Any) -> dict[str, Any]:
+    """Return how the command line takes the value of an option, by its kind."""
+    if option.kind == "names":
+        return {"callback": names, "default": None if default is None else "none"}
+    if option.kind == "flag":
+        return {"is_flag": True, "callback": lambda context, parameter, off: not off}
+    if option.kind == "pairs":
+        empty = {"callback": lambda context, parameter, pairs: default if pairs is None else pairs}
+        return {"type": numbers_by_name, "metavar": "NAME=VALUE,...", **empty}
+    if option.kind == "weights":
+        collected = {"multiple": True, "callback": lambda context, parameter, pairs: dict(pairs)}
+        return {"type": _weight, "metavar": option.metavar, **collected}
+    if option.kind in ("integer", "number"):
+        number = click.IntRange if option.kind == "integer" else click.FloatRange
+        return {"type": number(min=option.least), "default": default}
+    return {"metavar": option.metavar, "default": default}
+
+
+@command(
+    section="From a recording to a tire", place=2,
+    examples=(
+        "fit cornering.mat drivebrake.mat --model mf61 -o my.tir --report fit.html",
+        "fit run.csv --model mf96 --nominal Fz0=220,R0=0.23 --effects load_friction,camber_thrust -o my.tir",
+        "fit run.csv --start my.tir --recipe scaling -o scaled.tir",
+    ),
+)  # fmt: skip
 @click.argument("tables", type=FILE, nargs=-1, required=True)
 @MODEL
 @click.option("-o", "--output", type=FILE, required=True, help="Tire file (.tir) to write.")
@@ -61,55 +96,8 @@ def _weight(text: str) -> tuple[str, float]:
     type=click.Path(),
     help="Tire with initial values, or 'features' to read them from the data (default: generic).",
 )
-@click.option("--effects", callback=names, help="Exactly these effects in addition to the core, or 'none'.")
-@click.option("--without", callback=names, default="none", help="All effects except these.")
-@click.option("--family", type=FILE, metavar="FOLDER|NAME",
-              help="Prior of the coefficients: .tir files of similar tires, or a published tire.")  # fmt: skip
-@click.option("--recipe", help="progressive, joint, trento, scaling (of --start), one of the model's own, or a TOML "
-                               "file  [default: the model's]")  # fmt: skip
-@click.option("--method", default="ipopt", show_default=True,
-              help="ipopt, or ioa: an evolutionary algorithm without derivatives, for comparison.")  # fmt: skip
-@click.option(
-    "--iterations",
-    type=click.IntRange(min=1),
-    help="Iteration limit of a stage  [default: ipopt 300, ioa 10000]",
-)
-@click.option(
-    "--seed",
-    type=click.IntRange(min=0),
-    default=0,
-    show_default=True,
-    help="Seed of the random numbers of ioa and --bootstrap.",
-)
-@click.option("--constraint", "constraints", callback=names, default="none",
-              help="Physical constraints in addition to the default ones: extrapolation (signs and E up to "
-                   "1.5 times the range), stiffness_saturating (also K_xkappa), or all.")  # fmt: skip
-@click.option("--without-constraint", "without_constraints", callback=names, default="none",
-              help="Physical constraints to remove: signs, curvature, friction_falling, stiffness_saturating, "
-                   "extrapolation, a single one (curvature:E_y), or all.")  # fmt: skip
-@click.option("--loss", default="squares", show_default=True,
-              help="Loss function: squares; huber or cauchy for data with outliers.")  # fmt: skip
-@NOMINAL
-@click.option("--size", help="Size of the tire, 245/45R18 or 16x7.5-10: radius, width and rim  [default: as recorded]")
+@_fit_options
 @tables_read
-@click.option("--all-rows", "screening", is_flag=True, callback=lambda context, option, given: not given,
-              help="Do not exclude rows (warm-up, transitions, outliers).")  # fmt: skip
-@click.option("--rows", default="condition", show_default=True,
-              help="Weights of rows: condition (equal per operating condition), equal, independent (by effective "
-                   "sample size), or load (errors relative to the load).")  # fmt: skip
-@click.option("--weight", "weights", type=_weight, metavar="FACTOR:EXPRESSION", multiple=True,
-              callback=lambda context, option, given: dict(given),
-              help="Multiply the weights of rows by a factor: '2: Fz in 200..240 N'. Repeatable.")  # fmt: skip
-@click.option("--fix", "fixed", type=numbers_by_name, metavar="NAME=VALUE,...",
-              callback=lambda context, option, given: given or {},
-              help="Coefficients that are not fitted, with their values in ISO-W: PCY1=1.3,PHY1=0.")  # fmt: skip
-@click.option("--stiffness-weight", type=click.FloatRange(min=0.0), default=10.0, show_default=True,
-              help="Weight of the slip stiffness read from the data at each load, in rows; 0: not fitted.")  # fmt: skip
-@click.option("--exact-sensors", "sensor_errors", is_flag=True, callback=lambda context, option, given: not given,
-              help="Intervals without offsets, drift and cross-talk of the sensors.")  # fmt: skip
-@click.option("--temperature", metavar="COLUMN",
-              help="Also fit the effect temperature to this recorded temperature, deg C  [default: T, if --effects "
-                   "has temperature]")  # fmt: skip
 @click.option("--cross-validate", "folds", type=click.IntRange(min=2),
               help="Also predict operating conditions out of sample, with this number of folds.")  # fmt: skip
 @click.option("--bootstrap", "replicates", type=int, metavar="N",
@@ -145,8 +133,8 @@ def fit(
     for recording in recordings:  # before the slower imports
         check_columns(recording)
     terminal.selection(*recordings)
-    from ..applications.batch.cross_validation import cross_validate as distributed
     from ..applications.batch.intervals import bootstrap
+    from ..applications.batch.intervals import cross_validate as distributed
     from ..fitting import assign_folds, cross_validate
     from ..fitting import fit as run
     from ..fitting.resampling.bootstrap import check_replicates
@@ -231,7 +219,7 @@ def _one_by_one(
 
 def _residual_findings(
     tire: Tire, path: Path, tables: Sequence[Path], recordings: Sequence[Recording], chosen: Sequence[str]
-) -> list[Finding]:
+) -> list[DataFinding]:
     """Return what the residual of the tire still contains, with the command to diagnose it.
 
     The options `chosen` select and interpret the rows.

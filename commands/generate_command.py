@@ -9,9 +9,16 @@ import click
 from ..boundary.errors import TirefmuError
 from ..symbolic.printers.languages import LANGUAGES
 from .arguments import FILE, check_input_paths, check_output_paths, common, names, write_json
+from .command import command
 
 
-@click.command()
+@command(
+    section="Other programs", place=1,
+    examples=(
+        "generate my.tir --language cpp -o code",
+        "generate mf61 --language matlab --only Fy,Mz -o code",
+    ),
+)  # fmt: skip
 @click.argument("tire", required=False)
 @click.option("--language", help=f"Language of the code: {', '.join(LANGUAGES)}.")
 @click.option("-o", "--output", type=FILE, help="Folder to write.")

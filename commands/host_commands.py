@@ -8,11 +8,17 @@ import click
 
 from ..applications.exports.dialects import HOSTS
 from .arguments import FILE, check_input_paths, check_output_paths, common, write_json
+from .command import command
 
 PROGRAMS = ", ".join(HOSTS)
 
 
-@click.command()
+@command(
+    section="Other programs", place=2,
+    examples=(
+        "convert my.tir --for adams -o adams.tir",
+    ),
+)  # fmt: skip
 @click.argument("tire", type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="Property file (.tir) to write.")
 @click.option("--for", "host", required=True, help=f"Program that reads the file: {PROGRAMS}.")
@@ -45,7 +51,13 @@ def convert(tire: Path, output: Path, host: str, model: str | None, quiet: bool,
     return 0 if ok else 1
 
 
-@click.command()
+@command(
+    section="Other programs", place=3,
+    examples=(
+        "lint my.tir",
+        "lint my.tir --for carsim",
+    ),
+)  # fmt: skip
 @click.argument("file", type=FILE)
 @click.option("--for", "host", help=f"Program that reads the file: {PROGRAMS}  [default: the file itself is checked]")
 @common

@@ -19,6 +19,7 @@ from .arguments import (
     tables_read,
     write_json,
 )
+from .command import command
 
 if TYPE_CHECKING:
     from ..measurements.files.columns.content import Content
@@ -27,7 +28,14 @@ if TYPE_CHECKING:
 MAX_ROWS = 14
 
 
-@click.command()
+@command(
+    section="From a recording to a tire", place=1,
+    examples=(
+        "inspect cornering.mat drivebrake.mat -o page.html",
+        'inspect run.csv --where "p in 70..90 kPa"',
+        "inspect run.csv --columns Fy=FYC,alpha=-SA --units alpha=deg,Fz=lbf",
+    ),
+)  # fmt: skip
 @click.argument("tables", type=FILE, nargs=-1, required=True)
 @click.option(
     "-o",
@@ -53,13 +61,14 @@ def inspect(
     check_input_paths(*tables)
     if selected and len(tables) > 1:
         raise TirefmuError("--table writes the rows of one table")
-    if len(tables) == 1 and not selection.arguments and (not output or output.suffix.lower() == ".toml"):
+    car_file = output is not None and output.suffix.lower() == ".toml"
+    if len(tables) == 1 and not (selection.signs or selection.where or selected) and (car_file or not output):
         from ..applications.driving.inputs.survey import is_drive_log
         from ..measurements.files.reading import read_content
 
         content = read_content(tables[0])
-        if output or is_drive_log(content):
-            return _log(tables[0], content, output, quiet, json_file)
+        if car_file or is_drive_log(content, selection.columns or ()):
+            return _log(tables[0], content, selection, output, quiet, json_file)
     from ..measurements import recordings_from, write_table
     from ..measurements.inspection import tables as texts
     from ..measurements.inspection.inspection import inspect as run
@@ -80,8 +89,7 @@ def inspect(
     terminal.findings(result.findings)
     for inspection in result.recordings:
         terminal.heading(inspection.recording.source, texts.title(inspection))
-        if ignored := inspection.recording.about.get("ignored"):
-            terminal.print(f"not read: {ignored}")
+        terminal.not_read(inspection.recording.about.get("ignored", ""))
         for name, explanation, table in texts.all_tables(inspection):
             terminal.table(name, table, most=10_000 if every else MAX_ROWS)
             if every and explanation:
@@ -98,14 +106,18 @@ def inspect(
     return 0 if result.ok else 1
 
 
-def _log(path: Path, content: Content, output: Path | None, quiet: bool, json_file: Path | None) -> int:
+def _log(
+    path: Path, content: Content, selection: TableOptions, output: Path | None, quiet: bool, json_file: Path | None
+) -> int:  # fmt: skip
     """Print the columns of the log of a drive, and write the proposed section of a car file."""
     from ..applications.driving.inputs.survey import survey
     from .terminal import Terminal
 
     if output and output.exists():
         raise TirefmuError(f"{output} exists: its numbers would be lost; give another file")
-    surveyed = survey(content, str(path))
+    if selection.units:
+        raise TirefmuError("--units is for tables of a bench; for a log: --columns 'NAME=HEADER [unit]'")
+    surveyed = survey(content, str(path), selection.columns)
     if output:
         with writing(output):
             output.write_text(surveyed.car_text(), encoding="utf-8")
@@ -124,8 +136,7 @@ def _log(path: Path, content: Content, output: Path | None, quiet: bool, json_fi
         for column in surveyed.columns
     ]  # fmt: skip
     terminal.table("Columns", (header, rows), most=10_000)
-    if content.ignored:
-        terminal.print(f"not read: {'; '.join(content.ignored)}")
+    terminal.not_read("; ".join(content.ignored))
     terminal.print("proposal for the car file:", *surveyed.section.splitlines())
     if output:
         terminal.print(f"car file: {output}")

@@ -8,9 +8,16 @@ from typing import Any
 import click
 
 from .arguments import FILE, all_commands, check_output_paths, common, write_json
+from .command import command
 
 
-@click.command()
+@command(
+    section="What there is", place=3,
+    examples=(
+        "effects --model mf61",
+        "effects temp_friction",
+    ),
+)  # fmt: skip
 @click.argument("name", required=False)
 @click.option("--model", help="Only effects that a tire of this model can have.")
 @common
@@ -62,7 +69,13 @@ def _bounds(bounds: list[float | None]) -> str:
     return " to ".join("-" if bound is None else f"{bound:g}" for bound in bounds)
 
 
-@click.command()
+@command(
+    section="What there is", place=2,
+    examples=(
+        "models",
+        "models --json models.json",
+    ),
+)  # fmt: skip
 @common
 def models(quiet: bool, json_file: Path | None) -> int:
     """List the tire models.
@@ -89,7 +102,12 @@ def models(quiet: bool, json_file: Path | None) -> int:
     return 0
 
 
-@click.command()
+@command(
+    section="What there is", place=4,
+    examples=(
+        "published",
+    ),
+)  # fmt: skip
 @common
 def published(quiet: bool, json_file: Path | None) -> int:
     """List the published tires. Every command takes their names in place of a file."""
@@ -106,7 +124,13 @@ def published(quiet: bool, json_file: Path | None) -> int:
     return 0
 
 
-@click.command()
+@command(
+    section="What there is", place=5,
+    examples=(
+        "schema",
+        "schema recipe -o recipe.schema.json",
+    ),
+)  # fmt: skip
 @click.argument("kind", required=False)
 @click.option("-o", "--output", type=FILE, default=Path("-"), help="File to write (default: standard output).")
 @common
@@ -135,7 +159,12 @@ def schema(context: click.Context, kind: str | None, output: Path, quiet: bool, 
     return 0
 
 
-@click.command()
+@command(
+    section="What there is", place=1,
+    examples=(
+        "columns",
+    ),
+)  # fmt: skip
 @common
 def columns(quiet: bool, json_file: Path | None) -> int:
     """List the columns of tables with their units and names.

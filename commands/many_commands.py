@@ -22,12 +22,19 @@ from .arguments import (  # fmt: skip
     numbers_by_name,
     write_json,
 )
+from .command import command
 
 if TYPE_CHECKING:
     from ..applications.batch.records import JobResult
 
 
-@click.command("fit-many")
+@command(
+    "fit-many", section="All steps, many tires", place=4,
+    examples=(
+        "fit-many jobs.toml -o tires --resume",
+        "fit-many recordings --model mf61 --nominal Fz0=1000,R0=0.25 -o tires",
+    ),
+)  # fmt: skip
 @click.argument("jobs", type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for tires, reports and summary.")
 @click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler, such as tcp://10.0.0.5:8786  [default: this "
@@ -83,7 +90,12 @@ def fit_many(
     return 1 if unusable else 0
 
 
-@click.command()
+@command(
+    section="All steps, many tires", place=5,
+    examples=(
+        "study my.fmu study.toml -o results",
+    ),
+)  # fmt: skip
 @click.argument("fmu", type=FILE)
 @click.argument("study_file", metavar="STUDY", type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for study.parquet and series.")

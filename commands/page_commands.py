@@ -16,9 +16,16 @@ from .arguments import (
     tables_read,
     write_json,
 )
+from .command import command
 
 
-@click.command()
+@command(
+    section="Work with a tire", place=4,
+    examples=(
+        "compare old.tir new.tir run.csv -o comparison",
+        "compare my.tir trento_hoosier -o comparison",
+    ),
+)  # fmt: skip
 @click.argument("tire", type=FILE)
 @click.argument("tire2", type=FILE)
 @click.argument("tables", type=FILE, nargs=-1)
@@ -38,7 +45,7 @@ def compare(
     check_output_paths(json_file, folder=output)
     check_input_paths(tire, tire2, *tables)
     from ..applications.comparison.comparison import compare as run
-    from ..applications.comparison.report import short, write_comparison
+    from ..applications.comparison.figures import short, write_comparison
     from ..measurements import recordings_from
     from ..tires import tire_from
     from .terminal import Terminal
@@ -72,7 +79,14 @@ def compare(
     return 0
 
 
-@click.command()
+@command(
+    section="From a recording to a tire", place=3,
+    examples=(
+        "explore my.tir -o tire.html",
+        "explore my.tir run.csv --fit fit.json -o tire.html",
+        "explore new.tir --compare trento_hoosier -o tires.html",
+    ),
+)  # fmt: skip
 @click.argument("tire", type=FILE)
 @click.argument("tables", type=FILE, nargs=-1)
 @click.option("-o", "--output", type=FILE, required=True, help="HTML page to write.")
@@ -92,7 +106,7 @@ def explore(
     check_output_paths(output, json_file)
     check_input_paths(tire, *tables, compare, fit_json)
     from ..applications.explorer.explore import explore as run
-    from ..applications.explorer.fit_intervals import fit_intervals
+    from ..applications.explorer.explore import fit_intervals
     from ..measurements import recordings_from
     from .terminal import Terminal
 

@@ -29,12 +29,19 @@ from .arguments import (
     names,
     write_json,
 )
+from .command import command
 
 #: The project file where none is given.
 DEFAULT = Path("tirefmu.toml")
 
 
-@click.command()
+@command(
+    section="All steps, many tires", place=2,
+    examples=(
+        "init cornering.mat drivebrake.mat --model mf61 --nominal Fz0=1100,R0=0.2",
+        "init",
+    ),
+)  # fmt: skip
 @click.argument("tables", type=FILE, nargs=-1)
 @MODEL
 @NOMINAL
@@ -110,7 +117,13 @@ def _relative(path: Path, folder: Path) -> str:
         return path.absolute().as_posix()
 
 
-@click.command()
+@command(
+    section="All steps, many tires", place=3,
+    examples=(
+        "run",
+        "run tirefmu.toml --force",
+    ),
+)  # fmt: skip
 @click.argument("project", type=FILE, default=DEFAULT)
 @click.option("--force", is_flag=True, help="Repeat all steps, also those whose results are up to date.")
 @click.option("--only", callback=names, default="none",
@@ -129,9 +142,8 @@ def run(
     step failed.
     """
     check_output_paths(json_file)
-    from ..applications.project.limited import run_limited
     from ..applications.project.project_file import read_project
-    from ..applications.project.run import INDEX, run_project
+    from ..applications.project.run import INDEX, run_limited, run_project
     from ..applications.project.steps import Step, steps_of
     from .terminal import Terminal
 
@@ -180,7 +192,13 @@ def run(
     return 1 if failed else 0
 
 
-@click.command()
+@command(
+    section="All steps, many tires", place=1,
+    examples=(
+        "studio",
+        "studio cornering.mat drivebrake.mat",
+    ),
+)  # fmt: skip
 @click.argument("given", metavar="[FILES]...", type=FILE, nargs=-1)
 @click.option("--project", type=FILE, default=DEFAULT, show_default=True, help="Project file; written if missing.")
 @click.option("--no-browser", is_flag=True, help="Print the address only.")

@@ -24,7 +24,7 @@ KINDS: Mapping[str, tuple[str, str]] = {
     "car": ("car of the command drive", "tirefmu.applications.driving.inputs.car_entries:car_schema"),
     "fit": ("fit.json, the result of a fit", "tirefmu.fitting.results.fit_content:fit_schema"),
     "diagnosis": ("diagnosis.json, the result of a diagnosis", "tirefmu.diagnosis.verdict.content:diagnosis_schema"),
-    "drive": ("drive.json, the answer of the command drive", "tirefmu.applications.driving.drive_content:drive_schema"),
+    "drive": ("drive.json, the answer of the command drive", "tirefmu.applications.driving.result:drive_schema"),
     "plan": ("plan.json, the program of the command plan", "tirefmu.applications.planning.plan:plan_schema"),
     "proof": ("proof.json, the proof inside an FMU", "tirefmu.fmu.proof.proof_content:proof_schema"),
     "run": ("run.json, the records of the command run", "tirefmu.applications.project.records:records_schema"),

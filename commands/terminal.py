@@ -21,7 +21,7 @@ from . import progress
 
 if TYPE_CHECKING:
     from ..fitting import FitResult
-    from ..measurements import Finding, Recording
+    from ..measurements import DataFinding, Recording
 
 #: Columns of the output.
 LINE = 100
@@ -91,10 +91,17 @@ class Terminal:
         self._status.print(visible(line))
 
     def selection(self, *recordings: Recording) -> None:
-        """Print how many rows of each recording were selected, if rows were selected."""
+        """Print how many rows of each recording were selected, if rows were selected, and what is not read."""
         for recording in recordings:
             if count := recording.about.get("selected"):
                 self.print(f"{recording.source}: {count}")
+        for text in dict.fromkeys(recording.about.get("ignored", "") for recording in recordings):
+            self.not_read(text)
+
+    def not_read(self, ignored: str) -> None:
+        """Print what of a file is not read; nothing without it."""
+        if ignored:
+            self.print(f"not read: {ignored}")
 
     def table(self, title: str, content: tuple[Sequence[str], Sequence[Sequence[str]]], *, most: int = 1000) -> None:
         """Print a table of texts; rows beyond the limit are counted."""
@@ -108,7 +115,7 @@ class Terminal:
         if len(rows) > most:
             self.print(f"and {len(rows) - most} more (--all lists them)")
 
-    def findings(self, findings: Iterable[Finding]) -> None:
+    def findings(self, findings: Iterable[DataFinding]) -> None:
         """Print findings about the data: a serious one as a warning, any other as a note."""
         for finding in findings:
             if finding.serious:

@@ -24,14 +24,14 @@ from .explanations.final import final_fits
 from .least_squares import LeastSquares
 from .probing.baseline_fit import fit_baseline, worse_by_smoothing
 from .probing.candidates import Candidate, candidates_for
-from .recording.predicted_temperature import (
+from .signals.predicted_temperature import (
     TEMPERATURE,
     predicting,
     source_of_temperature,
     with_predicted_temperature,
 )
-from .recording.signals import FORMULA_SIGNS, signals_of
-from .verdict.composition import Outcome, composed
+from .signals.signals import FORMULA_SIGNS, signals_of
+from .verdict.composition import DiagnosisOutcome, composed
 from .verdict.improved_tire import tire_of
 from .verdict.result import Diagnosis
 
@@ -76,7 +76,7 @@ def diagnose(
     effects : collection of str
         Effects of the baseline model in addition to the core formula.
     nominal : mapping of str to float
-        Fz0, R0, p0, V0 in SI units; Fz0 and R0 are required without a tire.
+        Fz0, R0, p0, V0 in SI units. Without a tire, those that are not given are taken from the recording, as by a fit.
     tire : Tire, path of a .tir file, or name of a published tire, optional
         Fitted tire as the baseline model; `model`, `effects` and `nominal` are then ignored.
     candidates : collection of str or AddedEffect, optional
@@ -112,7 +112,8 @@ def diagnose(
     no_single_text("candidates", candidates)
     user_defined = tuple(candidate for candidate in candidates or () if isinstance(candidate, AddedEffect))
     selected = tuple(candidate for candidate in candidates or () if isinstance(candidate, str))
-    start = _start_model(model, effects, nominal, None if tire is None else tire_from(tire), user_defined)
+    given = None if tire is None else tire_from(tire)
+    start = _start_model(recording, model, effects, nominal, given, user_defined)
     candidates_tried = _chosen(candidates_for(start), selected)
     turning = _with_derived_turn_slip(recording, start, candidates_tried)
     derived = {"phit"} if turning is not recording else set()
@@ -142,7 +143,7 @@ def diagnose(
             fits = final_fits(
                 comparison, problem, solution, start, report, no_formula=no_formula, correct_form=correct_form
             )
-            outcome = Outcome(recorded_or_read, candidates_tried, fits, comparison.answer, comparison.stopped)
+            outcome = DiagnosisOutcome(recorded_or_read, candidates_tried, fits, comparison.answer, comparison.stopped)
             return composed(outcome, began)
 
         result = with_final_fits()
@@ -191,14 +192,21 @@ def _with_derived_turn_slip(recording: Recording, start: Tire, candidates: Mappi
 
 
 def _start_model(
-    model: str, effects: Collection[str], nominal: Mapping[str, float] | None, tire: Tire | None,
+    recording: Recording, model: str, effects: Collection[str], nominal: Mapping[str, float] | None, tire: Tire | None,
     user_defined: tuple[AddedEffect, ...],
 ) -> Tire:  # fmt: skip
     """Return the baseline model with all added effects in its equations, switched off."""
     if tire is None:
-        values: dict[str, float] = {}
+        from ..fitting.data.dimensions import dimensions
+        from ..fitting.setup import nominal_values
+
+        declared, values = model_named(model), dict[str, float]()
         for name, value in (nominal or {}).items():
-            values |= dict.fromkeys(set(NOMINAL_COEFFICIENTS[name]) & model_named(model).coefficients.keys(), value)
+            values |= dict.fromkeys(set(NOMINAL_COEFFICIENTS[name]) & declared.coefficients.keys(), value)
+        sizes = {
+            name: value for name, value in dimensions([recording], None)[0].items() if name in declared.coefficients
+        }
+        values = nominal_values(declared, recording.with_signs(FORMULA_SIGNS).table, values, sizes, [])
         no_single_text("effects", effects)
         tire = Tire(model, values, effects=tuple(effects), signs=FORMULA_SIGNS)
     return with_library(tire, user_defined)
@@ -207,15 +215,7 @@ def _start_model(
 def with_library(tire: Tire, user_defined: tuple[AddedEffect, ...] = ()) -> Tire:
     """Return a tire, in the signs of the formula, with all effects of a diagnosis in its equations, switched off.
 
-    Parameters
-    ----------
-    tire : Tire
-    user_defined : tuple of AddedEffect
-        In addition to those of the library.
-
-    Returns
-    -------
-    Tire
+    `user_defined`: in addition to those of the library.
     """
     # The library first and in its order: the model with it alone is printed with the package.
     added = {effect.name: effect for effect in (*whole_library(tire.symbolic_model), *tire.added, *user_defined)}

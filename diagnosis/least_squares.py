@@ -12,8 +12,8 @@ from scipy.linalg import cho_factor, cho_solve
 
 from ..numerics.gauss_newton import Damping, minimize
 from ..numerics.noise_model import Whitening
-from .recording.disturbances import Disturbances
-from .recording.simulation import Simulator
+from .signals.disturbances import Disturbances
+from .signals.simulation import Simulator
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -29,17 +29,10 @@ DAMPING = Damping(first=1e-3, least=1e-7, most=10.0, up=8.0, down=0.1, by_curvat
 class Solution:
     """Solution of a fit.
 
-    Attributes
-    ----------
-    parameters : ndarray, shape (n_parameters,)
-        Parameter vector of the generated code.
-    free : tuple of str
-    disturbance : ndarray, shape (n_disturbances,)
-        Coefficients of the recording's disturbances.
-    cost : float
-        Half the weighted sum of squares, priors included.
-    residual : ndarray, shape (n_channels, n)
-        Measured minus simulated minus disturbances, N and N m.
+    - `parameters`, shape (n_parameters,): parameter vector of the generated code.
+    - `disturbance`, shape (n_disturbances,): coefficients of the recording's disturbances.
+    - `cost`: half the weighted sum of squares, priors included.
+    - `residual`, shape (n_channels, n): measured minus simulated minus disturbances, N and N m.
     """
 
     parameters: FloatArray
@@ -53,16 +46,9 @@ class Solution:
 class LeastSquares:
     """The least-squares problem: signals, weights, disturbances, and the prior of each coefficient.
 
-    Attributes
-    ----------
-    simulator : Simulator
-    inverse_noise : ndarray, shape (n_channels, n)
-        Reciprocal noise standard deviation of each row; 0 for excluded rows.
-    disturbances : Disturbances
-    center : mapping of str to float
-        Prior means that differ from the declared default.
-    whitening : Whitening, optional
-        Filter for time-correlated noise; without it, rows are independent.
+    - `inverse_noise`, shape (n_channels, n): reciprocal noise standard deviation of each row; 0 for excluded rows.
+    - `center`: prior means that differ from the declared default.
+    - `whitening`: filter for time-correlated noise; without it, rows are independent.
     """
 
     simulator: Simulator
@@ -127,15 +113,8 @@ class LeastSquares:
     ) -> Solution:  # fmt: skip
         """Fit the coefficients from initial values.
 
-        Parameters
-        ----------
-        start : ndarray, shape (n_parameters,)
-        free : sequence of str
-        rows : slice, optional
-            Subset of the compared rows; default: all.
-        iterations : int
-        tolerance : float
-            Iterations stop when the predicted reduction is below this share of the cost.
+        `start`, shape (n_parameters,). `rows`, slice: subset of the compared rows; default: all. `tolerance`:
+        iterations stop when the predicted reduction is below this share of the cost.
         """
         subsample = self.subsampled(rows)
         lower, upper = subsample.bounds(free)
@@ -164,10 +143,7 @@ class LeastSquares:
 
         As a share of the squared misfit on the whole set.
 
-        Parameters
-        ----------
-        before, after : Solution
-            Channels are weighted by the misfit of `before` on the training rows.
+        `before`, `after`: channels are weighted by the misfit of `before` on the training rows.
         """
         signals = self.simulator.signals
         holdout, training = signals.present & signals.holdout, self.inverse_noise > 0.0
@@ -262,10 +238,7 @@ class LeastSquares:
 class _Projected:
     """The cost as a function of the free coefficients, minimized over the disturbances (variable projection).
 
-    Attributes
-    ----------
-    indices : list of int
-        Index of each free coefficient among the parameters.
+    - `indices`: index of each free coefficient among the parameters.
     """
 
     def __init__(self, problem: LeastSquares, start: FloatArray, free: Sequence[str]) -> None:

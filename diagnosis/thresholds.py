@@ -92,13 +92,14 @@ INEXACT_SHARE = 0.001
 EFFECT_ODDS = 1.0 / 40.0
 #: Prior standard deviation of a term of the unknown component, as a share of all forces. Convention.
 UNKNOWN_SHARE = 0.1
-#: Prior standard deviation of errors of the form of an effect, as a share of its response: of any effect, and of one
-#: with states, as a tire has several memories, an effect of the library one. Conventions.
+#: Prior standard deviation of errors of the form of an effect, as a share of its response: of any effect (its square is
+#: the share of what is explained that probabilities leave out), and of one with states, as a tire has several memories,
+#: an effect of the library one. Conventions.
 FORM_ERROR, PAST_ERROR = 0.1, 1.0
 #: Prior standard deviations of the discrepancy of the model, as a share of the forces; the evidence selects one of them
 #: for each channel. Conventions.
 DISCREPANCIES = (0.002, 0.006, 0.02, 0.06)
-#: Number of effects that are refitted in place of an identified one if they act through time. Logarithm of the evidence
+#: Largest number of effects that are refitted in place of one with which they are confounded. Logarithm of the evidence
 #: relative to the best explanation from which an addition is refitted: a twentieth. Conventions: computing time.
 RIVALS, REFIT_MARGIN = 3, -3.0
 #: Maximum number of rows of the comparison; iterations of the final fit. Conventions: computing time.

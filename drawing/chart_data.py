@@ -31,16 +31,16 @@ def chart_data(figure: Figure) -> str:
 
 
 def _panel(figure: Figure, panel: Panel) -> dict[str, Any]:
-    names = ("x", "y", "title", "legend", "across", "upright", "x_axis", "width", "height")
+    names = ("x", "y", "title", "across", "upright", "x_axis", "width", "height")
     return {name: getattr(panel, name) for name in names} | {
-        "limits": figure.limits(panel), "series": [_series(drawn) for drawn in panel.series],
-        "cells": _cells(panel.cells) if panel.cells else None,
+        "limits": figure.limits(panel), "names": figure.names(panel), "bands": figure.bands,
+        "series": [_series(drawn) for drawn in panel.series], "cells": _cells(panel.cells) if panel.cells else None,
     }  # fmt: skip
 
 
 def _series(series: Series) -> dict[str, Any]:
     points = series.points
-    step = 1 if series.kind == "band" else max(1, -(-points.shape[1] // MAX_POINTS))
+    step = 1 if series.kind in ("area", "band") else max(1, -(-points.shape[1] // MAX_POINTS))
     gap = np.isnan(points[0] + points[1])  # where a line is interrupted
     x, y = points[:, gap | (np.arange(points.shape[1]) % step == 0)]
     return {**vars(series), "step": step, "x": _encoded(x), "y": _encoded(y)}

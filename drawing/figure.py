@@ -10,31 +10,35 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from ..numerics.ties import graded
 from .labels import per_si
-from .style import BLUE, SOLID, LevelStyle, some_of
+from .style import BLUE, DOTTED, SOLID, some_of
 
 FloatArray = npt.NDArray[np.float64]
 Limits = tuple[float | None, float | None]
 
 #: Share of the values of an axis that is left free at each end.
 MARGIN = 0.05
+#: Height of a line of a name beside the axes, inches.
+LINE = 0.2
 
 
 @dataclass(frozen=True, eq=False)
 class Series:
     """A series with one style.
 
-    - `kind`, one of "line", "points", "band": a band is a filled polygon.
+    - `kind`, one of "line", "points", "area", "band": an area is a filled polygon, and a band one that is drawn on
+      request only.
     - `x`, `y`, shape (n,): in the units of the axes; NaN interrupts a line.
     - `color`: ``#rrggbb``.
-    - `label`: series with the same label have one entry in the legend and are hidden together; empty: no entry.
+    - `label`: a name, beside the axes at the height where its line ends; series with the same name are hidden together.
     - `dashes`: of a line: dashes and gaps in widths of the line.
-    - `marker`, one of "", ".", "o", "^", "s", "D", "v", "x", "ring": of points, and of a line with points.
+    - `marker`, one of "", "o", "ring": of points, and of a line with points.
     - `size`: width of a line, or size of a marker, in points.
     - `opacity`: from 0 to 1.
     """
 
-    kind: Literal["line", "points", "band"]
+    kind: Literal["line", "points", "area", "band"]
     x: npt.ArrayLike
     y: npt.ArrayLike
     color: str = BLUE
@@ -77,7 +81,7 @@ class Panel:
 
     - `x`, `y`: labels of the axes, with units.
     - `series`: in the order in which they are drawn.
-    - `title`, `legend`: headings of the panel and of its legend.
+    - `title`: above the axes.
     - `across`, `upright`: horizontal and vertical gray lines, at values of y and of x.
     - `x_limits`, `y_limits`: of the axes; None: of the values, with a margin.
     - `x_axis`, `y_axis`: panels of a figure with the same name of an axis have the same limits, and are zoomed together
@@ -91,7 +95,6 @@ class Panel:
     y: str
     series: tuple[Series, ...] = ()
     title: str = ""
-    legend: str = ""
     across: tuple[float, ...] = ()
     upright: tuple[float, ...] = ()
     x_limits: Limits = (None, None)
@@ -111,12 +114,14 @@ class Figure:
     - `name`: of its file.
     - `rows`: the panels from top to bottom; a single panel of a row has its full width, None is an empty position.
     - `note`: below the panels.
+    - `bands`: whether bands are drawn from the beginning; otherwise a page has a button for them.
     """
 
     name: str
     title: str
     rows: tuple[tuple[Panel | None, ...], ...]
     note: str = ""
+    bands: bool = False
 
     @property
     def panels(self) -> list[Panel]:
@@ -132,6 +137,32 @@ class Figure:
             _limits(panel.y_limits, [values for other in upward for values in _values(other, 1)]),
         )
 
+    def names(self, panel: Panel) -> list[tuple[str, str, float]]:
+        """Return each name with its color and its height beside the axes, from 0 to 1: near the end of its line.
+
+        >>> lines = (Series("line", [0, 1], [0, y], label=str(y)) for y in (5, 5, -5))
+        >>> panel = Panel("x", "y", tuple(lines), height=1.0)
+        >>> [(label, round(height, 2)) for label, _, height in Figure("f", "f", ((panel,),)).names(panel)]
+        [('5', 0.95), ('-5', 0.05)]
+        """
+        low, high = self.limits(panel)[1]
+        ends: dict[str, tuple[str, float]] = {}
+        for series in sorted(panel.series, key=lambda series: series.kind == "line"):
+            y = series.points[1][np.isfinite(series.points[1])]
+            if series.label and len(y):
+                ends[series.label] = series.color, min(max((float(y[-1]) - low) / (high - low), 0.0), 1.0)
+        named = sorted(ends, key=lambda label: -graded(ends[label][1]))
+        sizes = np.array([LINE * (label.count("\n") + 1) / panel.height for label in named])
+        gaps = 0.5 * (sizes[1:] + sizes[:-1])  # between the middles of names
+        heights = np.array([ends[label][1] for label in named])
+        for i in range(1, len(heights)):
+            heights[i] = min(heights[i], heights[i - 1] - gaps[i - 1])
+        if len(heights):
+            heights[-1] = max(heights[-1], min(0.0, 1.0 - gaps.sum()))
+        for i in reversed(range(len(heights) - 1)):
+            heights[i] = max(heights[i], heights[i + 1] + gaps[i])
+        return [(label, ends[label][0], float(height)) for label, height in zip(named, heights, strict=True)]
+
 
 def in_rows(panels: Sequence[Panel], columns: int = 2) -> tuple[tuple[Panel | None, ...], ...]:
     """Return panels in rows with a number of columns; a single panel has its own row."""
@@ -140,16 +171,15 @@ def in_rows(panels: Sequence[Panel], columns: int = 2) -> tuple[tuple[Panel | No
     return tuple(tuple(padded[i : i + columns]) for i in range(0, len(padded), columns))
 
 
-def curve(x: npt.ArrayLike, y: npt.ArrayLike, style: LevelStyle, label: str) -> Series:
-    """Return the line of a level."""
-    return Series("line", x, y, style.color, label, style.dashes)
+def curve(x: npt.ArrayLike, y: npt.ArrayLike, color: str, label: str, *, is_measured: bool = True) -> Series:
+    """Return the line of a level: solid; dotted where no data determined it."""
+    return Series("line", x, y, color, label, SOLID if is_measured else DOTTED)
 
 
-def measured(rows: pd.DataFrame, slip: str, channel: str, style: LevelStyle, label: str) -> Series:
-    """Return the measured points of a level, lighter than its line."""
+def measured(rows: pd.DataFrame, slip: str, channel: str, color: str, label: str = "") -> Series:
+    """Return the measured points of a level, in the color of its line."""
     rows = some_of(rows)
-    size = 1.4 if len(rows) > 1000 else 2.2 if len(rows) > 200 else 3.4
-    return Series("points", rows[slip] * per_si(slip), rows[channel], style.pale, label, marker=style.marker, size=size)
+    return Series("points", rows[slip] * per_si(slip), rows[channel], color, label, marker="o", size=3.6, opacity=0.3)
 
 
 def band(x: npt.ArrayLike, lower: npt.ArrayLike, upper: npt.ArrayLike, color: str, label: str = "") -> Series:

@@ -11,8 +11,8 @@ from typing import Any
 from jinja2 import DictLoader, Environment, StrictUndefined
 from markupsafe import Markup
 
+from ..boundary.bounded_file import write_whole
 from ..boundary.escaping import visible
-from ..boundary.whole_file import write_whole
 from .chart_data import chart_data
 from .chart_library import LIBRARY_SCRIPT, LIBRARY_STYLE, allowed, library_file
 from .figure import Figure

@@ -5,19 +5,16 @@ const AXIS = { x: 36, y: 62 };
 const PER_INCH = 77;
 const MIN_HEIGHT = 190;
 const FONT = "12px system-ui, sans-serif";
-/** Corners of markers, in halves of their size. */
-const MARKERS = {
-  "^": [[-1, 0.9], [1, 0.9], [0, -1]],
-  v: [[-1, -0.9], [1, -0.9], [0, 1]],
-  s: [[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]],
-  D: [[-1.1, 0], [0, -1.1], [1.1, 0], [0, 1.1]],
-};
 /** Ends and middle of the colors of a map, red, green, blue: below 0, 0, above 0. */
 const MAP_COLORS = [[33, 102, 172], [247, 247, 247], [178, 24, 43]];
 /** A point is read from this distance at most, in pixels. */
 const REACH = 40;
-/** The sample of a toggle in pixels. */
-const SAMPLE = { width: 30, height: 12 };
+/** Largest share of a chart's width for the names beside it. */
+const NAMES = 0.45;
+/** The sample of a name in pixels. */
+const SAMPLE = { width: 16, height: 10 };
+/** Width of a printed chart: that of A4 without margins, in pixels. */
+const PRINTED = 690;
 
 document.documentElement.classList.add("scripted");
 const opener = new IntersectionObserver(
@@ -37,6 +34,26 @@ function addCharts(figure, rows) {
     const line = element("div", "", host);
     for (const panel of row) if (panel) charts.push(new PanelChart(line, panel, charts));
   }
+  const kinds = new Set(charts.flatMap((chart) => chart.panel.series.map((each) => each.kind)));
+  if (kinds.has("band")) addSwitch(host, "95 % bands", "band", charts);
+  if (kinds.has("points") && kinds.has("line")) addSwitch(host, "points", "points", charts);
+  const reset = element("button", "Reset zoom", host);
+  reset.type = "button";
+  reset.className = "reset";
+  reset.addEventListener("click", () => charts.forEach((chart) => chart.reset()));
+}
+
+/** Add a button to a figure that shows or hides a kind of series in all of its charts. */
+function addSwitch(host, text, kind, charts) {
+  const button = element("button", text, host);
+  button.type = "button";
+  button.setAttribute("aria-pressed", String(!charts[0].hidden.has(kind)));
+  if (kind === "band") button.title = "95 % confidence intervals: noise, errors of the sensors and of the form of the model";
+  button.addEventListener("click", () => {
+    const shown = button.getAttribute("aria-pressed") === "false";
+    button.setAttribute("aria-pressed", String(shown));
+    for (const chart of charts) chart.show(kind, shown);
+  });
 }
 
 function element(name, text, parent) {
@@ -52,16 +69,15 @@ class PanelChart {
     this.panel = panel;
     this.all = all;
     this.limits = { x: panel.limits[0], y: panel.limits[1] };
-    this.hidden = new Set();
+    this.hidden = new Set(panel.bands ? [] : ["band"]);
     this.title = panel.title || `${panel.y} over ${panel.x}`;
     this.frame = element("figure", "", row);
     this.frame.style.flexGrow = panel.width;
     element("figcaption", this.title, this.frame);
-    this.toggles = element("div", panel.legend, this.frame);
-    this.toggles.className = "toggles";
     this.box = element("div", "", this.frame);
+    this.box.className = "box";
     this.box.style.minHeight = `${this.size().height}px`;
-    this.readout = element("output", "", this.frame);
+    this.readout = element("output", "", this.box);
     this.frame.panel = this;
     opener.observe(this.frame);
   }
@@ -69,7 +85,7 @@ class PanelChart {
   open() {
     this.series = this.panel.series.map((each) => ({ ...each, x: numbers(each.x), y: numbers(each.y) }));
     this.rimmed = this.series.some((each) => each.kind === "points");
-    this.addToggles();
+    this.addNames();
     this.mark = document.createElement("div");
     this.mark.className = "mark";
     this.mark.hidden = true;
@@ -80,35 +96,39 @@ class PanelChart {
     new ResizeObserver(() => this.plot.setSize(this.size())).observe(this.box);
   }
 
-  /** Add a button for each name, one for the points where lines have the same names, and one for the zoom. */
-  addToggles() {
-    const names = [...new Set(this.series.map((each) => each.label))].filter(Boolean);
-    for (const name of names) this.addToggle(name, (each) => each.label === name);
-    const points = this.series.filter((each) => each.kind === "points");
-    if (points.length && points.length < this.series.length && points.some((each) => !each.label || isShared(each, this.series))) {
-      this.addToggle("points", (each) => each.kind === "points");
+  /** Add a button for each name beside the axes, at the height where its line ends. */
+  addNames() {
+    this.names = element("div", "", this.box);
+    this.names.className = "names";
+    for (const [name, , height] of this.panel.names) {
+      const button = element("button", "", this.names);
+      button.type = "button";
+      button.style.bottom = `${100 * height}%`;
+      button.setAttribute("aria-pressed", "true");
+      drawSample(element("canvas", "", button), this.series.filter((each) => each.label === name && each.kind !== "band"));
+      element("span", name, button);
+      button.addEventListener("click", () => {
+        const shown = this.hidden.has(name);
+        button.setAttribute("aria-pressed", String(shown));
+        this.show(name, shown);
+      });
     }
-    const reset = element("button", "Reset zoom", this.toggles);
-    reset.type = "button";
-    reset.addEventListener("click", () => this.reset());
   }
 
-  addToggle(name, belongs) {
-    const button = element("button", "", this.toggles);
-    button.type = "button";
-    button.setAttribute("aria-pressed", "true");
-    if (name !== "points") drawSample(element("canvas", "", button), this.series.filter(belongs));
-    element("span", name, button);
-    button.addEventListener("click", () => {
-      const shown = this.hidden.delete(name);
-      if (!shown) this.hidden.add(name);
-      button.setAttribute("aria-pressed", String(shown));
-      this.plot.redraw(false);
-    });
+  /** Return the width of the names beside the axes. */
+  margin() {
+    const widest = Math.max(0, ...Array.from(this.names.children, (each) => each.offsetWidth));
+    return Math.min(widest + 4, NAMES * this.size().width);
+  }
+
+  /** Show or hide the series with a name or of a kind. */
+  show(name, shown) {
+    this.hidden[shown ? "delete" : "add"](name);
+    this.plot?.redraw(false);
   }
 
   isShown(series) {
-    return !this.hidden.has(series.label) && !(series.kind === "points" && this.hidden.has("points"));
+    return !this.hidden.has(series.label) && !this.hidden.has(series.kind);
   }
 
   size() {
@@ -123,6 +143,7 @@ class PanelChart {
     return {
       ...this.size(),
       mode: 2,
+      padding: [8, () => this.margin(), 0, 0],
       scales: { x: { time: false, range: () => this.limits.x }, y: { range: () => this.limits.y } },
       axes: [this.panel.x, this.panel.y].map(axis),
       series: [{}, { paths: () => null, facets: [{ scale: "x", auto: true }, { scale: "y", auto: true }] }],
@@ -151,6 +172,8 @@ class PanelChart {
     const together = range.x && this.panel.x_axis ? this.all.filter((each) => each.panel.x_axis === this.panel.x_axis) : [];
     for (const each of together) if (each !== this) each.setLimits({ x: range.x });
     this.setLimits(range);
+    const zoomed = this.all.some((each) => JSON.stringify([each.limits.x, each.limits.y]) !== JSON.stringify(each.panel.limits));
+    this.frame.closest(".charts").classList.toggle("zoomed", zoomed);
   }
 
   setLimits(range) {
@@ -172,16 +195,17 @@ class PanelChart {
 
   describe() {
     const [x, y] = [this.limits.x, this.limits.y].map((each) => each.map(short).join(" to "));
-    this.readout.textContent = `${this.panel.x}: ${x}; ${this.panel.y}: ${y}`;
     const canvas = this.plot.ctx.canvas;
     canvas.setAttribute("role", "img");
-    canvas.setAttribute("aria-label", `${this.title}. ${this.readout.textContent}`);
+    canvas.setAttribute("aria-label", `${this.title}. ${this.panel.x}: ${x}; ${this.panel.y}: ${y}`);
   }
 
   draw(plot) {
     const { ctx, bbox } = plot;
     const across = (value) => plot.valToPos(value, "x", true);
     const down = (value) => plot.valToPos(value, "y", true);
+    const edges = { left: bbox.left + bbox.width, top: bbox.top, height: bbox.height };
+    for (const [side, place] of Object.entries(edges)) this.names.style[side] = `${place / devicePixelRatio}px`;
     ctx.save();
     ctx.beginPath();
     ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
@@ -200,7 +224,7 @@ class PanelChart {
     let found = null;
     let least = REACH ** 2;
     for (const series of this.series) {
-      if (!this.isShown(series) || series.kind === "band") continue;
+      if (!this.isShown(series) || (series.kind !== "line" && series.kind !== "points")) continue;
       for (let i = 0; i < series.x.length; i += 1) {
         const distance = (plot.valToPos(series.x[i], "x") - left) ** 2 + (plot.valToPos(series.y[i], "y") - top) ** 2;
         if (distance < least) [found, least] = [{ series, x: series.x[i], y: series.y[i] }, distance];
@@ -208,8 +232,8 @@ class PanelChart {
     }
     this.mark.hidden = !found || left < 0;
     if (this.mark.hidden) {
-      const cell = this.panel.cells && cellText(this.panel.cells, plot.posToVal(left, "x"), plot.posToVal(top, "y"));
-      if (cell) this.readout.textContent = cell;
+      const at = () => cellText(this.panel.cells, plot.posToVal(left, "x"), plot.posToVal(top, "y"));
+      this.readout.textContent = this.panel.cells && left >= 0 ? at() : "";
       return;
     }
     this.mark.style.left = `${plot.valToPos(found.x, "x")}px`;
@@ -221,17 +245,13 @@ class PanelChart {
   }
 }
 
-function isShared(points, all) {
-  return all.some((each) => each.kind === "line" && each.label === points.label);
-}
-
 function drawSeries(ctx, series, across, down, rimmed = false) {
   const scale = devicePixelRatio * 1.33; // from points
   ctx.fillStyle = series.color;
   ctx.globalAlpha = series.opacity;
   ctx.beginPath();
   if (series.kind !== "points") drawPieces(ctx, series, across, down);
-  if (series.kind === "band") ctx.fill();
+  if (series.kind === "band" || series.kind === "area") ctx.fill();
   if (series.kind === "line") {
     if (rimmed) stroke(ctx, "#fff", (series.size + 1) * scale, []);
     stroke(ctx, series.color, series.size * scale, series.dashes.map((each) => each * series.size * scale));
@@ -260,23 +280,17 @@ function drawPieces(ctx, series, across, down) {
 
 function drawMarkers(ctx, series, across, down, scale) {
   const half = Math.max(series.kind === "points" ? series.size : 4, 2) * 0.5 * scale;
-  const corners = MARKERS[series.marker];
   ctx.beginPath();
   series.x.forEach((value, i) => {
     const [x, y] = [across(value), down(series.y[i])];
-    if (corners) {
-      corners.forEach(([right, low], k) => (k ? ctx.lineTo(x + right * half, y + low * half) : ctx.moveTo(x + right * half, y + low * half)));
-      ctx.closePath();
-    } else {
-      ctx.moveTo(x + half, y);
-      ctx.arc(x, y, half, 0, 7);
-    }
+    ctx.moveTo(x + half, y);
+    ctx.arc(x, y, half, 0, 7);
   });
   if (series.marker === "ring") stroke(ctx, series.color, scale, []);
   else ctx.fill();
 }
 
-/** Draw what a toggle stands for: a piece of its line, and its marker. */
+/** Draw what a name stands for: a piece of its line, and its marker. */
 function drawSample(canvas, members) {
   canvas.width = SAMPLE.width * devicePixelRatio;
   canvas.height = SAMPLE.height * devicePixelRatio;
@@ -284,7 +298,7 @@ function drawSample(canvas, members) {
   const across = (share) => share * canvas.width;
   const down = (share) => share * canvas.height;
   for (const { kind, ...look } of members) {
-    const shape = kind === "band" ? { x: [0, 1, 1, 0], y: [0, 0, 1, 1] } : kind === "line" ? { x: [0, 1], y: [0.5, 0.5] } : { x: [0.5], y: [0.5] };
+    const shape = kind === "area" ? { x: [0, 1, 1, 0], y: [0, 0, 1, 1] } : kind === "line" ? { x: [0, 1], y: [0.5, 0.5] } : { x: [0.5], y: [0.5] };
     drawSeries(canvas.getContext("2d"), { ...look, kind, ...shape, size: kind === "points" ? 6 : look.size }, across, down);
   }
 }
@@ -327,4 +341,18 @@ function short(value) {
   return String(Number(value.toPrecision(5)));
 }
 
+/** Open every section, and draw every chart in the width of the paper; undone after printing. */
+function print(begins) {
+  for (const details of document.querySelectorAll("details")) {
+    if (begins) details.dataset.open = String(details.open);
+    details.open = begins || details.dataset.open === "true";
+  }
+  for (const { panel } of document.querySelectorAll(".charts figure")) {
+    if (begins && !panel.plot) panel.open();
+    panel.plot?.setSize({ ...panel.size(), ...(begins ? { width: PRINTED } : {}) });
+  }
+}
+
+addEventListener("beforeprint", () => print(true));
+addEventListener("afterprint", () => print(false));
 for (const data of document.querySelectorAll("script.panels")) addCharts(data.parentElement, JSON.parse(data.textContent));

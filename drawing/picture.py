@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..boundary.whole_file import write_whole
+from ..boundary.bounded_file import write_whole
 from .figure import Cells, Figure, Panel, Series
 from .own_matplotlib import (
     Axes,
@@ -31,9 +31,7 @@ DPI = 120
 #: Of the picture of a page.
 PAGE_DPI = 90
 #: Sizes of texts in points, readable where a page shows a figure of two panels a third smaller than drawn.
-LEGEND_SIZE, TITLE_SIZE, NOTE_SIZE = 10.0, 10.5, 9.0
-HANDLE = 3.2  # length of a legend's lines: every dash is visible
-MARKERS = {"ring": "o"}
+NAME_SIZE, TITLE_SIZE, NOTE_SIZE = 10.0, 10.5, 9.0
 
 
 @own_settings()
@@ -54,8 +52,7 @@ def picture(figure: Figure) -> MatplotlibFigure:
         for j, panel in enumerate(row):
             if panel:
                 ax = made.add_subplot(grid[i, :] if len(row) == 1 else grid[i, j])
-                repeated = j + 1 < len(row) and _looks(panel) == _looks(row[j + 1])
-                _draw(ax, panel, figure, with_legend=not repeated)
+                _draw(ax, panel, figure)
     write_note(made, figure.note)
     return made
 
@@ -99,20 +96,13 @@ def write_figures(figures: Sequence[Figure], folder: Path, prefix: str = "") -> 
     return [write_whole(path, image) for path, image in images]
 
 
-def _looks(panel: Panel | None) -> dict[str, tuple[str, tuple[float, ...]]]:
-    """Return the style of each name in the legend: the next panel of a row may repeat it."""
-    return {drawn.label: (drawn.color, drawn.dashes) for drawn in panel.series if drawn.label} if panel else {}
-
-
-def _draw(ax: Axes, panel: Panel, figure: Figure, with_legend: bool) -> None:
-    handles: dict[str, Any] = {}
+def _draw(ax: Axes, panel: Panel, figure: Figure) -> None:
     if panel.cells:
         _draw_cells(ax, panel.cells)
     rimmed = any(drawn.kind == "points" for drawn in panel.series)
     for series in panel.series:
-        drawn = _draw_series(ax, series, rimmed)
-        if series.label and (series.kind == "line" or series.label not in handles):
-            handles[series.label] = drawn
+        if series.kind != "band" or figure.bands:
+            _draw_series(ax, series, rimmed)
     for y in panel.across:
         ax.axhline(y, color="0.3", lw=0.8, zorder=1)
     for x in panel.upright:
@@ -126,25 +116,33 @@ def _draw(ax: Axes, panel: Panel, figure: Figure, with_legend: bool) -> None:
     ax.set(xlim=x_limits, ylim=y_limits)
     if panel.equal:
         ax.set_aspect("equal", adjustable="datalim")
-    if handles and with_legend:
-        _place_legend(ax, panel.legend, handles)
+    for label, color, height in figure.names(panel):
+        at: dict[str, Any] = {
+            "xy": (1.0, height),
+            "xytext": (4.0, 0.0),
+            "xycoords": "axes fraction",
+            "textcoords": "offset points",
+        }
+        ax.annotate(label, **at, va="center", fontsize=NAME_SIZE, color=color, parse_math=False)
 
 
-def _draw_series(ax: Axes, series: Series, rimmed: bool) -> Any:
+def _draw_series(ax: Axes, series: Series, rimmed: bool) -> None:
     x, y = series.points
-    if series.kind == "band":
-        return ax.fill(x, y, color=series.color, alpha=series.opacity, lw=0.0)[0]
+    if series.kind in ("area", "band"):
+        ax.fill(x, y, color=series.color, alpha=series.opacity, lw=0.0)
+        return
     hollow = series.marker == "ring"
     look: dict[str, Any] = {
-        "color": series.color, "alpha": series.opacity, "marker": MARKERS.get(series.marker, series.marker),
-        "mew": 1.0 if hollow or series.marker == "x" else 0.0, "mfc": "none" if hollow else series.color,
+        "color": series.color, "alpha": series.opacity, "marker": "o" if series.marker else "",
+        "mew": 1.0 if hollow else 0.0, "mfc": "none" if hollow else series.color,
     }  # fmt: skip
     if series.kind == "points":
-        return ax.plot(x, y, ls="", ms=series.size, zorder=1.5, **look)[0]
+        ax.plot(x, y, ls="", ms=series.size, zorder=1.5, **look)
+        return
     dashes = (0.0, series.dashes) if series.dashes else "-"
     # A white rim keeps a line readable on points of its own color.
     rim = [Stroke(linewidth=series.size + 0.9, foreground="white"), Normal()] if rimmed else []
-    return ax.plot(x, y, ls=dashes, lw=series.size, ms=4.0, zorder=3, path_effects=rim, **look)[0]
+    ax.plot(x, y, ls=dashes, lw=series.size, ms=4.0, zorder=3, path_effects=rim, **look)
 
 
 def _draw_cells(ax: Axes, cells: Cells) -> None:
@@ -159,17 +157,3 @@ def _draw_cells(ax: Axes, cells: Cells) -> None:
         ax.text(*middle, text, ha="center", va="center", fontsize=7.0, color="w" if dark else "k")
     bar = ax.figure.colorbar(ScalarMappable(norm, colors), ax=ax, extend="both", pad=0.01)
     bar.set_label(cells.label, parse_math=False)
-
-
-def _place_legend(ax: Axes, title: str, handles: dict[str, Any]) -> None:
-    """Put the legend outside the axes, where it covers nothing; its markers have one visible size."""
-    legend = ax.legend(
-        list(handles.values()),
-        [f"\u200b{label}" if label.startswith("_") else label for label in handles],
-        loc="upper left", bbox_to_anchor=(1.0, 1.0), title=title or None, fontsize=LEGEND_SIZE,
-        title_fontsize=LEGEND_SIZE, frameon=False, handlelength=HANDLE,
-    )  # fmt: skip
-    for text in (*legend.get_texts(), legend.get_title()):
-        text.set_parse_math(False)
-    for handle in legend.get_lines():
-        handle.set_markersize(5.0)

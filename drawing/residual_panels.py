@@ -21,7 +21,7 @@ MIN_RANGE = 0.02
 #: Bins of a panel with equal numbers of rows, and the smallest number of rows of a bin.
 BINS, MIN_ROWS = 16, 5
 #: Points of a panel.
-POINTS = 1000
+POINTS = 400
 
 
 def residuals_over_inputs(
@@ -69,8 +69,8 @@ def _panel(column: pd.Series, residual: FloatArray, channel: str, signs: str) ->
     limit = 1.15 * float(np.nanquantile(np.abs(residual), 0.995)) or 1.0
     measured = np.isfinite(residual) & np.isfinite(x)
     few = some_of(pd.DataFrame({"x": x[measured], "y": residual[measured]}), POINTS)
-    series = [Series("points", few["x"], few["y"], LIGHT_GRAY, marker=".", size=1.5)]
-    parts = [(x[rows], residual[rows]) for rows in _bins(x, measured)]
+    series = [Series("points", few["x"], few["y"], LIGHT_GRAY, marker="o", size=1.5)]
+    parts = [(x[rows], residual[rows]) for rows in bins(x, measured)]
     if parts:
         center, mean, spread = np.transpose([(np.median(a), b.mean(), b.std()) for a, b in parts])
         gap = np.full(len(parts), np.nan)
@@ -83,7 +83,7 @@ def _panel(column: pd.Series, residual: FloatArray, channel: str, signs: str) ->
     )  # fmt: skip
 
 
-def _bins(x: FloatArray, measured: npt.NDArray[np.bool_]) -> Sequence[npt.NDArray[np.intp]]:
+def bins(x: FloatArray, measured: npt.NDArray[np.bool_]) -> Sequence[npt.NDArray[np.intp]]:
     """Return the rows of bins with about equal numbers of rows; rows with equal input share one."""
     edges = np.unique(np.quantile(x[measured], np.linspace(0.0, 1.0, BINS + 1)))
     # The largest value also begins a bin: otherwise the two highest levels of a held input would share one.

@@ -1,20 +1,17 @@
-"""Colors, dashes and markers of levels, and how many points of a group are drawn."""
+"""Colors of levels and series, and how many points of a group are drawn."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
 RGB = tuple[float, float, float]
 
-#: Dashes and gaps in widths of a line; curves and points of successive levels differ in more than their color.
+#: Dashes and gaps in widths of a line. The line of a tire within its data is solid.
 SOLID: tuple[float, ...] = ()
 DASHED, DOTTED = (4.0, 2.0), (1.0, 1.6)
-DASHES = (SOLID, DASHED, (6.0, 1.6, 1.0, 1.6), DOTTED, (8.0, 1.2, 1.2, 1.2, 1.2, 1.2))
-MARKERS = ("o", "^", "s", "D", "v")
 #: Colors of series that are not levels.
 BLUE, RED, GREEN, ORANGE, GRAY, LIGHT_GRAY, BLACK = (
     "#1f77b4", "#d62728", "#2a8a2a", "#c65f00", "#808080", "#b0b0b0", "#000000",
@@ -22,36 +19,21 @@ BLUE, RED, GREEN, ORANGE, GRAY, LIGHT_GRAY, BLACK = (
 #: Ends and even steps of two color maps, dark to light: one for loads, one for angles.
 _LOADS = ("#440154", "#3b528b", "#21918c", "#5ec962", "#fde725")
 _ANGLES = ("#0d0887", "#7e03a8", "#cc4778", "#f89540", "#f0f921")
-#: Smallest contrast of a level's color with the white page (WCAG 2.2, criterion 1.4.11).
-CONTRAST = 3.0
-SHOWN = 2000  # points of a group; more would only cover each other
+#: Smallest contrast of a level's color with the white page: its name is text (WCAG 2.2, criterion 1.4.3).
+CONTRAST = 4.5
+SHOWN = 300  # points of a group; more would only cover each other
 
 
-class LevelStyle(NamedTuple):
-    """How a level is drawn: color, dashes of its curve, color and marker of its points."""
+def level_colors(count: int, by: str) -> list[str]:
+    """Return colors ordered like the levels: one color map for loads, another for angles.
 
-    color: str
-    dashes: tuple[float, ...]
-    pale: str
-    marker: str
-
-
-def level_styles(count: int, by: str) -> list[LevelStyle]:
-    """Return styles ordered like the levels: one color map for loads, another for angles.
-
-    >>> first, second = level_styles(2, "Fz")
-    >>> first.color != second.color, first.dashes != second.dashes, first.marker != second.marker
-    (True, True, True)
+    >>> len(set(level_colors(5, "Fz")))
+    5
     """
     steps = np.array([_parts(color) for color in (_LOADS if by == "Fz" else _ANGLES)])
     places = np.linspace(0.0, 0.85, max(count, 2))[:count]
     mixed = [[float(np.interp(place, np.linspace(0.0, 1.0, len(steps)), part)) for part in steps.T] for place in places]
-    styles = []
-    for i, (red, green, blue) in enumerate(mixed):
-        color = _readable((red, green, blue))
-        pale = [0.55 * part + 0.45 for part in color]  # points are lighter than the line of their level
-        styles.append(LevelStyle(_hex(color), DASHES[i % len(DASHES)], _hex(pale), MARKERS[i % len(MARKERS)]))
-    return styles
+    return [_hex(_readable((red, green, blue))) for red, green, blue in mixed]
 
 
 def _readable(color: RGB) -> RGB:

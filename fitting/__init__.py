@@ -2,29 +2,30 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from .cross_validation import assign_folds, cross_validate
-from .evidence.diagnostics import Findings
+from ..boundary.on_demand import on_demand
 from .fit import fit
-from .fit_result import FitResult
 from .options import FitOptions
-from .problem.recipe import RECIPES, load_recipe
-from .results.records import HeldOut
+
+if TYPE_CHECKING:
+    from .checks.diagnostics import Findings
+    from .cross_validation import assign_folds, cross_validate
+    from .fit_result import FitResult
+    from .problem.recipe import RECIPES, load_recipe
+    from .reporting.figures import draw_figures
+    from .results.records import HeldOut
 
 __all__ = [
     "RECIPES", "Findings", "FitOptions", "FitResult", "HeldOut", "assign_folds", "cross_validate", "draw_figures",
     "fit", "load_recipe",
 ]  # fmt: skip
 
-if TYPE_CHECKING:
-    from .reporting.figures import draw_figures
+#: The module of each name that loads pandas, CasADi or Matplotlib.
+_ON_DEMAND = {
+    "Findings": "checks.diagnostics", "assign_folds": "cross_validation", "cross_validate": "cross_validation",
+    "FitResult": "fit_result", "RECIPES": "problem.recipe", "load_recipe": "problem.recipe",
+    "draw_figures": "reporting.figures", "HeldOut": "results.records",
+}  # fmt: skip
 
-
-def __getattr__(name: str) -> Any:
-    """Load what draws figures at its first use: it takes as long as a fit of few rows."""
-    if name != "draw_figures":
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from .reporting.figures import draw_figures
-
-    return draw_figures
+__getattr__, __dir__ = on_demand(__name__, _ON_DEMAND)

@@ -68,7 +68,7 @@ def cross_validate(
         The fit of all data, if it exists already.
     compute : callable
         Returns the tire of each task, in their order. Default: one after another, in this process
-        (`tirefmu.applications.batch.cross_validation` distributes them).
+        (`tirefmu.applications.batch.intervals` distributes them).
     **options
         Options of `tirefmu.fitting.fit`.
 

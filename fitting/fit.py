@@ -1,26 +1,19 @@
-"""Fit of a tire to recordings: checks the arguments, preprocesses the data, runs the stages, returns the result."""
+"""Fit of a tire to recordings: its arguments."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from ..boundary.errors import FitError
 from ..boundary.named_options import named
-from ..measurements import TableLike, check_columns, recordings_from
-from ..numerics.one_thread import one_blas_thread
-from ..tires import TireLike
-from .fit_result import FitResult
-from .fit_run import FitRun
 from .options import FitOptions
-from .resampling.bounds import with_consequences
-from .resampling.second_solutions import with_second_solutions
-from .setup import Plan, Setup
-from .solvers.interruption import Interruption, Progress
-from .temperature.selection import forces_alone, temperature_column, with_temperature
-from .temperature.temperature_fit import fit_temperature
+
+if TYPE_CHECKING:
+    from ..measurements import TableLike
+    from ..tires import TireLike
+    from .fit_result import FitResult
+    from .solvers.interruption import Progress
 
 
 @named(FitOptions)
@@ -84,29 +77,6 @@ def fit(
     >>> result.signs, result.covariance.loc["PDY1", "PDY1"] > 0
     ('iso', np.True_)
     """
-    began = time.perf_counter()
-    options = replace(options or FitOptions(), **settings)
-    column = temperature_column(options)
-    plan = Plan.of(model, start, forces_alone(options))
-    recordings = recordings_from(tables, signs=signs)
-    if not recordings:
-        raise FitError("no table to fit")
-    for recording in recordings:
-        check_columns(recording)
-    names = [recording.source for recording in recordings]
-    setup = Setup.of(plan, recordings)
-    heated = with_temperature(recordings, column) if column else []
-    del recordings, recording  # much memory, if the caller has no reference
-    with Interruption(progress) as interruption, one_blas_thread():
-        run = FitRun(setup, interruption)
-        del setup
-        run.run()
-    interruption.raise_failure()
-    with one_blas_thread():
-        result = run.result(names, time.perf_counter() - began)
-        result = result if result.run.interrupted else with_second_solutions(with_consequences(result))
-        result = result.in_signs("iso")
-        if not (column and not result.run.interrupted):
-            return result
-        tire, temperature = fit_temperature(result.tire, heated, column)
-        return replace(result, tire=tire, temperature=temperature)
+    from .whole_fit import fitted  # loads pandas and CasADi
+
+    return fitted(tables, model, start, signs, replace(options or FitOptions(), **settings), progress)

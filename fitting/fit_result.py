@@ -8,14 +8,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import pandas as pd
 
-from ..boundary.json_schema import json_value
 from ..measurements import TableLike
-from .results.fit_content import VERSION, FitContent
+from .results.fit_content import fit_content
 from .results.fitted import Fitted
-from .results.intervals import interval, listed_intervals
+from .results.intervals import interval
 from .results.summary import fit_html, fit_text
 from .results.verdict import Verdict, verdict_of
 
@@ -44,27 +42,23 @@ class FitResult(Fitted):
         The smallest margin of each physical constraint.
     notes : tuple of str
         Notes for the user: what was skipped, assumed or not determined.
-    data_findings : tuple of Finding
+    data_findings : tuple of DataFinding
         What the recordings lack or contradict (`tirefmu.measurements.data_findings`).
-    directions : tuple of Direction
-        Combinations of coefficients that are not identifiable.
     excluded_rows : tuple of ExcludedRows
         Rows that were not fitted, with the reason.
     held_out : tuple of HeldOut
         Results of a blocked cross-validation, if requested.
-    covariance : pandas.DataFrame
-        Of the coefficients by name, in their units and `signs`, under time-correlated noise: half an interval is
-        1.96 times the root of the diagonal. Rows and columns are NaN for a coefficient without a finite interval (at a
-        bound, not identifiable, or not freed by a stage with all its rows). A stage assumes that the values of earlier
-        stages are known, so the covariance of coefficients of different stages (`FittedCoefficient.stage`) is 0.
     bootstrap : Bootstrap or None
         Percentile intervals, if requested.
     temperature : FittedTemperature or None
         The fit of the heat balance to recorded temperatures, if requested.
     bounds : tuple of BoundConsequence
         What changes without the bound of each coefficient at a bound.
-    solution : FitSolution
-        What `findings`, `interval` and bootstrap are computed from.
+    uncertainty : Uncertainty
+        ``covariance`` and ``directions`` (combinations of coefficients that are not identifiable), and what `interval`
+        is computed from.
+    residuals : Residuals or None
+        The fitted rows, from which `findings` are computed.
     """
 
     def __repr__(self) -> str:
@@ -182,37 +176,4 @@ class FitResult(Fitted):
 
     def to_json(self) -> dict[str, Any]:
         """Return the result as JSON values; a number that does not exist, such as a missing bound, is null."""
-        determined = self.covariance.index[np.isfinite(np.diag(self.covariance))] if len(self.covariance) else []
-        matrix = self.covariance.loc[determined, determined].to_numpy().tolist() if len(determined) else []
-        content: FitContent = {
-            "version": VERSION,
-            "ok": self.verdict.usable,
-            "verdict": self.verdict.word,
-            "reasons": list(self.verdict.reasons),
-            "status": self.status,
-            "recipe": self.run.recipe,
-            "method": self.run.method,
-            "seconds": self.run.seconds,
-            "model": self.tire.model,
-            "effects": sorted(self.tire.has),
-            "signs": self.signs,
-            "values": dict(self.tire.values),
-            "coefficients": self.coefficients,
-            "channels": self.channels,
-            "stages": self.stages,
-            "margins": self.margins,
-            "directions": self.directions,
-            "bounds": self.bounds,
-            "set_aside": self.excluded_rows,
-            "held_out": self.held_out,
-            "findings": self.findings,
-            "covariance": {"coefficients": list(determined), "matrix": matrix},
-            "intervals": list(listed_intervals(self)),
-            "bootstrap": self.bootstrap,
-            "temperature": self.temperature,
-            "margins_signs": "adapted-sae",
-            "notes": self.notes,
-            "data_findings": self.data_findings,
-            "interrupted": self.run.interrupted,
-        }
-        return dict(json_value(content))
+        return fit_content(self, self.verdict)

@@ -1,17 +1,48 @@
-"""The options of a fit: which effects, which recipe and solver, which rows with which weights, which constraints."""
+"""The options of a fit, each declared once: `tirefmu.fit`, ``tirefmu fit``, project, job list and window follow."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from math import inf, isfinite
+from typing import TYPE_CHECKING, Any
 
 from ..boundary.errors import FitError
 from ..boundary.escaping import excerpt
-from ..tires import TireLike
+
+if TYPE_CHECKING:
+    from ..tires import TireLike
 
 #: Default weight of a slip stiffness that is read from the data: the study in docs/stiffness.md.
 STIFFNESS_WEIGHT = 10.0
+#: Versions of the files with options as keys: a new key increments the second number.
+VERSIONS = {"project": "1.1", "jobs": "1.0"}
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """How an option is given.
+
+    - `kind`: "text", "names", "name or file", "integer", "number", "pairs" (numbers by name), "weights" (factors by
+      expression) or "flag" (the option of the command line sets it to false).
+    - `flag`, `help`, `metavar`: of the command line.
+    - `least`: smallest number.
+    - `files`: those of `VERSIONS` that have it as a key.
+    - `label`, `choices`: in the window: its name, and its values with their meanings.
+    """
+
+    kind: str
+    flag: str
+    help: str
+    metavar: str | None = None
+    least: int | None = None
+    files: Collection[str] = ("project", "jobs")
+    label: str = ""
+    choices: Mapping[str, str] = field(default_factory=dict)
+
+
+def _declared(kind: str, flag: str, help_text: str, **how: Any) -> dict[str, Declaration]:
+    return {"declaration": Declaration(kind, flag, help_text, **how)}
 
 
 @dataclass(frozen=True)
@@ -72,25 +103,163 @@ class FitOptions:
         (`tirefmu.fitting.constraints.physical`); "all" means all constraints.
     """
 
-    effects: Collection[str] | None = None
-    without: Collection[str] = ()
-    recipe: str | None = None
-    loss: str = "squares"
-    method: str = "ipopt"
-    iterations: int | None = None
-    seed: int = 0
-    nominal: Mapping[str, float] | None = None
-    size: str | None = None
-    screening: bool = True
-    rows: str = "condition"
-    weights: Mapping[str, float] = field(default_factory=dict)
-    fixed: Mapping[str, float] = field(default_factory=dict)
-    stiffness_weight: float = STIFFNESS_WEIGHT
-    family: TireLike | None = None
-    temperature: str | None = None
-    sensor_errors: bool = True
-    constraints: Collection[str] = ()
-    without_constraints: Collection[str] = ()
+    effects: Collection[str] | None = field(
+        default=None,
+        metadata=_declared("names", "--effects", "Exactly these effects in addition to the core, or 'none'."),
+    )
+    without: Collection[str] = field(default=(), metadata=_declared("names", "--without", "All effects except these."))
+    family: TireLike | None = field(
+        default=None,
+        metadata=_declared(
+            "name or file",
+            "--family",
+            "Prior of the coefficients: .tir files of similar tires, or a published tire.",
+            metavar="FOLDER|NAME",
+            files=(),
+        ),
+    )
+    recipe: str | None = field(
+        default=None,
+        metadata=_declared(
+            "name or file",
+            "--recipe",
+            "progressive, joint, trento, scaling (of --start), one of the model's own, or a TOML file  "
+            "[default: the model's]",
+        ),
+    )
+    method: str = field(
+        default="ipopt",
+        metadata=_declared(
+            "text",
+            "--method",
+            "ipopt, or ioa: an evolutionary algorithm without derivatives, for comparison.",
+            files=("jobs",),
+        ),
+    )
+    iterations: int | None = field(
+        default=None,
+        metadata=_declared(
+            "integer",
+            "--iterations",
+            "Iteration limit of a stage  [default: ipopt 300, ioa 10000]",
+            least=1,
+            files=("jobs",),
+        ),
+    )
+    seed: int = field(
+        default=0,
+        metadata=_declared(
+            "integer", "--seed", "Seed of the random numbers of ioa and --bootstrap.", least=0, files=("jobs",)
+        ),
+    )
+    constraints: Collection[str] = field(
+        default=(),
+        metadata=_declared(
+            "names",
+            "--constraint",
+            "Physical constraints in addition to the default ones: extrapolation (signs and E up to 1.5 times the "
+            "range), stiffness_saturating (also K_xkappa), or all.",
+        ),
+    )
+    without_constraints: Collection[str] = field(
+        default=(),
+        metadata=_declared(
+            "names",
+            "--without-constraint",
+            "Physical constraints to remove: signs, curvature, friction_falling, stiffness_saturating, extrapolation, "
+            "a single one (curvature:E_y), or all.",
+        ),
+    )
+    loss: str = field(
+        default="squares",
+        metadata=_declared(
+            "text",
+            "--loss",
+            "Loss function: squares; huber or cauchy for data with outliers.",
+            label="Loss",
+            choices={"squares": "squares", "huber": "huber", "cauchy": "cauchy"},
+        ),
+    )
+    nominal: Mapping[str, float] | None = field(
+        default=None, metadata=_declared("pairs", "--nominal", "Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
+    )
+    size: str | None = field(
+        default=None,
+        metadata=_declared(
+            "text",
+            "--size",
+            "Size of the tire, 245/45R18 or 16x7.5-10: radius, width and rim  [default: as recorded]",
+            files=("project",),
+        ),
+    )
+    screening: bool = field(
+        default=True,
+        metadata=_declared(
+            "flag", "--all-rows", "Do not exclude rows (warm-up, transitions, outliers).", files=("jobs",)
+        ),
+    )
+    rows: str = field(
+        default="condition",
+        metadata=_declared(
+            "text",
+            "--rows",
+            "Weights of rows: condition (equal per operating condition), equal, independent (by effective sample "
+            "size), or load (errors relative to the load).",
+            label="Weights of rows",
+            choices={
+                "condition": "equal by condition",
+                "equal": "equal",
+                "independent": "by effective sample size",
+                "load": "relative to the load",
+            },
+        ),
+    )
+    weights: Mapping[str, float] = field(
+        default_factory=dict,
+        metadata=_declared(
+            "weights",
+            "--weight",
+            "Multiply the weights of rows by a factor: '2: Fz in 200..240 N'. Repeatable.",
+            metavar="FACTOR:EXPRESSION",
+            files=("project",),
+        ),
+    )
+    fixed: Mapping[str, float] = field(
+        default_factory=dict,
+        metadata=_declared(
+            "pairs",
+            "--fix",
+            "Coefficients that are not fitted, with their values in ISO-W: PCY1=1.3,PHY1=0.",
+            files=("project",),
+        ),
+    )
+    stiffness_weight: float = field(
+        default=STIFFNESS_WEIGHT,
+        metadata=_declared(
+            "number",
+            "--stiffness-weight",
+            "Weight of the slip stiffness read from the data at each load, in rows; 0: not fitted.",
+            least=0,
+            files=("project",),
+        ),
+    )
+    sensor_errors: bool = field(
+        default=True,
+        metadata=_declared(
+            "flag", "--exact-sensors", "Intervals without offsets, drift and cross-talk of the sensors.", files=()
+        ),
+    )
+    temperature: str | None = field(
+        default=None,
+        metadata=_declared(
+            "text",
+            "--temperature",
+            "Also fit the effect temperature to this recorded temperature, deg C  [default: T, if --effects has "
+            "temperature]",
+            metavar="COLUMN",
+            files=("project",),
+        ),
+    )
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.stiffness_weight < inf:
@@ -105,3 +274,16 @@ class FitOptions:
             raise FitError(f"loss {self.loss} is for method ipopt: {self.method} minimizes squares")
         if self.method != "ipopt" and self.family is not None:
             raise FitError(f"a family is for method ipopt, not for {self.method}")
+
+
+def declared_options(file: str = "") -> dict[str, tuple[Declaration, Any]]:
+    """Return the declaration and the default of each option by its name.
+
+    `file`: only those that this kind of file has as keys.
+
+    >>> declared_options()["loss"][0].flag, "seed" in declared_options("project")
+    ('--loss', False)
+    """
+    defaults = vars(FitOptions())
+    declared = {part.name: (part.metadata["declaration"], defaults[part.name]) for part in fields(FitOptions)}
+    return {name: option for name, option in declared.items() if not file or file in option[0].files}

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import pandas as pd
@@ -11,6 +12,7 @@ import pandas as pd
 from ..boundary.errors import FitError, TirError, UnknownName, WrongType, no_single_text
 from ..measurements import Recording
 from ..measurements.nominal_values import NOMINAL, check_nominal, check_radius
+from ..numerics.arrays import FloatArray
 from ..symbolic import DEFAULT_MODEL
 from ..symbolic.model import Model
 from ..symbolic.models import model_named, with_library
@@ -18,7 +20,8 @@ from ..tires import TireLike, tire_from
 from ..tires.code.printed import model_with
 from ..tires.property_file.names import not_given
 from ..tires.tire import Tire
-from .constraints.physical import Constraint, chosen_constraints
+from .constraints.physical import Constraint, chosen_constraints, operating_range
+from .constraints.verification import VerifiedConstraints
 from .data.dimensions import dimensions
 from .data.fit_data import FitData, prepare
 from .data.initial_values import starting_values
@@ -26,6 +29,8 @@ from .family import Family
 from .options import FitOptions
 from .problem.loss import Loss, loss_named
 from .problem.recipe import Recipe, load_recipe
+from .problem.rows import Rows
+from .problem.weights import emphasis
 from .solvers.selection import Solver, solver_for
 
 #: Value of `start` for initial values that are read from the data.
@@ -85,9 +90,11 @@ class Plan:
 
 @dataclass(frozen=True)
 class Setup:
-    """What a running fit starts from.
+    """What a fit starts from.
 
     - `tire`: initial values, in adapted SAE.
+    - `table`: the fitted rows. Without states of effects, which a fit simulates again and again, its columns are the
+      arrays of `rows`.
     - `read`: initial values that were read from the data.
     - `notes`: notes for the user: what was assumed, what is not fitted.
     - `measured`: coefficients with dimensions that the size or the recordings give.
@@ -98,6 +105,8 @@ class Setup:
     tire: Tire
     read: Mapping[str, float]
     notes: tuple[str, ...]
+    table: pd.DataFrame
+    rows: Rows | None = None
     measured: frozenset[str] = frozenset()
 
     @classmethod
@@ -132,7 +141,43 @@ class Setup:
         if plan.features:
             summary = ", ".join(f"{name} {value:.3g}" for name, value in read.items())
             notes.append(f"initial values read from the data: {summary or 'none, generic values used'}")
-        return cls(plan, data, tire, read, tuple(notes), frozenset(measured))
+        setup = cls(plan, data, tire, read, tuple(notes), data.fitted, None, frozenset(measured))
+        return setup if tire.states else setup._with_rows()
+
+    def _with_rows(self) -> Setup:
+        rows = Rows.of(self.table, self.tire, self.channels)
+        table = rows.in_table(self.table, self.tire)
+        # Columns of all data share no memory with these rows.
+        data = replace(self.data, table=table) if len(self.data.table) == len(rows) else self.data
+        return replace(self, data=data, table=table, rows=rows)
+
+    @cached_property
+    def channels(self) -> tuple[str, ...]:
+        """The outputs that are fitted."""
+        measured = self.table.notna().any()
+        outputs = self.plan.symbolic_model.outputs
+        return tuple(quantity.name for quantity in outputs if measured.get(quantity.name, False))
+
+    @cached_property
+    def plain(self) -> bool:
+        """Whether no row has turn slip, so that its coefficients have no influence."""
+        on_demand = [name for _, name in self.plan.symbolic_model.on_demand if name in self.table]
+        return not any(self.table[name].any() for name in on_demand)
+
+    @cached_property
+    def emphasis(self) -> FloatArray:
+        """Weight factors of the channels of recordings, shape (n_recordings, n_outputs)."""
+        return emphasis(self.table, self.tire.outputs)
+
+    @cached_property
+    def constraints(self) -> VerifiedConstraints:
+        """The physical constraints over the operating range."""
+        return VerifiedConstraints(self.tire, self.plan.constraints, self.ranges)
+
+    @cached_property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """The operating range: smallest and largest value of each input."""
+        return operating_range(self.table, self.tire)
 
     @property
     def assumed(self) -> frozenset[str]:
@@ -169,11 +214,19 @@ def _initial_values(
         if start.model != model.name:
             raise FitError(f"the start tire is {start.model}, not {model.name}")
         return {**start.in_signs("adapted-sae").values, **measured, **given}
+    values = nominal_values(model, data, given, measured, notes)
+    if "FNOMIN" not in values:
+        raise FitError("no load Fz in the data: specify --nominal Fz0=...")
+    return values
+
+
+def nominal_values(
+    model: Model, data: pd.DataFrame, given: Mapping[str, float], measured: Mapping[str, float], notes: list[str]
+) -> dict[str, float]:
+    """Return the given coefficients, `measured` dimensions and, for nominal values that are not given, medians."""
     values = {"UNLOADED_RADIUS": UNKNOWN_RADIUS, **measured, **_medians(model, data, given, notes), **given}
     if "UNLOADED_RADIUS" not in {*measured, *given}:
         notes.append(f"radius R0 not known: {UNKNOWN_RADIUS} m is assumed; give --size 205/55R16 or --nominal R0=0.31")
-    if "FNOMIN" not in values:
-        raise FitError("no load Fz in the data: specify --nominal Fz0=...")
     return values
 
 

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 from ..boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
-    from .channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
+    from ..tires.channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
     from .checks.columns.check import check_columns, column_notes
     from .checks.columns.limits import check_plausible
     from .checks.recordings.data_findings import data_findings
-    from .checks.recordings.finding import Finding
+    from .checks.recordings.finding import DataFinding
     from .checks.recordings.one_recording import incomplete_rows
     from .checks.recordings.residual_causes import residual_findings
     from .checks.rows.coverage import Coverage, coverage, coverage_notes
@@ -43,13 +43,13 @@ if TYPE_CHECKING:
 
 #: The names of each module.
 _ON_DEMAND = {
-    "channels": ("CHANNELS", "Channel", "INPUTS", "OUTPUTS", "channel"),
+    ".tires.channels": ("CHANNELS", "Channel", "INPUTS", "OUTPUTS", "channel"),
     "checks.columns.check": ("check_columns", "column_notes"),
     "checks.columns.limits": ("check_plausible",),
     "files.reading": ("READERS", "read_recording"),
     "files.writing": ("write_table",),
     "checks.recordings.data_findings": ("data_findings",),
-    "checks.recordings.finding": ("Finding",),
+    "checks.recordings.finding": ("DataFinding",),
     "checks.recordings.one_recording": ("incomplete_rows",),
     "checks.recordings.residual_causes": ("residual_findings",),
     "operating_conditions.grouping": ("Grouping", "group_by_condition"),
@@ -71,9 +71,10 @@ _ON_DEMAND = {
 }  # fmt: skip
 
 __all__ = [
-    "CHANNELS", "EXCLUSION_REASONS", "INPUTS", "OUTPUTS", "READERS", "Channel", "ChannelNoise", "Coverage", "Finding",
-    "Grouping", "Noise", "Outlier", "Phase", "Program", "Recording", "RowExclusion", "TableLike", "TestedTire",
-    "VirtualBench", "alpha_sweeps", "channel", "check_columns", "check_plausible", "column_notes", "concatenate",
+    "CHANNELS", "EXCLUSION_REASONS", "INPUTS", "OUTPUTS", "READERS", "Channel", "ChannelNoise", "Coverage",
+    "DataFinding", "Grouping", "Noise", "Outlier", "Phase", "Program", "Recording", "RowExclusion", "TableLike",
+    "TestedTire", "VirtualBench", "alpha_sweeps", "channel", "check_columns", "check_plausible",
+    "column_notes", "concatenate",
     "coverage", "coverage_notes", "data_findings", "exclude_rows", "group_by_condition", "held_levels",
     "incomplete_rows", "kappa_sweeps", "level_tolerance", "levels", "outliers", "phases", "read_recording",
     "recording_from", "recordings_from", "residual_findings", "selected", "small_tire_program", "steady_points",

@@ -11,7 +11,7 @@ from ..symbolic.declarations import Coefficient, Effect
 from ..symbolic.effects import EFFECTS
 from ..symbolic.models import MODELS, model_named
 from ..tires import published
-from .channels import CHANNELS
+from ..tires.channels import CHANNELS
 from .units import UNITS_OF_TABLES
 
 #: How a tire comes to have an effect: with the model, on request, or as an addition to any model.
@@ -114,8 +114,6 @@ def models() -> list[dict[str, Any]]:
 def published_tires() -> list[dict[str, Any]]:
     """Return the published tires: name, model, nominal load and radius, ranges, source.
 
-    Examples
-    --------
     >>> [(found["name"], found["model"]) for found in published_tires()]
     [('trento_hoosier', 'mf96'), ('unicamp_small_tire', 'mf61')]
     """

@@ -6,9 +6,9 @@ import pandas as pd
 
 from ..boundary.named_options import named
 from ..tires import Tire, TireLike, tire_from
+from ..tires.channels import OUTPUTS
 from ..tires.evaluation import Conventions
 from ..tires.evaluation import evaluate as evaluate_rows
-from .channels import OUTPUTS
 from .column_names import check_names
 from .recording import Recording
 from .table_argument import TableLike, recording_from

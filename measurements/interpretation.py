@@ -13,7 +13,7 @@ import numpy as np
 
 from ..boundary.errors import DataError
 from ..numerics.arrays import FloatArray
-from .channels import CHANNELS, channel
+from ..tires.channels import CHANNELS, channel
 from .recording import Recording
 from .units import Unit, to_si, unit_of
 
@@ -25,23 +25,12 @@ NOT_READ = "none"
 class Interpretation:
     """Columns and units that replace those of a table.
 
-    Parameters
-    ----------
-    columns : mapping of str to str
-        By channel, the column that has it: a header with or without unit, or a channel. A leading minus reverses the
-        sign: ``{"alpha": "-SA"}``. ``none``: the column is not read.
-    units : mapping of str to str
-        By channel, the unit of its numbers in the file: ``{"Fz": "lbf"}``.
+    Raises `UnknownName` if a channel or a unit does not exist. Raises `DataError` if a unit is one of another quantity.
 
-    Raises
-    ------
-    UnknownName
-        If a channel or a unit does not exist.
-    DataError
-        If a unit is one of another quantity.
+    - `columns`: by channel, the column that has it: a header with or without unit, or a channel. A leading minus
+      reverses the sign: ``{"alpha": "-SA"}``. ``none``: the column is not read.
+    - `units`: by channel, the unit of its numbers in the file: ``{"Fz": "lbf"}``.
 
-    Examples
-    --------
     >>> import pandas as pd
     >>> table = pd.DataFrame({"alpha": [0.1], "Fz": [100.0], "Fy": [900.0]})
     >>> read = Interpretation({"alpha": "-alpha"}, {"Fz": "lbf"}).applied(Recording(table, "iso", "a.csv"))

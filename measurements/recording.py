@@ -14,9 +14,9 @@ import pandas as pd
 from ..boundary.errors import DataError
 from ..boundary.escaping import excerpt
 from ..numerics.arrays import IntArray
+from ..tires.channels import CHANNELS, OUTPUTS
 from ..tires.notebook import html_summary, html_table
 from ..tires.signs import convert_signs, reversed_columns
-from .channels import CHANNELS, OUTPUTS
 from .column_names import check_names
 from .thresholds import LOGGING_GAP
 

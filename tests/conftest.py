@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import lzma
 import os
 from collections.abc import Iterator
@@ -35,6 +36,27 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
                 item.add_marker(pytest.mark.skip(reason="slow: set TIREFMU_SLOW=1"))
 
 
+def pytest_collection_finish() -> None:
+    """Search for garbage rarely, and not among what was imported: it takes a tenth of the time otherwise."""
+    gc.set_threshold(200_000, 20, 50)
+    gc.freeze()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def quickly_compiled() -> Iterator[None]:
+    """Compile without optimization, which takes a tenth of the time; tests of optimized code name its level.
+
+    Optimized as for a user with TIREFMU_SLOW, and where TIREFMU_MACHINE chooses an instruction set.
+    """
+    from tirefmu.tires.code import c_code, compiler
+
+    with pytest.MonkeyPatch.context() as patch:
+        if not {"TIREFMU_SLOW", "TIREFMU_MACHINE"} & os.environ.keys():
+            patch.setattr(compiler, "FLAGS", tuple(flag.replace("-O2", "-O0") for flag in compiler.FLAGS))
+            patch.setattr(c_code, "QUICKLY", ())
+        yield
+
+
 @pytest.fixture(scope="session", autouse=True)
 def compiled_code(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """Cache compiled libraries and printed code in pytest's cache instead of the user's cache.
@@ -53,11 +75,18 @@ def compiled_code(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPath
 
 @pytest.fixture(scope="session", autouse=True)
 def coarse_figures() -> Iterator[None]:
-    """Draw figures with fewer pixels, whose number is not tested: they take most of the time of a report."""
+    """Draw figures with few pixels and axes where they first are: no test looks at them, and they take long."""
+    from matplotlib.figure import Figure
+
     from tirefmu.drawing import picture
-    from tirefmu.tires.drawing import files
+    from tirefmu.tires.drawing import files, surface_figure
+
+    def roughly(**given: object) -> Figure:
+        return Figure(**{**given, "layout": None})
 
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(picture, "MatplotlibFigure", roughly)
+        patch.setattr(surface_figure, "MatplotlibFigure", roughly)
         patch.setattr(picture, "DPI", 40)
         patch.setattr(picture, "PAGE_DPI", 40)
         patch.setattr(files, "DPI", 40)

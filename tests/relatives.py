@@ -12,8 +12,11 @@ from tirefmu.symbolic.models import MODELS
 TESTED = "mf61"
 
 
+def is_slow(model: str) -> bool:
+    """Return whether a model is a relative of the tested one."""
+    return model != TESTED and MODELS[model].source.folder == MODELS[TESTED].source.folder
+
+
 def slow_relatives(models: Iterable[str]) -> list[object]:
     """Return parameters for pytest of which the relatives of the tested model are marked as slow."""
-    folder = MODELS[TESTED].source.folder
-    relatives = {name for name, model in MODELS.items() if model.source.folder == folder} - {TESTED}
-    return [pytest.param(name, marks=pytest.mark.slow) if name in relatives else name for name in models]
+    return [pytest.param(name, marks=pytest.mark.slow) if is_slow(name) else name for name in models]

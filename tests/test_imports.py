@@ -53,7 +53,7 @@ EMPTY_WORDS = {"each", "one", "own", "found", "known"}
 NOT_NAMED = ("benchmarks", "examples", "tests", "generated")
 #: The field `Diagnosis.found`, and keys of the JSON of a diagnosis and of a drive.
 AS_THEY_ARE = {
-    "applications/batch/diagnose_many.py: found", "applications/driving/drive_content.py: found",
+    "applications/batch/diagnose_many.py: found", "applications/driving/result.py: found",
     "diagnosis/verdict/composition.py: found", "diagnosis/verdict/content.py: found",
     "diagnosis/verdict/result.py: found",
 }  # fmt: skip

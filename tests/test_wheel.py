@@ -1,4 +1,4 @@
-"""The wheel contains what is on disk, and all printed code.
+"""The wheel contains what is on disk, and all printed code, which takes long to print (make release).
 
 In a clone, a folder that setup.py misses or a data file that pyproject.toml misses has no effect; an installed wheel
 fails.
@@ -14,6 +14,8 @@ import sys
 import tomllib
 import zipfile
 from pathlib import Path
+
+import pytest
 
 from tirefmu.symbolic.printers.generate import files_on_demand
 
@@ -39,6 +41,23 @@ def copy_of_the_sources(target: Path) -> None:
         shutil.copy(ROOT / name, target / name)
 
 
+def expected_files() -> set[str]:
+    """Return the names of the files of the packages and of the root, as installed."""
+    rooms = (f"{room}/{path.as_posix()}" for room in ROOMS for path in on_disk(ROOT / room))
+    return {f"tirefmu/{name}" for name in (*PUBLIC, *rooms)}
+
+
+def test_what_is_copied_into_a_wheel_are_the_packages():
+    program = "import setuptools, distutils.core as core; " \
+        "made = core.run_setup('setup.py', ['build_py'], stop_after='commandline').get_command_obj('build_py'); " \
+        "made.ensure_finalized(); made.set_undefined_options('build', ('build_lib', 'build_lib')); " \
+        "print(made.build_lib, *made.get_outputs(include_bytecode=False), sep=chr(10))"  # fmt: skip
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
+    folder, *copied = done.stdout.splitlines()
+    assert {Path(name).relative_to(folder).as_posix() for name in copied} == expected_files()
+
+
+@pytest.mark.slow
 def test_wheel_contains_the_packages(tmp_path):
     # Built from a copy: a build folder in the clone could contain outdated files.
     source = tmp_path / "source"
@@ -50,10 +69,7 @@ def test_wheel_contains_the_packages(tmp_path):
     (path,) = tmp_path.glob("*.whl")
     wheel = zipfile.ZipFile(path)
     packed = {name for name in wheel.namelist() if ".dist-info/" not in name}
-    expected = {
-        f"tirefmu/{name}" for name in (*PUBLIC, *(
-            f"{room}/{path.as_posix()}" for room in ROOMS for path in on_disk(ROOT / room)))
-    }  # fmt: skip
+    expected = expected_files()
     manifest = json.loads(wheel.read("tirefmu/generated/MANIFEST.json"))
     printed = {f"tirefmu/generated/{name}": digest for name, digest in manifest["files"].items()}
     assert {

@@ -86,26 +86,9 @@ def evaluate(
 ) -> pd.DataFrame:
     """Return forces and named quantities for each row of a table, together with its input columns.
 
-    Parameters
-    ----------
-    tire : TireDefinition
-        In any signs.
-    table : pandas.DataFrame
-        Input columns in SI units.
-    conventions : Conventions
-        Signs of the table and options of the formula.
-    language : str
-        Which generated code evaluates; "auto": the fastest for the number of rows.
-
-    Returns
-    -------
-    pandas.DataFrame
-        With the table's index.
-
-    Raises
-    ------
-    DataError
-        If an input is NaN or infinite.
+    `tire`: in any signs. `table`: input columns in SI units. `conventions`: signs of the table and options of the
+    formula. `language`: which generated code evaluates; "auto": the fastest for the number of rows. Returns: with the
+    table's index. Raises `DataError` if an input is NaN or infinite.
     """
     import pandas as pd  # here, because `forces` does not need it
 

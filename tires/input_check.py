@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..boundary.errors import DataError, TirefmuError, UnknownName, WrongType
-from ..boundary.typed_numbers import MAX_WRONG_LOADS, RANGES, SMALLEST_PRESSURE
+from .channels import CHANNELS
 from .definition import TireDefinition
 from .signs import TABLE_INPUTS, convert_signs
 
@@ -20,6 +20,11 @@ if TYPE_CHECKING:
     import pandas as pd
 
 FloatArray = npt.NDArray[np.float64]
+
+#: Pa. If the median pressure is smaller, it is not in Pa: a balloon tire has 1e4 Pa, and 250 psi is the number 250.
+SMALLEST_PRESSURE = 2e3
+#: Fraction of the rows. If more loads have the wrong sign, the sign convention is wrong: the majority decides.
+MAX_WRONG_LOADS = 0.5
 
 
 class SignedTable(Protocol):
@@ -121,7 +126,9 @@ def checked_table(
             raise DataError(f"{source}: the recording is in {written} signs, not {signs} (with_signs converts it)")
     else:
         raise WrongType("table", table, "a DataFrame or a Recording (tirefmu.evaluate takes a path)")
-    given = convert_signs(rows[[name for name in RANGES if name in rows]], written, "iso")
+    given = convert_signs(
+        rows[[name for name, channel in CHANNELS.items() if channel.hint and name in rows]], written, "iso"
+    )
     for name in map(str, given):
         values = _numbers(name, given[name])
         values = values[np.isfinite(values)]  # others are errors of their row
@@ -146,7 +153,8 @@ def _numbers(name: str, given: Any) -> FloatArray:
 
 def _problem(name: str, values: FloatArray) -> str:
     """Return a sentence if a value is outside the range of its input; empty otherwise."""
-    low, high, unit = RANGES.get(name, (-np.inf, np.inf, ""))
+    (low, high), unit = CHANNELS[name].limits, CHANNELS[name].hint
+    low = 0.0 if name == "Fz" else low  # a magnitude
     with np.errstate(invalid="ignore"):
         outside = bool(np.any((values < low) | (values > high)))
     if outside:

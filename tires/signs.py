@@ -16,21 +16,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..boundary.errors import UnknownName
+from .channels import INPUTS, OUTPUTS, reversed_by
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: The input columns of the public tables; a model reads those that it has.
-TABLE_INPUTS = ("t", "kappa", "alpha", "gamma", "Fz", "p", "V", "T", "T_ambient", "T_road", "phit")
-#: The output columns of the public tables.
-TABLE_OUTPUTS = ("Fx", "Fy", "Mz", "Mx", "My")
+#: The input columns of the public tables, of which a model reads those that it has; the output columns.
+TABLE_INPUTS, TABLE_OUTPUTS = INPUTS, OUTPUTS
+SIGNS = ("iso", "adapted-sae", "sae")
 #: The columns that each convention writes with the opposite sign of ``iso``.
-REVERSED: dict[str, frozenset[str]] = {
-    "iso": frozenset(),
-    "adapted-sae": frozenset({"Fy", "My", "Mz"}),
-    "sae": frozenset({"Fy", "My", "Mz", "alpha", "Fz"}),
-}
-SIGNS = tuple(REVERSED)
+REVERSED: dict[str, frozenset[str]] = {signs: reversed_by(signs) for signs in SIGNS}
+#: What a mirror in the wheel plane reverses.
+MIRRORED = reversed_by("mirror")
 
 
 def reversed_columns(source: str, target: str) -> frozenset[str]:
@@ -72,7 +69,3 @@ def convert_signs(table: pd.DataFrame, source: str, target: str) -> pd.DataFrame
     """
     columns = [name for name in table.columns if name in reversed_columns(source, target)]
     return table.assign(**{name: -table[name] for name in columns})
-
-
-#: What a mirror in the wheel plane reverses.
-MIRRORED = frozenset({"alpha", "gamma", "phit", "Fy", "Mx", "Mz"})

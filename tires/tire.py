@@ -222,7 +222,7 @@ class Tire(TireDefinition):
         Parameters
         ----------
         data : pandas.DataFrame (SI units, ISO signs) or Recording, optional
-            Rows that are drawn as crosses at the loads at which they were measured. A str is taken as `kind`:
+            Rows that are drawn as points at the loads at which they were measured. A str is taken as `kind`:
             ``plot("combined")``.
         kind : {"pure", "surfaces", "combined"}
             Fx over kappa, Fy and Mz over alpha in pure slip; Fx and Fy over both slips; Fy against Fx.

@@ -75,27 +75,10 @@ def tire_label(tire: TireLike) -> str:
 def tires_from(tire: TireLike, parameter: str = "tire") -> list[Tire]:
     """Return a tire as a list, or the tires of all .tir files in a folder.
 
-    Parameters
-    ----------
-    tire : Tire, str or path-like
-        As for `tire_from`, or a folder.
-    parameter : str
-        Name of the caller's parameter, for the message.
+    `tire`, str or path-like: as for `tire_from`, or a folder. `parameter`: name of the caller's parameter, for the
+    message. Returns: in the order of the file names. Raises `TireError` if a folder has no .tir file. Raises
+    `UnknownName, TirError, WrongType` as `tire_from`.
 
-    Returns
-    -------
-    list of Tire
-        In the order of the file names.
-
-    Raises
-    ------
-    TireError
-        If a folder has no .tir file.
-    UnknownName, TirError, WrongType
-        As `tire_from`.
-
-    Examples
-    --------
     >>> [tire.model for tire in tires_from("trento_hoosier")]
     ['mf96']
     """

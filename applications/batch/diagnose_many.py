@@ -18,7 +18,7 @@ from ...diagnosis import Diagnosis, diagnose, export_and_simulate, write_report
 from ...measurements import Recording, recording_from
 from ...tires import Tire, tire_from
 from .jobs import unique
-from .resumable import FAILED, BatchResult, Kind, Outcome, compute, digest_of, recordings_in, write_summary
+from .resumable import FAILED, BatchResult, JobOutcome, Kind, compute, digest_of, recordings_in, write_summary
 
 #: States of a diagnosis: complete; complete, but an FMU does not match direct evaluation.
 DIAGNOSED, DIFFERS = "diagnosed", "FMU differs"
@@ -158,7 +158,7 @@ def task_of(job: DiagnosisJob) -> DiagnosisTask:
     return DiagnosisTask(job, recording_from(job.table, signs=job.signs, where=job.where))
 
 
-def run(task: DiagnosisTask) -> Outcome[DiagnosisResult]:
+def run(task: DiagnosisTask) -> JobOutcome[DiagnosisResult]:
     """Diagnose the recording of a task, in any process."""
     job, recording = task.job, task.recording
     with TemporaryDirectory(prefix="tirefmu-") as scratch:
@@ -167,7 +167,7 @@ def run(task: DiagnosisTask) -> Outcome[DiagnosisResult]:
             result = diagnose(recording, tire=job.tire, **job.options)
             content = write_answer(result, recording, folder, fmus=job.fmus)
         except TirefmuError as error:
-            return Outcome(DiagnosisResult(job.name, FAILED, (str(error),)))
+            return JobOutcome(DiagnosisResult(job.name, FAILED, (str(error),)))
         files = {f"{job.name}/{path.name}": path.read_bytes() for path in sorted(folder.iterdir())}
     errors = {channel: {key: gap[key] for key in ("before", "after", "floor")}
               for channel, gap in content["gap"]["holdout"].items()}  # fmt: skip
@@ -177,7 +177,7 @@ def run(task: DiagnosisTask) -> Outcome[DiagnosisResult]:
         result.verdict, result.rating, tuple(finding.effect for finding in result.found), result.delivered,
         len(recording), result.seconds, errors,
     )  # fmt: skip
-    return Outcome(row, files)
+    return JobOutcome(row, files)
 
 
 def write_answer(

@@ -1,18 +1,29 @@
-"""Independent tasks on processes of this machine: results as they finish; a process that ends costs its own task."""
+"""Independent tasks on processes of this machine or on a Dask cluster: results as they finish.
+
+A process that ends costs its own task.
+"""
 
 from __future__ import annotations
 
 import multiprocessing
 import os
 import signal
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib.metadata import version
 from itertools import islice
-from typing import TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from threadpoolctl import threadpool_limits
+
+from ...boundary.errors import FitError
+
+if TYPE_CHECKING:
+    from distributed import Client
+
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -109,3 +120,111 @@ def _result_of(future: Future[Result]) -> Result | Lost:
         return Lost("its process ended without a result (out of memory, or killed)")
     except Exception as error:
         return Lost(f"{type(error).__name__}: {error}")
+
+
+#: Longest wait for the scheduler, s.
+CONNECTION_TIMEOUT = 10.0
+
+
+def completed_on_cluster(
+    function: Callable[[Task], Result], tasks: Iterable[Task], address: str
+) -> Iterator[tuple[int, Result | Lost]]:
+    """Yield number and result of each task as it finishes.
+
+    `tasks`: read as they are needed. The workers receive them with their data and read no files. `address`: of the
+    scheduler, such as tcp://127.0.0.1:8786. Yields: `Lost` if the function raises, or workers end repeatedly with the
+    task. If a worker ends, its tasks are computed by another one. Raises `FitError` if Dask is not installed, the
+    scheduler does not answer, or workers have another version of tirefmu.
+    """
+    numbered = enumerate(tasks)
+    with _connected(address) as client:
+        from distributed import as_completed
+
+        threads = sum(client.nthreads().values())
+        number_of: dict[Any, int] = {}
+
+        def submitted(count: int) -> Iterator[Any]:
+            for number, task in islice(numbered, count):
+                future = client.submit(single_threaded, function, task, pure=False)
+                number_of[future.key] = number
+                yield future
+
+        finished = as_completed(submitted(threads * WAITING))
+        for future in finished:
+            yield number_of.pop(future.key), _cluster_result(future)
+            for another in submitted(1):
+                finished.add(another)
+
+
+@contextmanager
+def _connected(address: str) -> Iterator[Client]:
+    """Connect to a scheduler whose workers have this version of tirefmu."""
+    try:
+        from distributed import Client
+    except ImportError:
+        raise FitError("--scheduler needs Dask: pip install 'tirefmu[distributed]'") from None
+    try:
+        client = Client(address, timeout=CONNECTION_TIMEOUT)
+    except (OSError, ValueError) as error:
+        raise FitError(f"no scheduler answers at {address} ({error})") from error
+    with client:
+        here, others = version("tirefmu"), client.run(_version)
+        if not others:
+            raise FitError(f"the scheduler at {address} has no workers")
+        for worker, other in others.items():
+            if other != here:
+                raise FitError(f"worker {worker} has tirefmu {other}, not {here}")
+        yield client
+
+
+def _version() -> str:
+    """Return the version of tirefmu of a worker."""
+    return version("tirefmu")
+
+
+def _cluster_result(future: Any) -> Any:
+    from distributed import KilledWorker
+
+    try:
+        return future.result()
+    except KilledWorker:
+        return Lost("its worker ended repeatedly without a result (out of memory, or killed)")
+    except Exception as error:
+        return Lost(f"{type(error).__name__}: {error}")
+
+
+#: Called with the numbers of finished and of all parts.
+Progress = Callable[[int, int], None]
+
+
+def results(
+    function: Callable[[Task], Result], tasks: Iterable[Task], scheduler: str | None, workers: int | None
+) -> Iterator[tuple[int, Result | Lost]]:
+    """Yield number and result of each task as it finishes.
+
+    `function`: of a module that other processes can import. `tasks`: read as they are needed. `scheduler`: address of a
+    Dask scheduler, or None for processes of this machine. `workers`: number of local processes; by default one for each
+    processor. Yields: `Lost` if a task has no result.
+    """
+    return completed_on_cluster(function, tasks, scheduler) if scheduler else completed(function, tasks, workers)
+
+
+def all_results(
+    function: Callable[[Task], Result], tasks: Sequence[Task], scheduler: str | None, workers: int | None,
+    progress: Progress | None, size: Callable[[Task], int] = lambda task: 1,
+) -> list[Result]:  # fmt: skip
+    """Return the result of every task, in their order.
+
+    `function`, `tasks`, `scheduler`, `workers`: as for `results`. `progress`: called as tasks finish. `size`: how much
+    a task counts there. Raises `FitError` if a task has no result.
+    """
+    by_number: dict[int, Result] = {}
+    total, finished = sum(map(size, tasks)), 0
+    for number, outcome in results(function, tasks, scheduler, workers):
+        if isinstance(outcome, Lost):
+            raise FitError(f"a part of the computation has no result: {outcome.reason}")
+        by_number[number] = outcome
+        finished += size(tasks[number])
+        if progress:
+            progress(finished, total)
+    return [by_number[number] for number in range(len(tasks))]

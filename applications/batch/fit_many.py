@@ -19,7 +19,7 @@ from ...tires import tire_from
 from ...tires.tire import Tire
 from .jobs import OPTIONS, READING, FitJob, read_jobs, unique
 from .records import JobResult, result_of_fit, table_of
-from .resumable import FAILED, LOST, Kind, Outcome, compute, digest_of, write_summary
+from .resumable import FAILED, LOST, JobOutcome, Kind, compute, digest_of, write_summary
 
 #: Called with a result and the numbers of finished and of all jobs.
 Progress = Callable[[JobResult, int, int], None]
@@ -140,22 +140,22 @@ def task_of(job: FitJob) -> FitTask:
     return FitTask(job, tuple(recordings_from(job.tables, signs=job.signs, where=job.where)), given)
 
 
-def run(task: FitTask) -> Outcome[JobResult]:
+def run(task: FitTask) -> JobOutcome[JobResult]:
     """Fit the tire of a task, in any process."""
     job = task.job
     options = {**job.options, "start": task.start}
     try:
         fitted = fit(task.recordings, options.pop("model", None), **options)
     except TirefmuError as error:
-        return Outcome(JobResult(job.name, FAILED, (str(error),)))
+        return JobOutcome(JobResult(job.name, FAILED, (str(error),)))
     if fitted.run.interrupted:
-        return Outcome(JobResult(job.name, LOST, (f"interrupted: {fitted.run.interrupted}",)))
+        return JobOutcome(JobResult(job.name, LOST, (f"interrupted: {fitted.run.interrupted}",)))
     tire = replace(fitted.tire, name=fitted.tire.name or job.name)
     with TemporaryDirectory(prefix="tirefmu-") as scratch:
         path = Path(scratch, f"{job.name}.tir")
         tire.save(path)
         files = {path.name: path.read_bytes()}
-    return Outcome(result_of_fit(job.name, fitted), files, {"fit": fitted.to_json()})
+    return JobOutcome(result_of_fit(job.name, fitted), files, {"fit": fitted.to_json()})
 
 
 def _digest_of(job: FitJob) -> str:

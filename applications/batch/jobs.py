@@ -12,14 +12,22 @@ from ...boundary.errors import FitError, path_from
 from ...boundary.escaping import file_name, quoted
 from ...boundary.json_schema import document, object_schema
 from ...boundary.schema_check import check_content
+from ...fitting.options import VERSIONS, declared_options
 from .resumable import Job, recordings_in
 
+#: The types of options by kind.
+_TYPES: Mapping[str, Any] = {
+    "text": str, "names": list[str], "name or file": str, "integer": int, "number": float, "pairs": dict[str, float],
+    "weights": dict[str, float], "flag": bool,
+}  # fmt: skip
 #: Options of a job: the arguments of `tirefmu.fit` with their types.
 OPTIONS: Mapping[str, Any] = {
-    "model": str, "start": str, "effects": list[str], "without": list[str], "recipe": str, "loss": str, "method": str,
-    "iterations": int, "seed": int, "nominal": dict[str, float], "screening": bool, "rows": str,
-    "constraints": list[str], "without_constraints": list[str],
-}  # fmt: skip
+    "model": str,
+    "start": str,
+    **{name: _TYPES[option.kind] for name, (option, _) in declared_options("jobs").items()},
+}
+#: Those that are a name or a path, which is relative to the job file.
+_PATHS = ("start", *(name for name, (option, _) in declared_options("jobs").items() if option.kind == "name or file"))
 #: Options that determine how the tables are read.
 READING: Mapping[str, Any] = {"signs": str, "where": str}
 
@@ -76,7 +84,7 @@ def jobs_schema() -> dict[str, Any]:
     job = object_schema({"name": str, "tables": tables, **OPTIONS, **READING}, ["name", "tables"])
     jobs = {"type": "array", "minItems": 1, "items": job, "description": "[[jobs]], one table for each fit"}
     content = {"defaults": object_schema({**OPTIONS, **READING}), "jobs": jobs}
-    return document("jobs", "1.0", "Jobs of many fits", object_schema(content, ["jobs"]))
+    return document("jobs", VERSIONS["jobs"], "Jobs of many fits", object_schema(content, ["jobs"]))
 
 
 def _jobs_of_folder(folder: Path, options: Mapping[str, Any]) -> list[FitJob]:
@@ -92,7 +100,7 @@ def _jobs_of_folder(folder: Path, options: Mapping[str, Any]) -> list[FitJob]:
 def _job(item: Mapping[str, Any], defaults: Mapping[str, Any], path: Path) -> FitJob:
     given = {**defaults, **{key: value for key, value in item.items() if key not in ("name", "tables")}}
     options = {key: given[key] for key in OPTIONS if key in given}
-    for key in ("start", "recipe"):
+    for key in _PATHS:
         if key in options and (path.parent / options[key]).is_file():
             options[key] = str(path.parent / options[key])
     files = tuple(path.parent / table for table in item["tables"])

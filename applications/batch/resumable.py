@@ -15,13 +15,13 @@ from typing import Any, Generic, Protocol, Self, TypeVar
 
 import pandas as pd
 
+from ...boundary.bounded_file import write_whole
 from ...boundary.errors import DataError, FitError, TirefmuError, writing
 from ...boundary.json_schema import json_value
-from ...boundary.whole_file import write_whole
 from ...drawing.page import page_text, write_page
 from ...measurements.files.reading import READERS
 from .execution import Lost
-from .workers import results as outcomes_of
+from .execution import results as outcomes_of
 
 #: States of a job without a result: invalid data or options; its process ended, or the program has an error.
 FAILED, LOST = "failed", "lost"
@@ -64,7 +64,7 @@ Result = TypeVar("Result", bound=BatchResult)
 
 
 @dataclass(frozen=True)
-class Outcome(Generic[Result]):
+class JobOutcome(Generic[Result]):
     """What a worker returns.
 
     - `files`: contents of the output files by path in the folder of the batch.
@@ -88,7 +88,7 @@ class Kind(Generic[Job, Task, Result]):
     """
 
     task_of: Callable[[Job], Task]
-    run: Callable[[Task], Outcome[Result]]
+    run: Callable[[Task], JobOutcome[Result]]
     digest_of: Callable[[Job], str]
     result: type[Result]
     earlier: Callable[[Path, str], Sequence[Path]]
@@ -101,7 +101,7 @@ def compute(
 ) -> tuple[Result, ...]:  # fmt: skip
     """Compute the jobs of a batch.
 
-    `folder`: for the results; it is created. `scheduler`, `workers`: as for `workers.results`. `resume`: keep the
+    `folder`: for the results; it is created. `scheduler`, `workers`: as for `execution.results`. `resume`: keep the
     results that the folder has of the same jobs. Only lost jobs are computed again. `progress`: called with each result
     and the numbers of finished and of all jobs. `summarize`: called with the results in the order of the jobs, also if
     the batch is interrupted. Raises `DataError` if the folder cannot be written.
@@ -181,24 +181,24 @@ def write_table(table: pd.DataFrame, path: Path) -> None:
 
 def _outcomes(
     kind: Kind[Job, Task, Result], jobs: Sequence[Job], scheduler: str | None, workers: int | None
-) -> Iterator[tuple[int, Outcome[Result]]]:
+) -> Iterator[tuple[int, JobOutcome[Result]]]:
     """Yield number and outcome of each job; data that cannot be read are an outcome."""
     numbers: list[int] = []
-    unreadable: list[tuple[int, Outcome[Result]]] = []
+    unreadable: list[tuple[int, JobOutcome[Result]]] = []
 
     def tasks() -> Iterator[Task]:
         for number, job in enumerate(jobs):
             try:
                 task = kind.task_of(job)
             except TirefmuError as error:
-                unreadable.append((number, Outcome(kind.result(job.name, FAILED, (str(error),)))))
+                unreadable.append((number, JobOutcome(kind.result(job.name, FAILED, (str(error),)))))
                 continue
             numbers.append(number)
             yield task
 
     for place, outcome in outcomes_of(kind.run, tasks(), scheduler, workers):
         if isinstance(outcome, Lost):
-            outcome = Outcome(kind.result(jobs[numbers[place]].name, LOST, (outcome.reason,)))
+            outcome = JobOutcome(kind.result(jobs[numbers[place]].name, LOST, (outcome.reason,)))
         yield numbers[place], outcome
         yield from (unreadable.pop(0) for _ in range(len(unreadable)))
     yield from unreadable
@@ -216,7 +216,7 @@ def _kept(kind: Kind[Job, Task, Result], folder: Path, job: Job, digest: str) ->
     return result if complete else None
 
 
-def _write(kind: Kind[Job, Task, Result], folder: Path, digest: str, outcome: Outcome[Result]) -> None:
+def _write(kind: Kind[Job, Task, Result], folder: Path, digest: str, outcome: JobOutcome[Result]) -> None:
     """Write the files of a job; NAME.json last, as it states that all are complete."""
     name = outcome.result.name
     plain = {"digest": digest, "result": outcome.result.to_json(), "files": sorted(outcome.files), **outcome.report}

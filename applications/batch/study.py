@@ -19,12 +19,11 @@ from ...fmu.comparison.resources import axes_of_inputs
 from ...fmu.simulation.archive import unpacked
 from ...fmu.simulation.simulate import read_description, simulate
 from ...measurements import Recording, recording_from
-from ...measurements.channels import OUTPUTS
+from ...tires.channels import OUTPUTS
 from ...tires.signs import convert_signs
-from .execution import Lost
+from .execution import Lost, Progress, results
 from .resumable import made_folder, write_table
 from .study_file import Study, read_study
-from .workers import Progress, results
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-"""Figures of two tires: forces over slip with measured points, their slope, slip stiffness and friction over load.
+"""Figures and page of two tires over each other: forces over slip with points, their difference, quantities over load.
 
 In the manner of figures 19 to 22 of the Trento report, which compare old and new parameters.
 """
@@ -6,18 +6,24 @@ In the manner of figures 19 to 22 of the Trento report, which compare old and ne
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from ...boundary.errors import path_from, writing
 from ...boundary.escaping import figure_text
 from ...drawing.figure import Figure, Panel, Series, curve, measured
 from ...drawing.labels import axis_label, held_text, letter, level_text, note, per_si, stiffness_unit
-from ...drawing.style import DASHED, SOLID, level_styles
+from ...drawing.page import page_text, write_page
+from ...drawing.picture import write_figures
+from ...drawing.style import DASHED, SOLID, level_colors
 from ...measurements import Recording
 from ...tires import Tire
 from ...tires.evaluation import Conventions, evaluate
+from ...tires.property_file.names import unmeasured_coefficients, unmeasured_outputs
 from .comparison import ROLES, Comparison
 from .sweeps import FURTHER, Sweep, sweeps
 
@@ -35,22 +41,28 @@ _POINTS = 201
 def comparison_figures(comparison: Comparison, recordings: Sequence[Recording], signs: str) -> list[Figure]:
     """Return the figures of a comparison.
 
-    `signs`, one of "iso", "adapted-sae", "sae": convention in which they are drawn. Returns: what neither tire has is
-    omitted.
+    `signs`, one of "iso", "adapted-sae", "sae": convention in which they are drawn. Returns: what a tire lacks is
+    omitted, and what the data of neither determined.
     """
     given = [recording.with_signs(signs) for recording in recordings]
-    figures = []
+    figures, slopes = [], []
     for channel, slip in PAIRS:
         if not all(channel in tire.outputs and slip in tire.inputs for tire in comparison.tires):
+            continue
+        if all(channel in unmeasured_outputs(tire) for tire in comparison.tires):
             continue
         ranges = sweeps(comparison.tires[1], slip, given)
         if signs == "sae" and not len(ranges[0].rows):
             ranges = [Sweep(slip, {"Fz": -sweep.load}, sweep.low, sweep.high, sweep.rows) for sweep in ranges]
-        figures.append(_family(comparison, ranges, channel, signs, slope=False))
+        figures.append(_family(comparison, ranges, channel, signs))
         if channel != "Mz":
-            figures.append(_family(comparison, ranges, channel, signs, slope=True))
+            slopes.append(_slopes(comparison, ranges, channel, signs))
+    figures += slopes
     for role, title in ROLES.items():
-        if all(tire.symbolic_model.quantity(role) for tire in comparison.tires):
+        names = [tire.symbolic_model.leading(role) for tire in comparison.tires]
+        if all(names) and not all(
+            n in unmeasured_coefficients(t) for n, t in zip(names, comparison.tires, strict=True)
+        ):
             figures.append(_over_load(comparison, role, title, signs))
     return figures
 
@@ -59,39 +71,62 @@ def _evaluated(tire: Tire, held: dict[str, float], name: str, values: FloatArray
     return evaluate(tire, pd.DataFrame({**held, name: values}), Conventions(signs, steady=True))
 
 
-def _family(comparison: Comparison, ranges: Sequence[Sweep], channel: str, signs: str, *, slope: bool) -> Figure:
-    """Return a panel for each tire with a curve for each load; both have the same axes."""
-    slip = ranges[0].slip
-    panels = [
-        _tire_panel(tire, name, ranges, channel, signs, slope)
-        for tire, name in zip(comparison.tires, comparison.names, strict=True)
-    ]
-    points = ["points: measured at zero camber and zero other slip"] if len(ranges[0].rows) else []
+def _curves(comparison: Comparison, sweep: Sweep, channel: str, signs: str) -> tuple[FloatArray, list[FloatArray]]:
+    """Return a slip, and a channel of both tires over it."""
+    x = np.linspace(sweep.low, sweep.high, _POINTS)
+    return x, [_evaluated(tire, sweep.held, sweep.slip, x, signs)[channel].to_numpy() for tire in comparison.tires]
+
+
+def _pair(x: FloatArray, both: Sequence[FloatArray], color: str, label: str) -> list[Series]:
+    """Return the lines of both tires at a load: dashed and solid."""
+    return [
+        Series("line", x, y, color, label, dashes)
+        for y, (_, dashes) in zip(both, LINES, strict=True)
+    ]  # fmt: skip
+
+
+def _notes(comparison: Comparison, ranges: Sequence[Sweep], signs: str, *texts: str) -> str:
+    first, second = map(figure_text, comparison.names)
     held = {name: level for name, level in ranges[0].held.items() if name in FURTHER}
-    notes = [held_text(signs, held)] if held else []
-    title = f"Pure slip: {'slope of ' * slope}{channel} over {letter(slip)}"
-    text = note(signs, *(["positive at zero slip"] if slope else points), *notes)
-    return Figure(f"{channel}{'_slope' * slope}_over_{slip}", title, (tuple(panels),), text)
+    return note(signs, f"dashed: {first}, solid: {second}", *texts, *([held_text(signs, held)] if held else []))
 
 
-def _tire_panel(tire: Tire, name: str, ranges: Sequence[Sweep], channel: str, signs: str, slope: bool) -> Panel:
+def _family(comparison: Comparison, ranges: Sequence[Sweep], channel: str, signs: str) -> Figure:
+    """Return the curves of both tires at each load, and below their difference."""
     slip = ranges[0].slip
-    points, lines = [], []
-    for sweep, style in zip(ranges, level_styles(len(ranges), "Fz"), strict=True):
+    points, lines, differences = [], [], []
+    for sweep, color in zip(ranges, level_colors(len(ranges), "Fz"), strict=True):
         label = level_text("Fz", sweep.load)
-        x = np.linspace(sweep.low, sweep.high, _POINTS)
-        y = _evaluated(tire, sweep.held, slip, x, signs)[channel].to_numpy()
-        if slope:
-            y = np.gradient(y, x) / per_si(slip)
-            y *= np.sign(y[np.abs(x).argmin()])  # positive where the force grows in magnitude, in every convention
-        elif channel in sweep.rows:
-            points.append(measured(sweep.rows.dropna(subset=[channel]), slip, channel, style, label))
-        lines.append(curve(x * per_si(slip), y, style, label))
-    y_label = f"∂{channel} / ∂{letter(slip)} ({stiffness_unit(slip)})" if slope else axis_label(channel)
-    return Panel(
-        axis_label(slip), y_label, (*points, *lines), figure_text(name), f"load {letter('Fz', signs)}", (0.0,), (0.0,),
-        x_axis="slip", y_axis="force", height=4.3,
-    )  # fmt: skip
+        x, both = _curves(comparison, sweep, channel, signs)
+        if channel in sweep.rows:
+            points.append(measured(sweep.rows.dropna(subset=[channel]), slip, channel, color, label))
+        lines += _pair(x * per_si(slip), both, color, label)
+        differences.append(curve(x * per_si(slip), both[1] - both[0], color, label))
+    first, second = map(figure_text, comparison.names)
+    shared: dict[str, Any] = {"across": (0.0,), "upright": (0.0,), "x_axis": "slip", "width": 9.0}
+    above = Panel(axis_label(slip), axis_label(channel), (*points, *lines), height=4.3, **shared)
+    below = Panel(
+        axis_label(slip), axis_label(channel), tuple(differences), f"{second} minus {first}", height=2.2, **shared
+    )
+    texts = ["points: measured at zero camber and zero other slip"] * bool(points)
+    title = f"Pure slip: {channel} over {letter(slip)}"
+    return Figure(f"{channel}_over_{slip}", title, ((above,), (below,)), _notes(comparison, ranges, signs, *texts))
+
+
+def _slopes(comparison: Comparison, ranges: Sequence[Sweep], channel: str, signs: str) -> Figure:
+    """Return the slopes of the curves of both tires at each load, positive at zero slip in every convention."""
+    slip = ranges[0].slip
+    lines = []
+    for sweep, color in zip(ranges, level_colors(len(ranges), "Fz"), strict=True):
+        x, both = _curves(comparison, sweep, channel, signs)
+        slopes = [np.gradient(y, x) / per_si(slip) for y in both]
+        slopes = [slope * np.sign(slope[np.abs(x).argmin()]) for slope in slopes]
+        lines += _pair(x * per_si(slip), slopes, color, level_text("Fz", sweep.load))
+    y_label = f"∂{channel} / ∂{letter(slip)} ({stiffness_unit(slip)})"
+    panel = Panel(axis_label(slip), y_label, tuple(lines), across=(0.0,), upright=(0.0,), width=9.0)
+    title = f"Pure slip: slope of {channel} over {letter(slip)}"
+    text = _notes(comparison, ranges, signs, "positive at zero slip")
+    return Figure(f"{channel}_slope_over_{slip}", title, ((panel,),), text)
 
 
 def _over_load(comparison: Comparison, role: str, title: str, signs: str) -> Figure:
@@ -106,6 +141,28 @@ def _over_load(comparison: Comparison, role: str, title: str, signs: str) -> Fig
         signed = -loads if signs == "sae" else loads
         values = _evaluated(tire, {}, "Fz", signed, signs)[quantity].abs() / scale
         series.append(Series("line", loads, values, color, figure_text(name), dashes, size=1.8))
-    panel = Panel(f"load {letter('Fz', signs)} (N)", f"{title} ({unit})", tuple(series), height=4.1)
+    panel = Panel(f"load {letter('Fz', signs)} (N)", f"{title} ({unit})", tuple(series), width=9.0)
     text = note(signs, "magnitudes at zero slip; each tire over its own range of loads")
     return Figure(f"{role}_over_load", f"{title.capitalize()} over load", ((panel,),), text)
+
+
+def write_comparison(
+    comparison: Comparison, recordings: Sequence[Recording], folder: str | Path, *, signs: str = "iso"
+) -> list[Path]:
+    """Write the figures of a comparison and the page ``report.html``, which contains them.
+
+    `folder`: created if it does not exist. `signs`, one of "iso", "adapted-sae", "sae": convention in which the figures
+    are drawn. Returns: the page first. Raises `TirefmuError` if a file cannot be written.
+    """
+    folder = path_from(folder, "folder")
+    figures = comparison_figures(comparison, recordings, signs)
+    page = page_text("tirefmu.applications.comparison", {"short": short}, comparison=comparison, figures=figures)
+    with writing(folder):
+        drawn = write_figures(figures, folder)
+        write_page(page, folder / "report.html")
+    return [folder / "report.html", *drawn]
+
+
+def short(value: float | None) -> str:
+    """Return a number with five digits, or a dash where there is none."""
+    return "-" if value is None else f"{value:.5g}"

@@ -14,7 +14,6 @@ from ...boundary.named_options import named
 from ...tires import Tire, tire_from
 from ...tires.description import limits_of
 from ...tires.tire_argument import TireLike
-from .disagreement import disagreement
 from .effects import Missing, factor_values, motion_of, scaled
 from .estimate import Estimate, estimated
 from .factors import CERTAIN, Factor, believed, factors_of, scaled_tires, withheld
@@ -25,11 +24,11 @@ from .inputs.plausibility import check_load_class, check_log, check_wheel_speeds
 from .inputs.unknowns import Unknowns, check_factors, unknowns_of
 from .interval import BALANCE, POSE, interval_of
 from .result import Drive, wheel_table
-from .rivals import Explanation, forces_of, lacking, probabilities_of, rivals_of
+from .rivals import DriveExplanation, forces_of, lacking, probabilities_of, rivals_of
 from .simulation import simulated
 from .trust.contradiction import Contradiction, contradiction_of
 from .trust.left_out import Parts, is_better, left_out, parts_of, widened
-from .verdict import verdict_on
+from .verdict import disagreement, verdict_on
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -115,7 +114,7 @@ def _answer(
     except np.linalg.LinAlgError:
         raise DataError(f"{log.source}: no motion of {car.source} on these tires explains the log") from None
 
-    base = Explanation(None, grid, estimate)
+    base = DriveExplanation(None, grid, estimate)
     ranked = rivals_of(base, unknowns, car, tires)
     best = base
     if lacking(ranked) > CERTAIN and ranked[0].missing:
@@ -154,18 +153,18 @@ def _answer(
     )
 
 
-def _refitted(missing: Missing, refit: Callable[[], tuple[Grid, Estimate]]) -> Explanation | None:
+def _refitted(missing: Missing, refit: Callable[[], tuple[Grid, Estimate]]) -> DriveExplanation | None:
     """Return the estimate of the whole drive with an effect, or None if there is none."""
     try:
-        explanation = Explanation(missing, *refit())
+        explanation = DriveExplanation(missing, *refit())
     except np.linalg.LinAlgError:
         return None
     return explanation if explanation.estimate.converged else None
 
 
 def _with_effect(
-    best: Explanation, base: Explanation, unknowns: Unknowns, car: Car, tires: dict[str, Tire]
-) -> Explanation:
+    best: DriveExplanation, base: DriveExplanation, unknowns: Unknowns, car: Car, tires: dict[str, Tire]
+) -> DriveExplanation:
     """Return the explanation with an effect if the car simulated with it is better on the parts that were left out."""
     if not best.missing:
         return base
@@ -198,7 +197,11 @@ def _limits(tires: Mapping[str, Tire]) -> list[str]:
 
 
 def _lacking(
-    best: Explanation, unknowns: Unknowns, car: Car, tires: Mapping[str, Tire], compared: Iterable[Mapping[str, Tire]]
+    best: DriveExplanation,
+    unknowns: Unknowns,
+    car: Car,
+    tires: Mapping[str, Tire],
+    compared: Iterable[Mapping[str, Tire]],
 ) -> FloatArray:
     """Return the side force of each axle that the motion requires beyond pairs of tires, shape (n_pairs, n, 2), N."""
     motion, factors = motion_of(best.grid, best.estimate, unknowns, car), factor_values(unknowns, best.estimate.z)

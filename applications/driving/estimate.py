@@ -23,26 +23,30 @@ from .dynamics.discrepancy import USUAL, discrepancy_columns, size_of
 from .dynamics.lagging import with_lags
 from .evaluation import curved, evaluated, interval_data, values_of
 from .inputs.car import Car
-from .inputs.grid import Grid, with_steering
+from .inputs.grid import Grid, with_delays
 from .inputs.log import Log
 from .inputs.unknowns import Unknowns
-from .interval import BALANCE, MOTION, Added, Interval, Linear
+from .interval import BALANCE, MOTION, AddedForces, Interval, Linear
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 
 #: Deviations of the balance, per load: at the start, and the smallest one (the error of the integration).
 START_DEVIATION, MIN_DEVIATION = 0.02, 5e-4
+#: Largest deviation of a sensor over that of the fast changes in the log: what contradicts a motion is no noise.
+LARGEST_NOISE = 1.5
 #: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
 LONGEST_STEP = 1.0
 #: Largest deviation of an unknown: one that reaches it contradicts the car file.
 LARGEST = 20.0
-#: Residual in standard deviations beyond which it has less weight, as that of Huber.
-OUTLYING = 3.0
+#: Degrees of freedom of Student's distribution of the residuals: what a model does not resolve, the release of a brake
+#: or a wheel that is about to lock, comes in bursts.
+FREEDOM = 4.0
 #: Most steps of the unknowns, and from an estimate that is near; most steps of the states for given unknowns, predicted
 #: relative decrease that ends the latter, smallest part of a step that is tried.
 ROUNDS, NEAR_ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 60, 20, 50, 1e-7, 1e-2
-#: Rounds for which the slope of the volume is kept, but for steps shorter than this.
+#: Rounds for which the slope of the volume is kept, but for steps shorter than this, and forces that are added, but for
+#: longer ones.
 SLOPE_ROUNDS, NEAR = 3, 1.0
 #: The estimate ends at a step of an unknown in its standard deviations and of the logarithm of a deviation below the
 #: first number, or at a step below 1 that gains less than the second one in the logarithm of the posterior.
@@ -51,14 +55,14 @@ SETTLED, FLAT = 0.1, 0.05
 
 #: Intervals in parts of a drive that are estimated first, and the number of these parts. Convention: computing time.
 SAMPLE, PIECES = 400, 4
-#: Added forces from the grid, states and unknowns.
-Forces = Callable[[Grid, FloatArray, FloatArray], Added]
+#: AddedForces forces from the grid, states and unknowns.
+Forces = Callable[[Grid, FloatArray, FloatArray], AddedForces]
 
 
-def no_forces(grid: Grid, states: FloatArray, z: FloatArray) -> Added:
+def no_forces(grid: Grid, states: FloatArray, z: FloatArray) -> AddedForces:
     """Return no added forces."""
     shape = len(grid.t), len(BALANCE)
-    return Added(np.zeros(shape), np.zeros((*shape, 0)), np.zeros((*shape, len(MOTION))))
+    return AddedForces(np.zeros(shape), np.zeros((*shape, 0)), np.zeros((*shape, len(MOTION))))
 
 
 @dataclass(frozen=True)
@@ -155,7 +159,8 @@ def estimated(
     """
     n_balance, n = len(BALANCE), len(unknowns)
     z, floor = np.zeros(n), np.ones(len(interval.residuals))
-    floor[-n_balance:] = MIN_DEVIATION
+    ceiling = LARGEST_NOISE * floor
+    floor[-n_balance:], ceiling[-n_balance:] = MIN_DEVIATION, np.inf
     deviations = np.concatenate([floor[:-n_balance], np.full(n_balance, START_DEVIATION)])
     size, rest = USUAL, np.zeros(0)
     rows = None if near else _sample(grid)
@@ -168,13 +173,14 @@ def estimated(
         start[nodes] = first.states
         grid = _moved(grid, interval, start, log, car, unknowns.car_values(car, z))
 
-    def acting(grid: Grid, states: FloatArray, z: FloatArray) -> Added:
+    def acting(grid: Grid, states: FloatArray, z: FloatArray, held: AddedForces) -> AddedForces:
         beyond = values_of(interval, grid, states, z[:n], interval_data(grid))[:, -n_balance:]
         columns = discrepancy_columns(grid, states, unknowns.car_values(car, z), beyond)
-        return forces(grid, states, z).and_columns(size * columns)
+        return held.and_columns(size * columns)
 
-    added = acting(grid, start, z)
-    n_rest = added.columns.shape[2] - forces(grid, start, z).columns.shape[2]
+    held = forces(grid, start, z)
+    added = acting(grid, start, z, held)
+    n_rest = added.further - held.further
     rest = rest[len(rest) - n_rest :] if near else np.zeros(n_rest)
     z = np.concatenate([z, np.zeros(added.further - n_rest), rest])
     at = _solved(grid, interval, added, start, z, deviations, np.ones((len(grid.t), len(floor))))
@@ -184,7 +190,8 @@ def estimated(
         if longest < NEAR or round_ % SLOPE_ROUNDS == 0:  # it changes slowly
             slope = _volume_slope(grid, interval, at, added.tires(z))
         change, change_z = at.factor.step(z + slope, z)
-        widening = np.maximum(np.clip(at.excess(), -LONGEST_STEP, LONGEST_STEP), np.log(floor / at.deviations))
+        widening = np.clip(at.excess(), -LONGEST_STEP, LONGEST_STEP)
+        widening = np.clip(widening, np.log(floor / at.deviations), np.log(ceiling / at.deviations))
         widening[len(grid.sampled) : -n_balance] = 0.0  # errors of the integration
         arrived = arrived or bool(np.abs(change_z).max() < (1.0 - 1e-9) * LONGEST_STEP)
         widening *= arrived
@@ -216,7 +223,9 @@ def estimated(
             resized = abs(np.log(new / size))
             z[len(z) - n_rest :] *= size / new
             size = new
-        added = curved(grid, interval, acting(grid, tried.states, z), tried.states, z)
+        if longest > NEAR or round_ % SLOPE_ROUNDS == 0:
+            held = forces(grid, tried.states, z)
+        added = curved(grid, interval, acting(grid, tried.states, z, held), tried.states, z)
         at = _solved(grid, interval, added, tried.states, z, tried.deviations, weights)
     return grid, _estimate(at, interval, added, z, size, converged)
 
@@ -233,11 +242,13 @@ def _sample(grid: Grid) -> IntArray | None:
 def _moved(
     grid: Grid, interval: Interval, states: FloatArray, log: Log, car: Car, entries: Mapping[str, float]
 ) -> Grid:
-    """Return the grid with steering and lags for a motion and entries of the car."""
-    return with_lags(with_steering(grid, log, car, entries), interval, states, car, entries)
+    """Return the grid with delays and lags for a motion and entries of the car."""
+    return with_lags(with_delays(grid, log, car, entries), interval, states, car, entries)
 
 
-def _estimate(at: _Point, interval: Interval, added: Added, z: FloatArray, size: float, converged: bool) -> Estimate:
+def _estimate(
+    at: _Point, interval: Interval, added: AddedForces, z: FloatArray, size: float, converged: bool
+) -> Estimate:
     """Return the estimate at a point; a residual that is correlated over time has the information of fewer ones."""
     grid, n_balance = at.grid, len(BALANCE)
     lengths = [correlation_length(at.linear.values[:, i], grid.segment) for i in range(-n_balance, 0)]
@@ -264,9 +275,11 @@ def _part(part: float, last: FloatArray, step: FloatArray) -> float:
 
 
 def _weights(residual: FloatArray) -> FloatArray:
-    """Return the square roots of the weights of residuals, shape (n, n_residuals)."""
-    scaled = np.abs(residual) / np.maximum(np.sqrt(np.mean(residual**2, axis=0)), 1e-12)
-    return np.asarray(np.sqrt(np.minimum(1.0, OUTLYING / np.maximum(scaled, OUTLYING))))
+    """Return the square roots of the weights of residuals over their deviations, shape (n, n_residuals).
+
+    Those of the expectation-maximization of Student's distribution (Lange, Little, Taylor, JASA 84, 1989).
+    """
+    return np.asarray(np.sqrt((FREEDOM + 1.0) / (FREEDOM + residual**2)))
 
 
 @dataclass(frozen=True)
@@ -299,7 +312,7 @@ class _Point:
 
 
 def _solved(
-    grid: Grid, interval: Interval, added: Added, states: FloatArray, z: FloatArray, deviations: FloatArray,
+    grid: Grid, interval: Interval, added: AddedForces, states: FloatArray, z: FloatArray, deviations: FloatArray,
     weights: FloatArray,
 ) -> _Point:  # fmt: skip
     """Return the point for given unknowns from initial states (Gauss-Newton steps, damped as Levenberg's)."""

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .inputs.grid import Grid
-from .interval import CHUNK, Added, Interval, Linear
+from .interval import CHUNK, AddedForces, Interval, Linear
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -26,10 +26,11 @@ def interval_data(grid: Grid, share: float = 0.0) -> FloatArray:
     weights = np.where(sampled, 1.0 / np.where(sampled, grid.noise, 1.0), 0.0)
     lines = np.stack([grid.steer, grid.steer_slopes[:2], grid.steer_slopes[2:]])
     lines = lines + share * np.diff(lines, axis=1)
-    return np.concatenate([np.where(sampled, grid.means, 0.0), weights, lines.reshape(6, -1), grid.rims, grid.behind])
+    means = np.where(sampled, grid.means, 0.0)
+    return np.concatenate([means, weights, lines.reshape(6, -1), grid.rims, grid.rim_slopes, grid.behind])
 
 
-def curved(grid: Grid, interval: Interval, added: Added, states: FloatArray, z: FloatArray) -> Added:
+def curved(grid: Grid, interval: Interval, added: AddedForces, states: FloatArray, z: FloatArray) -> AddedForces:
     """Return added forces with the difference between Gauss's quadrature of two points and the midpoint rule.
 
     Over an interval, the motion is a parabola through its nodes with the curvature at them. The steering is a line with

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from ...measurements.checks.recordings.coverage import lacking_peak
 from ...tires import Tire
 from .estimate import Estimate
-from .inputs.unknowns import AXLES, CHANGED, FACTORS, Unknowns
+from .inputs.unknowns import AXLES, CHANGED, FACTORS, SAME_SPREAD, Unknowns
 from .interval import OUTPUTS
 
 FloatArray = npt.NDArray[np.float64]
@@ -44,8 +44,9 @@ class Factor:
 
     @property
     def differs(self) -> bool:
-        """Whether the drive says that it differs from 1."""
-        return self.determined and self.changed > CERTAIN and not self.low <= 1.0 <= self.high
+        """Whether the drive says that it differs from 1, by more than two tires of one kind do."""
+        beyond = self.low > 1.0 + SAME_SPREAD or self.high < 1.0 - SAME_SPREAD
+        return self.determined and self.changed > CERTAIN and beyond
 
     @property
     def informed(self) -> bool:

@@ -1,26 +1,28 @@
-"""Figures of a drive: the motion over time, forces over slip of each axle, a map of the force that the tires lack."""
+"""Figures and page of a drive: motion over time, forces over slip of each axle, a map of missing force."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from ...boundary.errors import TirefmuError, path_from
 from ...drawing.figure import Figure, Panel, Series, band
+from ...drawing.page import page_text, write_page
 from ...drawing.style import DASHED, SOLID
+from .inputs.car_entries import ENTRIES
 from .inputs.unknowns import AXLES
 from .interval import OUTPUTS
+from .result import Drive
 from .simulation import estimated_motion
-
-if TYPE_CHECKING:
-    from .result import Drive
 
 FloatArray = npt.NDArray[np.float64]
 
 RECORDED, BEFORE, AFTER = "#555555", "#a33b00", "#0b4f9c"
-#: Panels in a row of beliefs.
-ROW = 4
+#: Panels in a row of beliefs; values below which these are drawn in thousandths.
+ROW, SMALL = 4, 2e-3
 #: Most points of a series.
 MAX_POINTS = 4000
 
@@ -76,16 +78,21 @@ def _beliefs(answer: Drive) -> Figure:
     unknowns, estimate = answer.unknowns, answer.estimate
     deviation = np.sqrt(np.diag(estimate.covariance))
     names = [*unknowns.car, *(f"log {name} {axle}" for axle, name in unknowns.factors)]
+    units = [ENTRIES[name].unit for name in unknowns.car] + ["1"] * len(unknowns.factors)
     panels = []
     for i, name in enumerate(names):
-        z = np.linspace(min(-3.0, estimate.z[i] - 3.0), max(3.0, estimate.z[i] + 3.0), 121)
+        wide = np.linspace(min(-3.0, estimate.z[i] - 3.0), max(3.0, estimate.z[i] + 3.0), 61)
+        z = np.sort(np.concatenate([wide, estimate.z[i] + deviation[i] * np.linspace(-4.0, 4.0, 61)]))
         before, after = np.exp(-(z**2) / 2), np.exp(-(((z - estimate.z[i]) / deviation[i]) ** 2) / 2)
         x = unknowns.center[i] + unknowns.spread[i] * z
+        small = np.abs(x).max() < SMALL
+        label = " ".join(["0.001"] * small + [units[i]] * (units[i] != "1")) or "value"
+        x = 1e3 * x if small else x
         series = (
             Series("line", x, before, BEFORE, "before", DASHED, size=1.5),
             Series("line", x, after, AFTER, "after", size=2.0),
         )
-        panels.append(Panel("", "", series, name, width=3.0, height=1.8))
+        panels.append(Panel(label, "belief", series, name, width=3.0, height=1.8))
     rows = tuple(tuple(panels[first : first + ROW]) for first in range(0, len(panels), ROW))
     text = "Belief relative to the most probable value: before, that of the car file; after, with the drive."
     return Figure("beliefs", "Car and tires before and after the drive", rows, text)
@@ -108,7 +115,7 @@ def _forces(answer: Drive) -> Figure:
         )
         spread, after = 1.96 * float(np.median(deviation[i])), curves[1]
         points = Series(
-            "points", np.degrees(alpha[some]), Fy[some], RECORDED, "drive", marker=".", size=1.5, opacity=0.5
+            "points", np.degrees(alpha[some]), Fy[some], RECORDED, "drive", marker="o", size=1.5, opacity=0.5
         )
         panels.append(
             Panel(
@@ -128,7 +135,7 @@ def _map(answer: Drive) -> Figure:
         size = np.abs(answer.lacking[:, :, i])
         large = size > np.quantile(size[0], 0.9)
         series = tuple(
-            Series("points", x[rows], y[rows], color, label, marker=".", size=2.0)
+            Series("points", x[rows], y[rows], color, label, marker="o", size=2.0)
             for rows, color, label in (
                 (~large[0], RECORDED, "other places"),
                 (large[0] & ~large[1], BEFORE, "largest 10 % before"),
@@ -152,3 +159,29 @@ def _track(answer: Drive) -> FloatArray:
     speed = (states[:, 0] + 1j * states[:, 1]) * np.exp(1j * heading)
     track = np.cumsum(speed) * answer.grid.step
     return np.stack([track.real, track.imag])
+
+
+#: What is simulated, with its unit.
+SIMULATED = {"yaw_rate": "yaw rate, rad/s", "ay": "lateral acceleration, m/s²", "vy": "lateral speed, m/s"}
+
+
+def write_drive(answer: Drive, path: str | Path, *, command: str = "") -> None:
+    """Write the page of an answer: verdict, factors, car, simulation, figures.
+
+    `command`: the command line, for the provenance. Raises `TirefmuError` if the file cannot be written.
+    """
+    path = path_from(path)
+    content: dict[str, Any] = answer.to_json()
+    page = page_text(
+        "tirefmu.applications.driving", {"short": _short}, answer=content, entries=ENTRIES, simulated=SIMULATED,
+        figures=drive_figures(answer),
+        origin=[("log", answer.log.source), ("car", answer.car.source), ("command", command or "tirefmu.drive")],
+    )  # fmt: skip
+    try:
+        write_page(page, path)
+    except OSError as error:
+        raise TirefmuError(f"{path}: cannot be written ({error.strerror or error})") from None
+
+
+def _short(number: float | None) -> str:
+    return "-" if number is None else f"{number:.4g}"

@@ -2,8 +2,8 @@
 
 The implicit midpoint rule joins the nodes: rates are differences over the interval, which are the exact means of the
 rates, as the logged channels are means of samples. `evaluation.curved` adds what the curvature of the motion changes.
-Residuals are divided by their standard deviations. `Linear` has the values and derivatives of all intervals, `Added`
-what an effect adds to the forces of the tires.
+Residuals are divided by their standard deviations. `Linear` has the values and derivatives of all intervals,
+`AddedForces` what an effect adds to the forces of the tires.
 """
 
 from __future__ import annotations
@@ -56,6 +56,22 @@ RADII = ("radius_front", "radius_rear")
 
 
 @dataclass(frozen=True)
+class Relaxation:
+    """Lateral relaxation lengths of a tire: `lengths`, m, at `loads`, N, which grow with a power of the factor LKY.
+
+    A tire on a carcass of given stiffness has a length in proportion to its cornering stiffness.
+    """
+
+    loads: FloatArray
+    lengths: FloatArray
+    power: float
+
+    def at(self, Fz: FloatArray) -> FloatArray:
+        """Return the lengths at loads."""
+        return np.asarray(np.interp(Fz, self.loads, self.lengths))
+
+
+@dataclass(frozen=True)
 class Interval:
     """The function of an interval.
 
@@ -65,14 +81,14 @@ class Interval:
       (`evaluation.interval_data`), and unknowns followed by the delay and the lags in the data. They give
       the residuals or `OUTPUTS`, and their Jacobian by left node, right node, unknowns.
     - `value_chunk`: of the same arguments, the residuals alone.
-    - `lengths`: loads and relaxation lengths of the tire of each axle.
+    - `relaxations`: of the tire of each axle.
     - `volume_chunk`: of the same and a matrix for the Jacobian of the residuals by both nodes: the derivatives of their
       product minus the logarithm of the density that the balance gives the next motion.
     """
 
     states: tuple[str, ...]
     residuals: tuple[str, ...]
-    lengths: Mapping[str, tuple[FloatArray, FloatArray]]
+    relaxations: Mapping[str, Relaxation]
     value_chunk: Any
     residual_chunk: Any
     output_chunk: Any
@@ -90,29 +106,31 @@ def interval_of(
     pose = "heading" in sampled
     states, n = MOTION + POSE * pose, len(MEASURED)
     left, right = ca.SX.sym("left", len(states)), ca.SX.sym("right", len(states))
-    data, z = ca.SX.sym("data", 2 * n + 18), ca.SX.sym("z", len(unknowns))
-    used = ca.SX.sym("used", 4)
+    data, z = ca.SX.sym("data", 2 * n + 26), ca.SX.sym("z", len(unknowns))
+    used = ca.SX.sym("used", 7)
     p = _entries(car, unknowns, z)
     middle, rate = ca.vertsplit((left + right) / 2), ca.vertsplit((right - left) / step)
     more = p["delay"] - used[0], p["lag"] - used[1]
     ends = [data[2 * n + i] + data[2 * n + 2 + i] * more[0] + data[2 * n + 4 + i] * more[1] for i in (0, 1)]
     scale = car.values["ratio"] / p["ratio"]
     steer, turning = p["offset"] + scale * (ends[0] + ends[1]) / 2, scale * (ends[1] - ends[0]) / step
-    behind, motion = data[2 * n + 10 :], (*middle[:3], *rate[:3])
-    lag = [behind[i] + (p[name] - used[2 + i]) * behind[2 + i] for i, name in enumerate(("pitch_lag", "roll_lag"))]
+    behind, motion = data[2 * n + 14 :], (*middle[:3], *rate[:3])
+    lag = [behind[i] + (p[name] - used[3 + i]) * behind[2 + i] for i, name in enumerate(("pitch_lag", "roll_lag"))]
     *turned, gamma = two_track.turned(*motion, *lag, steer, *(p[name] for name in SUSPENSION), xp=ARRAYS)
-    wheels = _wheels(motion, lag, turned, turning, p, tires)
+    factors = {axle: {name: _factor(unknowns, axle, name, z) for name in FACTORS} for axle in AXLES}
+    relaxations = {axle: relaxation_of(tires[axle]) for axle in AXLES}
+    stretch = [p["relaxation"] * factors[axle]["LKY"] ** relaxations[axle].power for axle in AXLES]
+    wheels = _wheels(motion, lag, turned, turning, p)
     wheels |= {f"gamma_{corner}": gamma for corner in CORNERS}
     for i, corner in enumerate(CORNERS):
-        wheels[f"alpha_{corner}"] += behind[4 + i]
+        wheels[f"alpha_{corner}"] += behind[4 + i] + (stretch[i // 2] - used[5 + i // 2]) * behind[8 + i]
     pulls = _pulls(middle, rate, turned[0], car, p)
     slips = _kappa_of_pulls(pulls, p, tires)
     late = {corner: p["wheel_delay"] * wheels[f"V_dot_{corner}"] for corner in CORNERS}
     scales = {axle: p[name] / car.values[name] if spins else 1.0 for axle, name in zip(AXLES, RADII, strict=True)}
-    rims = dict(zip(CORNERS, ca.vertsplit(data[2 * n + 6 : 2 * n + 10]), strict=True))
-    rims = {corner: rim * scales[AXLES["fr".index(corner[0])]] + late[corner] for corner, rim in rims.items()}
+    spun = data[2 * n + 6 : 2 * n + 10] + (p["wheel_delay"] - used[2]) * data[2 * n + 10 : 2 * n + 14]
+    rims = {corner: spun[i] * scales[AXLES[i // 2]] for i, corner in enumerate(CORNERS)}
     kappa = _kappa_of_spins(rims, wheels, spins) if spins else slips
-    factors = {axle: {name: _factor(unknowns, axle, name, z) for name in FACTORS} for axle in AXLES}
     forces = {axle: _forces(tires[axle], axle, wheels, kappa[i], factors[axle]) for i, axle in enumerate(AXLES)}
     body = [p[entry] for entry in BODY.values()]
     # A differential gives both wheels of an axle the same torque: their longitudinal forces are equal.
@@ -128,7 +146,6 @@ def interval_of(
     residual = ca.vertcat(*parts.values())
     required_forces = [balance[f"e_{axle}"] / ca.cos(turned[i]) / 2 for i, axle in enumerate(AXLES)]
     outputs = ca.vertcat(*_outputs(wheels, forces, kappa, required_forces))
-    lengths = {axle: relaxation_lengths(tires[axle]) for axle in AXLES}
     arguments = [left, right, data, ca.vertcat(z, used)]
     chunks = [ca.Function("interval", arguments, [residual], {"cse": True}).map(CHUNK)]
     for results in (residual, outputs):
@@ -141,7 +158,7 @@ def interval_of(
     volume = ca.dot(ca.vec(by_nodes), shares) - density
     by = ca.densify(ca.gradient(volume, point))
     chunks.append(ca.Function("volume", [*arguments, shares], [volume, by], {"cse": True}).map(CHUNK))
-    return Interval(states, tuple(parts), lengths, *chunks)
+    return Interval(states, tuple(parts), relaxations, *chunks)
 
 
 _RESULTS = tuple(quantity.name for quantity in vehicle.BALANCE)
@@ -157,40 +174,33 @@ def _entries(car: Car, unknowns: Unknowns, z: Any) -> dict[str, Any]:
 
 
 def _wheels(
-    motion: tuple[Any, ...], lag: list[Any], turned: list[Any], turning: Any, p: Mapping[str, Any],
-    tires: Mapping[str, Tire],
-) -> dict[str, Any]:  # fmt: skip
-    """Return slip angle, speed, its rate, and load of each wheel; slip angles lag, to the first order."""
+    motion: tuple[Any, ...], lag: list[Any], turned: list[Any], turning: Any, p: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return slip angle, speed, its rate, and load of each wheel."""
     symbols = [ca.SX.sym(f"s{i}") for i in range(4)]
     body = [p[entry] for entry in BODY.values()]
     names = [f"{name}_{corner}" for name in ("alpha", "V", "Fz") for corner in CORNERS]
     wheels = dict(zip(names, two_track.wheels(*motion, *lag, *turned, *body, xp=ARRAYS), strict=True))
     of_symbols = two_track.wheels(*symbols[:3], *motion[3:], *lag, symbols[3], turned[1], *body, xp=ARRAYS)
     point, change = ca.vertcat(*motion[:3], turned[0]), ca.vertcat(*motion[3:], turning)
-    by = ca.jacobian(ca.vertcat(*of_symbols[: 2 * len(CORNERS)]), ca.vertcat(*symbols))
-    slopes = ca.substitute(by, ca.vertcat(*symbols), point)
-    for i, corner in enumerate(CORNERS):
-        length = p["relaxation"] * nominal_length(relaxation_lengths(tires[AXLES[i // 2]]))
-        wheels[f"alpha_{corner}"] -= length / wheels[f"V_{corner}"] * (slopes[i, :] @ change)
-        wheels[f"V_dot_{corner}"] = slopes[len(CORNERS) + i, :] @ change
-    return wheels
+    by = ca.jacobian(ca.vertcat(*of_symbols[len(CORNERS) : 2 * len(CORNERS)]), ca.vertcat(*symbols))
+    rates = ca.substitute(by, ca.vertcat(*symbols), point) @ change
+    return wheels | {f"V_dot_{corner}": rates[i] for i, corner in enumerate(CORNERS)}
 
 
-def relaxation_lengths(tire: Tire) -> tuple[FloatArray, FloatArray]:
-    """Return loads, N, and the lateral relaxation lengths at them, m: 0 for a tire without relaxation."""
+def relaxation_of(tire: Tire) -> Relaxation:
+    """Return the lateral relaxation of a tire: lengths of 0 for a tire without."""
     loads = tire.nominal("Fz") * np.linspace(0.1, 2.5, 25)
     quantity = tire.symbolic_model.quantity("relaxation_y")
     if not tire.lags or not quantity:
-        return loads, np.zeros_like(loads)
+        return Relaxation(loads, np.zeros_like(loads), 0.0)
     import pandas as pd
 
-    table = tire.evaluate(pd.DataFrame({"alpha": 0.0, "Fz": loads}), steady=True)
-    return loads, table[quantity].to_numpy(np.float64)
-
-
-def nominal_length(lengths: tuple[FloatArray, FloatArray]) -> float:
-    """Return the relaxation length at the nominal load, m."""
-    return float(np.interp(lengths[0][9], *lengths))
+    rows, name, stiffer = pd.DataFrame({"alpha": 0.0, "Fz": loads}), "LKY", 1.1
+    pair = tire, tire.with_values(**{name: stiffer * tire.values[name]})
+    lengths, grown = (tire.evaluate(rows, steady=True)[quantity].to_numpy(np.float64) for tire in pair)
+    power = np.log(np.sum(grown) / np.sum(lengths)) / np.log(stiffer) if lengths.any() else 0.0
+    return Relaxation(loads, lengths, float(power))
 
 
 def _forces(
@@ -211,7 +221,7 @@ def _forces(
         wheel["Fz"] = (wheel["Fz"] + ca.sqrt(wheel["Fz"] ** 2 + (LIFTED * mean) ** 2)) / 2
     for given in (*pair, {name: (pair[0][name] + pair[1][name]) / 2 for name in pair[0]}):
         inputs = ca.vertcat(*(given[name] if name in given else tire.nominal(name) for name in tire.inputs))
-        results.append(casadi_expression(model, "forces", inputs, parameters, straight=True)[:2])
+        results.append(casadi_expression(model, "forces", inputs, parameters, plain=True)[:2])
     return [result[0] for result in results], [result[1] for result in results], pair
 
 
@@ -319,7 +329,7 @@ class Linear:
 
 
 @dataclass(frozen=True)
-class Added:
+class AddedForces:
     """Side forces per static load beyond the tires', linear in the last unknowns and in the motion.
 
     `offset`, shape (n, 2). `columns`, shape (n, 2, n_last): by the last unknowns, of which `further` are none of tires
@@ -337,7 +347,7 @@ class Added:
         """Return the unknowns of tires and car."""
         return z[: len(z) - self.further]
 
-    def and_columns(self, columns: FloatArray) -> Added:
+    def and_columns(self, columns: FloatArray) -> AddedForces:
         """Return these forces and those of further unknowns."""
         both = np.concatenate([self.columns, columns], axis=2)
         return replace(self, columns=both, further=self.further + columns.shape[2])

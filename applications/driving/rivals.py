@@ -4,8 +4,8 @@ All are compared by the Gaussian of the estimate of the whole drive, in which th
 the coefficients of an effect join the unknowns, and its forces are linearized about them in some rounds. The evidence
 integrates over the motion, the car, its discrepancy, the factors and these coefficients. Residuals that are correlated
 over time count as fewer. For which factors changed, and at most one wrong entry of the car, a prior gives a changed
-factor the spread of factors, a wrong entry a multiple of its uncertainty (MacKay, Information Theory, Inference, and
-Learning Algorithms, 2003, chapter 28).
+factor the spread of factors, another one that of equal tires, and a wrong entry a multiple of its uncertainty (MacKay,
+Information Theory, Inference, and Learning Algorithms, 2003, chapter 28).
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from .effects import Missing, Motion, effect_columns, factor_values, motion_of, 
 from .estimate import Estimate, Forces
 from .inputs.car import Car
 from .inputs.grid import Grid
-from .inputs.unknowns import CHANGED, Unknowns
-from .interval import BALANCE, MOTION, Added
+from .inputs.unknowns import CHANGED, FACTOR_SPREAD, SAME_SPREAD, Unknowns
+from .interval import BALANCE, MOTION, AddedForces
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -62,7 +62,7 @@ def probabilities_of(grid: Grid, estimate: Estimate, unknowns: Unknowns) -> Prob
     for row, some in enumerate(changed):
         for column in range(logs.shape[1]):
             spread = np.ones(len(estimate.z))
-            spread[places] = some
+            spread[places] = np.where(some, 1.0, SAME_SPREAD / FACTOR_SPREAD)
             if column:
                 spread[column - 1] = WRONG_SPREAD
             logs[row, column] = (np.log(ODDS) if column else 0.0) + evidence_of(information, score, spread)
@@ -97,7 +97,7 @@ class Rival:
 
 
 @dataclass(frozen=True)
-class Explanation:
+class DriveExplanation:
     """An estimate with an effect, or without one: `missing` is None."""
 
     missing: Missing | None
@@ -105,7 +105,7 @@ class Explanation:
     estimate: Estimate
 
 
-def rivals_of(base: Explanation, unknowns: Unknowns, car: Car, tires: dict[str, Tire]) -> list[Rival]:
+def rivals_of(base: DriveExplanation, unknowns: Unknowns, car: Car, tires: dict[str, Tire]) -> list[Rival]:
     """Return no effect and the most likely ones, with their probabilities about the estimate; likely ones first."""
     if not base.estimate.converged:
         return [Rival(None, np.zeros(0), 1.0)]
@@ -143,7 +143,7 @@ def _with_wrong_car(information: FloatArray, score: FloatArray, unknowns: Unknow
 
 
 def _fitted(
-    base: Explanation, motion: Motion, unknowns: Unknowns, missing: Missing, u: FloatArray,
+    base: DriveExplanation, motion: Motion, unknowns: Unknowns, missing: Missing, u: FloatArray,
     factors: Mapping[str, Mapping[str, float]],
 ) -> tuple[float, FloatArray]:  # fmt: skip
     """Return the evidence of an effect for the linearized rest of the drive, and its coefficients (Gauss-Newton)."""
@@ -170,12 +170,12 @@ def _fitted(
     return float(evidence), u
 
 
-def forces_of(rival: Rival, unknowns: Unknowns, car: Car, base: Explanation) -> Forces:
+def forces_of(rival: Rival, unknowns: Unknowns, car: Car, base: DriveExplanation) -> Forces:
     """Return the forces of an effect about the motion, the factors and the coefficients that are estimated so far."""
     missing, n, further = rival.missing, len(unknowns), len(rival.u)
     assert missing is not None
 
-    def forces(grid: Grid, states: FloatArray, z: FloatArray) -> Added:
+    def forces(grid: Grid, states: FloatArray, z: FloatArray) -> AddedForces:
         u = z[n : n + further] if len(z) > n else rival.u
         motion = motion_of(grid, replace(base.estimate, states=states, z=z), unknowns, car)
         factors = factor_values(unknowns, z)
@@ -187,13 +187,13 @@ def forces_of(rival: Rival, unknowns: Unknowns, car: Car, base: Explanation) -> 
         at = added(u)
         columns = [(added(u + STEP * (np.arange(further) == i)) - at) / STEP for i in range(further)]
         by_u = np.stack(columns, axis=2)
-        return Added(at - by_u @ u, by_u, np.zeros((*at.shape, len(MOTION))), further)
+        return AddedForces(at - by_u @ u, by_u, np.zeros((*at.shape, len(MOTION))), further)
 
     return forces
 
 
 def _shortlist(
-    base: Explanation, motion: Motion, tires: dict[str, Tire], factors: Mapping[str, Mapping[str, float]]
+    base: DriveExplanation, motion: Motion, tires: dict[str, Tire], factors: Mapping[str, Mapping[str, float]]
 ) -> list[tuple[Missing, FloatArray, float]]:
     """Return the effects that raise the evidence of the linearized estimate most, if any do, in their best form.
 

@@ -16,8 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...fmu.packaging.export import export
-from ...fmu.simulation.coupled import Coupled
-from ...fmu.simulation.simulate import instances
+from ...fmu.simulation.simulate import Coupled, instances
 from ...symbolic.vehicle.quantities import CORNERS
 from ...tires import Tire
 from ...tires.code.modules import numpy_routine, two_track
@@ -26,7 +25,7 @@ from .estimate import Estimate
 from .inputs.car import Car, loads_of
 from .inputs.grid import MEASURED, Grid
 from .inputs.unknowns import AXLES, Unknowns
-from .interval import BODY, OUTPUTS, SUSPENSION
+from .interval import BODY, OUTPUTS, SUSPENSION, relaxation_of
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -85,6 +84,8 @@ def simulated(
     substeps = int(np.ceil(grid.step / longest - 1e-9))
     h = grid.step / substeps
     past = {} if fmus else states_of(motion_of(grid, estimate, unknowns, car), tires)
+    if "alpha" in past:
+        past["alpha"][:, rows] *= _stretch(p, tires, factors or {})[:, :, None]
     turning = estimated_motion(grid, estimate)[rows[:, 0], 1]
     vehicle = _Vehicle(p, h, turning + grid.behind[1, rows[:, 0]])
     with fmu_forces(tires, len(rows)) if fmus else nullcontext(code_forces(tires, factors or {})) as forces:
@@ -119,6 +120,16 @@ def _shortest_time(p: Mapping[str, float], tires: Mapping[str, Tire], speed: flo
     stiffness = [abs(float(Fy[1] - Fy[0])) / 1e-3 for Fy in slopes]  # of both wheels
     turning = sum(C * arm**2 for C, arm in zip(stiffness, arms, strict=True)) / p["yaw_inertia"]
     return speed / max(sum(stiffness) / p["mass"], turning)
+
+
+def _stretch(
+    p: Mapping[str, FloatArray], tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, FloatArray]]
+) -> FloatArray:
+    """Return the relaxation lengths of the wheels of vehicles over those of their tires, shape (4, 1) or (4, n)."""
+    lengths = [
+        p["relaxation"] * factors.get(axle, {}).get("LKY", 1.0) ** relaxation_of(tires[axle]).power for axle in AXLES
+    ]
+    return np.array(lengths).repeat(2, axis=0)
 
 
 class _Vehicle:

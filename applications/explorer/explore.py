@@ -9,16 +9,19 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from ...boundary.errors import UnknownName, path_from, writing
-from ...boundary.escaping import html_text, script_json
+from ...boundary.bounded_file import read_bounded
+from ...boundary.errors import TirefmuError, UnknownName, nearest, path_from, writing
+from ...boundary.escaping import html_text, script_json, script_text
 from ...boundary.named_options import named
 from ...drawing.chart_library import LIBRARY_SCRIPT, LIBRARY_STYLE, allowed, library_file
 from ...drawing.page import style_sheet, write_page
 from ...measurements import Recording, TableLike, recordings_from
+from ...symbolic.declarations import Quantity
+from ...symbolic.printers.languages import printer
+from ...symbolic.printers.languages.program import PrintedProgram, PrintoutSelection, program
 from ...tires import Tire, TireLike, tire_from
 from ...tires.tire_argument import tire_label
 from .measured_rows import measured_rows, rows_data
-from .page_code import lagged_slips, module_expression, program_for_page
 from .tire_data import switchable, tire_data
 
 #: The scripts of the page, in their order, after the chart library.
@@ -138,3 +141,65 @@ def _file(name: str) -> str:
 def _filled(template: str, values: Mapping[str, str]) -> str:
     """Return a template with its marks @name@ replaced simultaneously: a value that contains a mark keeps it."""
     return re.sub("@([a-z]+)@", lambda mark: values[mark[1]], template)
+
+
+#: Upper limit of the file, bytes.
+LARGEST = 50_000_000
+
+
+def fit_intervals(path: Path, tire: TireLike) -> dict[str, tuple[float, float]]:
+    """Return the 95 % intervals of a fit in ISO-W, by coefficient; those without a finite interval are absent.
+
+    `path`: result of ``tirefmu fit --json``. `tire`: the fitted tire. Raises `TirefmuError` if the file is not the
+    result of a fit of a tire of this model.
+    """
+    declared = tire_from(tire).symbolic_model.coefficients
+    intervals = {}
+    try:
+        content = json.loads(read_bounded(path, LARGEST))
+        mirrored = content["signs"] != "iso"
+        for coefficient in content["coefficients"]:
+            name, half = coefficient["name"], coefficient["interval"]
+            if half is not None:
+                value = float(coefficient["value"]) * (-1.0 if mirrored and declared[name].flips else 1.0)
+                intervals[str(name)] = (value - float(half), value + float(half))
+    except (OSError, ValueError, TypeError, KeyError, RecursionError) as error:
+        what = f"unknown or missing entry {error}" if isinstance(error, KeyError) else str(error)
+        raise TirefmuError(f"{path}: not the JSON result of a fit of this tire's model ({what})") from error
+    if unknown := sorted(intervals.keys() - declared.keys()):
+        raise TirefmuError(f"{path}: {unknown[0]} is no coefficient of the tire's model{nearest(unknown[0], declared)}")
+    return intervals
+
+
+#: Name of the module's files; it does not occur in the page.
+_NAME = "tire"
+
+
+def program_for_page(tire: Tire) -> PrintedProgram:
+    """Return what the page computes: forces, named quantities, rates of states, with the coefficients as variables.
+
+    `tire`: in ISO-W. Its effects are those that can be switched on the page.
+    """
+    coefficients = dict(zip(tire.symbolic_model.coefficients, tire.parameters().tolist(), strict=False))
+    nominal = {name: tire.nominal(name) for name in tire.inputs}
+    states = ("states",) if tire.lags or tire.states else ()
+    selection = PrintoutSelection(("forces", "quantities", *states), "struct")
+    return program(_NAME, tire.symbolic_model, tire.has, coefficients, nominal, selection)
+
+
+def lagged_slips(program: PrintedProgram) -> list[Quantity]:
+    """Return the lagged slips of a program: inputs that its model does not have."""
+    return [quantity for quantity in program.inputs if quantity not in program.model.inputs]
+
+
+def module_expression(program: PrintedProgram) -> str:
+    """Return a JavaScript expression whose value has the functions of a program.
+
+    Returns: printable ASCII. Comments are not part of it: they may contain text from files.
+    """
+    module = printer("javascript")(program)[f"{_NAME}.mjs"]
+    plain = re.sub(r"/\*.*?\*/|//[^\n]*", "", module, flags=re.DOTALL)
+    lines = (line.rstrip() for line in plain.splitlines())
+    body = "\n".join(line for line in lines if line).replace("export ", "")
+    functions = ", ".join(routine.name for routine in program.routines)
+    return script_text(f"(() => {{\n{body}\nreturn {{ {functions} }};\n}})()")

@@ -1,7 +1,11 @@
-"""A tire as plain values for the page: coefficients, effects, inputs, outputs, and which coefficient acts when."""
+"""A tire as plain values for the page: coefficients, effects, inputs, outputs, and which coefficient acts when.
+
+The .tir file is prepared so that the page can write it with changed values and effects.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import degrees, isfinite
@@ -10,18 +14,15 @@ from typing import Any
 from ...boundary.escaping import excerpt, file_name
 from ...symbolic.declarations import Coefficient, Quantity
 from ...tires import Tire
+from ...tires.channels import CHANNELS
 from ...tires.definition import RANGES as RANGE_KEYS
-from ...tires.property_file.names import unmeasured_coefficients
-from .property_file_template import property_file_template
+from ...tires.property_file.names import ASSUMED, listed, unmeasured_coefficients
+from ...tires.property_file.writing import tir_text
 
 #: Units of the sliders, and the factors from SI values; all other units are SI units.
 _SHOWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3), "1": ("", 1.0), "-": ("", 1.0), "degC": ("deg C", 1.0)}
 #: Ranges of the sliders of inputs, in SI units, where neither the tire nor a recording has a range.
-RANGES = {
-    "kappa": (-0.3, 0.3), "alpha": (-0.25, 0.25), "gamma": (-0.15, 0.15), "V": (0.0, 60.0), "phit": (-0.2, 0.2),
-    "T": (0.0, 120.0), "T_ambient": (253.15, 333.15), "T_road": (253.15, 353.15), "t": (0.0, 600.0),
-    "distance": (0.0, 5000.0),
-}  # fmt: skip
+RANGES = {name: channel.usual for name, channel in CHANNELS.items() if channel.usual} | {"distance": (0.0, 5000.0)}
 #: Range of a temperature of the tire, K.
 NODE_RANGE = (253.15, 423.15)
 #: Range of an input that is positive, as shares of its nominal value.
@@ -190,3 +191,52 @@ def _inputs(tire: Tire) -> list[dict[str, Any]]:
              "low": min(low, nominal), "high": max(high, nominal)}
         )  # fmt: skip
     return inputs
+
+
+#: A section, and a line with a value: the key, the value, a comment.
+_SECTION = re.compile(r"\[(.*)\]")
+_ENTRY = re.compile(r"(\w+) = (\S+)(.*)")
+#: Key of the remark in `Tire.about` that lists what was changed on the page.
+CHANGES = "changed"
+
+
+def property_file_template(tire: Tire) -> list[Any]:
+    """Return the lines of a tire's .tir file; those that depend on the state of the page are objects.
+
+    `tire`: in ISO-W, with every effect that can be switched on the page. Returns: ``{"coefficient": name, "rest":
+    comment}`` is the line of a coefficient, ``{"assumed": names, "title": section}`` the list of coefficients that the
+    tire's file did not have. The page writes the entries of [TIREFMU] that depend on the effects at ``{"effects":
+    True}``, and what was changed at ``{"changes": True}``.
+
+    >>> from tirefmu.tires import published
+    >>> lines = property_file_template(published("trento_hoosier").in_signs("iso"))
+    >>> next(line for line in lines if isinstance(line, dict))["coefficient"]
+    'UNLOADED_RADIUS'
+    """
+    sections = {name: declaration.section for name, declaration in tire.symbolic_model.coefficients.items()}
+    lines: list[Any] = []
+    section, has_about = "", False
+    for line in tir_text(tire).splitlines():
+        if heading := _SECTION.fullmatch(line):
+            section = heading[1]
+            has_about = has_about or section == "TIREFMU_ABOUT"
+        entry = _ENTRY.fullmatch(line)
+        key = entry[1] if entry else ""
+        if entry and sections.get(key) == section:
+            lines.append({"coefficient": key, "rest": entry[3]})
+        elif entry and section == ASSUMED:
+            lines.append({"assumed": list(listed(line.partition(" = ")[2])), "title": key})
+        elif not _replaced(section, key):
+            lines.append(line)
+        if (section, key) == ("TIREFMU", "NAME"):
+            lines.append({"effects": True})
+        elif line == "[TIREFMU_ABOUT]":
+            lines.append({"changes": True})
+    return lines if has_about else [*lines, "", "[TIREFMU_ABOUT]", {"changes": True}]
+
+
+def _replaced(section: str, key: str) -> bool:
+    """Return whether the page writes its own entry instead."""
+    if section == "TIREFMU":
+        return key == "EFFECTS" or key.startswith("CORE_")
+    return (section, key) == ("TIREFMU_ABOUT", CHANGES.upper())

@@ -16,6 +16,7 @@ from ...fitting import fit
 from ...measurements import CHANNELS
 from ...symbolic.models import MODELS
 from ...tires import Tire, TireLike, tire_from, write_tir
+from ...tires.definition import RANGES
 from ...tires.property_file.use import use_notes
 from .dialects import Host
 from .lacking import acting, nearest
@@ -26,6 +27,8 @@ from .lint import LintMessage, host_messages, host_named, lost_effects
 SHAPE = {"WIDTH": 0.65, "RIM_RADIUS": 0.65, "ASPECT_RATIO": 0.55}
 #: Relative error of the forces up to which an effect does not change them.
 UNCHANGED = 1e-4
+#: Error of a force, as a share of it, from which a file does not describe the tire. Convention.
+POOR = 0.5
 #: Kinds of physical constraints that a tire of another model may violate.
 NOT_ENFORCED = ("curvature", "friction_falling")
 #: Key and value that several hosts require and that a file may lack.
@@ -120,6 +123,11 @@ def convert(tire: TireLike, path: str | Path, host: str, model: str | None = Non
     if not whole.side:
         lost.append(f"the side of the tire is not stated: TYRESIDE = '{ASSUMED_SIDE.upper()}' is written")
     findings += [LintMessage("note", 0, text) for text in lost if text not in stated]
+    findings += [
+        LintMessage("error", 0, f"{name} of the file differs by {error:.0%} from the tire: {chosen} cannot describe it")
+        for name, error in errors.items()
+        if error > POOR
+    ]
     return Conversion(Path(path), written, chosen, refitted, errors, findings)
 
 
@@ -149,7 +157,10 @@ def _for_host(tire: Tire, rules: Host, model: str) -> Tire:
     shape_lines = [("DIMENSION", key, repr(value)) for key, value in shape.items() if key not in present]
     general = [("MODEL", key, repr(value)) for key, value in GENERAL.items() if key not in present]
     lines = [("MODEL", key, value) for key, value in entries.items()]
-    return replace(tire, values=values, other_entries=(*kept, *lines, *general, *shape_lines))
+    ranges = {name: (low, high) for name, (low, high) in tire.ranges.items() if low < high}  # programs refuse a point
+    for key in [key for name in tire.ranges.keys() - ranges.keys() for key in RANGES.get(name, ())]:
+        values.pop(key, None)
+    return replace(tire, values=values, other_entries=(*kept, *lines, *general, *shape_lines), ranges=ranges)
 
 
 def _changes(name: str, tire: Tire, table: pd.DataFrame, forces: pd.DataFrame) -> bool:
@@ -186,7 +197,8 @@ def _of_model(plain: Tire, model: str, table: pd.DataFrame, truth: pd.DataFrame)
     common = {name: value for name, value in plain.values.items() if name in declared and name not in plain.defaulted}
     common |= {key: plain.values[key] for key in ("FNOMIN", "UNLOADED_RADIUS")}
     start = Tire(model, common)
-    measured = truth[[name for name in (*table, *start.outputs) if name in truth]]
+    made = [name for name in start.outputs if name in truth and truth[name].any()]  # a tire may make no Mz at all
+    measured = truth[[*table, *made]]
     fitted = fit(
         measured, model, start=start, recipe="joint", screening=False, rows="equal", effects=start.has,
         without_constraints=NOT_ENFORCED,

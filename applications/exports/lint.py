@@ -25,13 +25,9 @@ OWN = "TIREFMU"
 class LintMessage:
     """What a check found.
 
-    Attributes
-    ----------
-    severity : str
-        "error": the file is not sound, or the host refuses or misreads it. "note": anything else worth knowing.
-    line : int
-        Of the file; 0: the file as a whole.
-    text : str
+    - `severity`: "error": the file is not sound, or the host refuses or misreads it. "note": anything else worth
+      knowing.
+    - `line`: of the file; 0: the file as a whole.
     """
 
     severity: str

@@ -17,8 +17,8 @@ from ...symbolic.printers.languages import printer
 from ...symbolic.printers.languages.program import (
     FUNCTIONS,
     PLACEMENTS,
+    PrintedProgram,
     PrintoutSelection,
-    Program,
     operations,
     program,
 )
@@ -104,7 +104,7 @@ def _tire(tire: TireLike) -> tuple[Tire, str]:
     return given.in_signs("iso"), stem
 
 
-def program_of(tire: Tire, name: str, selection: PrintoutSelection, rows: int = ROWS) -> Program:
+def program_of(tire: Tire, name: str, selection: PrintoutSelection, rows: int = ROWS) -> PrintedProgram:
     """Return what is printed of a tire: lines, header and self-test.
 
     `tire`: in ISO-W.
@@ -117,7 +117,7 @@ def program_of(tire: Tire, name: str, selection: PrintoutSelection, rows: int = 
     return replace(printout, check=check_text(tire, printout, rows))
 
 
-def _header(tire: Tire, printout: Program) -> tuple[str, ...]:
+def _header(tire: Tire, printout: PrintedProgram) -> tuple[str, ...]:
     model = tire.symbolic_model
     absent = [name for name in model.effects if name not in tire.has and not model.effects[name].optional]
     lines = [
@@ -137,7 +137,7 @@ def _header(tire: Tire, printout: Program) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def _about_states(tire: Tire, printout: Program) -> list[str]:
+def _about_states(tire: Tire, printout: PrintedProgram) -> list[str]:
     """Return how states are used: they are inputs, and lagged slips act in place of the wheel's."""
     lagged = [quantity.name for quantity in printout.inputs if quantity.name not in tire.inputs]
     states = [*lagged, *tire.states]
@@ -153,7 +153,7 @@ def _about_states(tire: Tire, printout: Program) -> list[str]:
     return lines
 
 
-def _saved(tire: Tire, printout: Program) -> str:
+def _saved(tire: Tire, printout: PrintedProgram) -> str:
     """Return how many operations the values in the lines save, compared with the code for any tire of the model."""
     outputs = [quantity.symbol for quantity in printout.outputs]
     lines = tire.symbolic_model.lines()

@@ -1,4 +1,4 @@
-"""The rows of a self-test: operating conditions and the results of tirefmu's NumPy code."""
+"""The rows of a self-test: operating conditions, and the results and derivatives of states of tirefmu's NumPy code."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from ...symbolic.printers.languages.program import TOLERANCE, Program
+from ...symbolic.added.state import SPEED, SPEED_ENDING
+from ...symbolic.printers.languages.program import TOLERANCE, PrintedProgram
+from ...symbolic.quantities import AT_ONCE
 from ...tires import Tire
-from ...tires.code import code_for
+from ...tires.code import Code, code_for
 from ...tires.states.simulation import equilibrium
-from .state_rates import state_rates
+from ...tires.states.transient import lateral_slip
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -22,7 +24,7 @@ MARGIN = 5.0
 ROWS = 40
 
 
-def check_text(tire: Tire, program: Program, rows: int = ROWS, seed: int = 0) -> str:
+def check_text(tire: Tire, program: PrintedProgram, rows: int = ROWS, seed: int = 0) -> str:
     """Return the text of a self-test's file: numbers separated by blanks.
 
     The first is the number of rows. The second line has the typical size of each result: a difference is relative to
@@ -92,7 +94,7 @@ def _lagged(names: Sequence[str], rows: int, seed: int) -> FloatArray:
     return np.array([rng.uniform(-0.8, 0.8, rows) for _ in names]).reshape(len(names), rows)
 
 
-def reference(tire: Tire, program: Program, inputs: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def reference(tire: Tire, program: PrintedProgram, inputs: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return well-conditioned rows of inputs, results by tirefmu's NumPy code, and the size of each result.
 
     A derivative may be a small difference of large terms: its size contains a hundredth of the force per argument. The
@@ -129,7 +131,7 @@ def reference(tire: Tire, program: Program, inputs: FloatArray) -> tuple[FloatAr
 
 
 def _results(
-    tire: Tire, program: Program, name: str, labels: Sequence[str], inputs: FloatArray, parameters: FloatArray
+    tire: Tire, program: PrintedProgram, name: str, labels: Sequence[str], inputs: FloatArray, parameters: FloatArray
 ) -> FloatArray:
     """Return the results of one function, shape (rows, n_results)."""
     code = code_for(tire.symbolic_model, "numpy")
@@ -177,3 +179,55 @@ def _typical(values: FloatArray) -> FloatArray:
 def _force_per(forces: FloatArray, arguments: FloatArray) -> FloatArray:
     ratios: FloatArray = 1e-2 * _typical(forces)[:, None] / np.where(arguments == 0, np.inf, arguments)
     return ratios.ravel()
+
+
+def state_rates(
+    tire: Tire, code: Code, inputs: FloatArray, parameters: FloatArray, labels: Sequence[str]
+) -> FloatArray:
+    """Return derivatives and decay rates of states, shape (rows, n_labels).
+
+    `code`: of its model. `inputs`, shape (n_inputs, rows): the inputs of the model, then the lagged slips.
+    `parameters`, shape (n_parameters,). `labels`: ``NAME_dot`` or ``NAME_decay`` of a state.
+    """
+    n = len(tire.inputs)
+    row = dict(zip(tire.inputs, inputs, strict=False))
+    given, acting = inputs[:n], inputs[:n].copy()
+    rates: dict[str, FloatArray] = {}
+    lagging = [label.removesuffix("_dot") for label in labels if label.endswith("lagged_dot")]
+    if lagging:
+        quantities = dict(zip(code.quantities_names, code.quantities(given, parameters), strict=True))
+    for name, lagged in zip(lagging, inputs[n:], strict=True):
+        along = name == "kappa_lagged"
+        length = quantities[tire.symbolic_model.quantity("relaxation_x" if along else "relaxation_y")]
+        decay = np.abs(row["V"]) / np.maximum(length, AT_ONCE)
+        target = row["kappa"] if along else lateral_slip(row["alpha"])
+        rates |= {f"{name}_decay": decay, f"{name}_dot": decay * (target - lagged)}
+        acting[tire.inputs.index("kappa" if along else "alpha")] = lagged if along else np.arctan(lagged)
+    at_given, at_acting = (
+        dict(zip(tire.symbolic_model.state_lines, code.state_lines(rows, parameters), strict=True))
+        if tire.states
+        else {}
+        for rows in (given, acting)
+    )
+    for name in tire.states:
+        state, x = tire.symbolic_model.states[name], row[name]
+        lines = at_given if tire.symbolic_model.is_direct(state) or state.follows_a_path else at_acting
+        target, rate, _, _ = state.line_names
+        u, r = lines[target], lines[rate]
+        if state.oscillates:
+            decay, derivative = np.zeros_like(u), row[f"{name}{SPEED_ENDING}"]
+        elif state.kind == SPEED:
+            position = tire.symbolic_model.states[name.removesuffix(SPEED_ENDING)]
+            target, frequency = (lines[line] for line in position.line_names[:2])
+            decay, derivative = r, frequency**2 * (target - row[position.name]) - r * x
+        elif state.settles:
+            decay, derivative = r, r * (u - x)
+        elif state.kind == "play":
+            decay, derivative = np.zeros_like(u), np.where(x * np.sign(u) < 1.0, u * r, 0.0)
+        elif state.follows_a_path:
+            decay = np.abs(u) * r
+            derivative = (np.sign(u) - x) * decay
+        else:
+            decay, derivative = np.zeros_like(u), u
+        rates |= {f"{name}_decay": decay, f"{name}_dot": derivative}
+    return np.stack([rates[label] for label in labels], axis=1)

@@ -125,6 +125,6 @@ def _coefficient(experiment: Experiment, name: str) -> Target:
     rows[:, 0, index] = 1.0
     values = np.array([[tire.values[name]] for tire in experiment.tires])
     scales = np.full((count, 1), experiment.sizes[index])
-    lateral = coefficients_by_output(experiment.tires[0].symbolic_model, straight=True).get("Fy", ())
+    lateral = coefficients_by_output(experiment.tires[0].symbolic_model, plain=True).get("Fy", ())
     slip, inputs = "alpha" if name in lateral else "kappa", np.zeros((len(experiment.tires[0].inputs), 0))
     return Target(name, slip, inputs, values, scales, rows)

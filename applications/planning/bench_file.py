@@ -17,8 +17,8 @@ from ...boundary.escaping import quoted
 from ...boundary.json_schema import document, object_schema
 from ...boundary.schema_check import check_content
 from ...measurements import ChannelNoise, Noise
-from ...measurements.channels import CHANNELS
 from ...measurements.units import to_si
+from ...tires.channels import CHANNELS
 
 #: The inputs that a bench sets, and those that it sweeps.
 INPUTS, SWEPT = ("kappa", "alpha", "gamma", "Fz", "p", "V"), ("kappa", "alpha")

@@ -56,7 +56,7 @@ def tires_around(tire: Tire) -> tuple[Tire, ...]:
 def free_coefficients(tire: Tire) -> tuple[str, ...]:
     """Return the coefficients that a fit of the forces and the aligning moment frees."""
     model = tire.symbolic_model
-    by_output = coefficients_by_output(model, straight=True)
+    by_output = coefficients_by_output(model, plain=True)
     influential = frozenset[str]().union(*(by_output[name] for name in CHANNELS if name in by_output))
     live = model.live(tire.has) & influential
     return tuple(name for name, declared in model.coefficients.items() if name in live and declared.fitted)

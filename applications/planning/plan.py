@@ -14,8 +14,8 @@ import numpy.typing as npt
 from ...boundary.errors import no_single_text
 from ...boundary.json_schema import document, json_value, schema_of
 from ...boundary.named_options import named
-from ...fitting.evidence.residuals import Residuals
-from ...fitting.evidence.undetermined import undetermined
+from ...fitting.checks.residuals import Residuals
+from ...fitting.checks.undetermined import undetermined
 from ...measurements import Recording, TableLike, VirtualBench, recording_from
 from ...tires import TireLike, tire_from
 from .aims import Target, targets

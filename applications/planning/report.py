@@ -11,7 +11,7 @@ import pandas as pd
 from ...boundary.errors import path_from, writing
 from ...drawing.figure import Figure, Panel, Series
 from ...drawing.page import page_text, write_page
-from ...drawing.style import level_styles
+from ...drawing.style import level_colors
 from ...measurements import write_table
 from .bench_file import PlanError
 from .plan import PlanResult
@@ -103,16 +103,16 @@ def _input_panels(rows: pd.DataFrame) -> list[Panel]:
 
 
 def _widths(result: PlanResult) -> Figure:
-    """Return the intervals over bench time; crosses are those of the program to which it is compared."""
+    """Return the intervals over bench time; points are those of the program to which it is compared."""
     minutes, series = [at["seconds"] / 60.0 for at in result.over_time], []
     end = [result.today.seconds / 60.0] if result.today else []
     names = [target.name for target in result.prediction.targets] if result.prediction else []
-    for name, style in zip(names, level_styles(len(names), by="Fz"), strict=True):
+    for name, color in zip(names, level_colors(len(names), by="Fz"), strict=True):
         label, values = MEANING.get(name, name), [min(at["intervals"][name], 1.0) for at in result.over_time]
-        series.append(Series("line", minutes, np.log10(values) + 2.0, style.color, label, style.dashes))
+        series.append(Series("line", minutes, np.log10(values) + 2.0, color, label))
         if result.today:
             point = [np.log10(result.today.widths[name]) + 2.0]
-            series.append(Series("points", end, point, style.color, label, marker="x", size=6.0))
+            series.append(Series("points", end, point, color, label, marker="o", size=6.0))
     panel = Panel("bench time (min)", "log10 of half width (%)", tuple(series), upright=tuple(end),
                   x_limits=(0.0, None), width=9.0)  # fmt: skip
     return Figure("intervals", "Predicted intervals", ((panel,),))

@@ -12,6 +12,7 @@ from ...boundary.errors import TirefmuError
 from ...boundary.escaping import toml_string
 from ...boundary.json_schema import document, object_schema, one_of
 from ...boundary.schema_check import check_content
+from ...fitting.options import VERSIONS, declared_options
 from ...measurements.files.formats import DEFAULT_SIGNS
 from ...symbolic.printers.languages import LANGUAGES
 from ..exports.dialects import HOSTS
@@ -29,6 +30,7 @@ KINDS: dict[str, dict[str, Any]] = {
     "files": _TEXTS,
     "names": _TEXTS,
     "number": {"type": "number"},
+    "integer": {"type": "integer"},
     "pairs": {**_NUMBERS, "examples": [{"Fz0": 1000.0, "R0": 0.25}]},
     "weights": {**_NUMBERS, "examples": [{"Fz in 200..240 N": 2.0}]},
     "texts": {"type": "object", "additionalProperties": _TEXT, "examples": [{"Fy": "FYC", "alpha": "-SA"}]},
@@ -39,6 +41,8 @@ KINDS: dict[str, dict[str, Any]] = {
 @dataclass(frozen=True)
 class Key:
     """A key of the project file: the kind of its value, and the option of the command that takes it, or its meaning.
+
+    An option of a flag is given if the value is false.
 
     `limits`: further keywords of the JSON Schema of its value.
     """
@@ -67,20 +71,8 @@ SECTIONS: dict[str, dict[str, Key]] = {
     },
     "fit": {
         "model": Key("text", "--model"),
-        "nominal": Key("pairs", "--nominal"),
-        "size": Key("text", "--size"),
-        "effects": Key("names", "--effects"),
-        "without": Key("names", "--without"),
         "start": Key("name or file", "--start"),
-        "recipe": Key("name or file", "--recipe"),
-        "constraints": Key("names", "--constraint"),
-        "without_constraints": Key("names", "--without-constraint"),
-        "loss": Key("text", "--loss"),
-        "rows": Key("text", "--rows"),
-        "weights": Key("weights", "--weight"),
-        "fixed": Key("pairs", "--fix"),
-        "stiffness_weight": Key("number", "--stiffness-weight"),
-        "temperature": Key("text", "--temperature"),
+        **{name: Key(option.kind, option.flag) for name, (option, _) in declared_options("project").items()},
         "cross_validate": Key("number", "--cross-validate"),
         "hold_out": Key("names", meaning="Rows that are checked but not fitted: expressions."),
     },
@@ -178,6 +170,8 @@ class Project:
                 options += [
                     part for expression, factor in value.items() for part in (key.option, f"{factor!r}: {expression}")
                 ]
+            elif key.kind == "flag" and key.option:
+                options += [] if value in (None, True) else [key.option]
             elif key.option and value is not None:
                 options += [key.option, self._argument(key.kind, value)]
         return options
@@ -240,7 +234,7 @@ def project_schema(
         sections["data"]["properties"]["tables"]["minItems"] = 0
     else:
         sections["data"]["required"] = ["tables"]
-    return document("project", "1.1", "Project", object_schema(sections, [] if empty else ["data"]))
+    return document("project", VERSIONS["project"], "Project", object_schema(sections, [] if empty else ["data"]))
 
 
 def project_text(

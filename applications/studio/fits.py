@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ...boundary.bounded_file import read_bounded
+from ...boundary.bounded_file import read_bounded, write_whole
 from ...boundary.errors import TirefmuError
 from ...boundary.escaping import excerpt
-from ...boundary.whole_file import write_whole
 
 #: Files of a fit in its folder.
 TIRE, RESULT, PROJECT, NOTE = "tire.tir", "fit.json", "tirefmu.toml", "note.txt"

@@ -11,10 +11,9 @@ from typing import Any
 import tomlkit
 from tomlkit import TOMLDocument
 
-from ...boundary.bounded_file import toml_content, toml_file
+from ...boundary.bounded_file import toml_content, toml_file, write_whole
 from ...boundary.errors import TirefmuError
 from ...boundary.escaping import quoted
-from ...boundary.whole_file import write_whole
 from ...measurements.interpretation import Interpretation
 from ...measurements.row_selection.expression import parse_selection
 from ..project.project_file import SECTIONS, Project, checked_project

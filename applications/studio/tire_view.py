@@ -19,8 +19,8 @@ from ...measurements import OUTPUTS
 from ...measurements.nominal_values import NOMINAL
 from ...tires import Tire
 from ...tires.evaluation import forces as forces_at
+from ..explorer.explore import lagged_slips, module_expression, program_for_page
 from ..explorer.measured_rows import MeasuredRows, measured_rows, rows_data, sampled
-from ..explorer.page_code import lagged_slips, module_expression, program_for_page
 from ..explorer.tire_data import switchable, tire_data
 from ..project.project_file import Project
 from .data_view import selected_recordings

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
+import tempfile
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -13,12 +15,14 @@ from ...boundary.errors import TirefmuError, UnknownName
 from ...boundary.escaping import excerpt, file_name
 from ...diagnosis.diagnose import with_library
 from ...diagnosis.probing.candidates import candidates_for
+from ...fitting.options import declared_options
 from ...fitting.problem.recipe import RECIPES
+from ...measurements import Noise, VirtualBench, trento_program, write_table
 from ...measurements.catalogue import effects
 from ...measurements.files.reading import READERS
 from ...symbolic.models import MODELS, model_named
-from ...tires import Tire, tire_from
-from ..explorer.fit_intervals import fit_intervals
+from ...tires import Tire, published, tire_from
+from ..explorer.explore import fit_intervals
 from ..project.project_file import SECTIONS
 from ..project.records import Records, files_of
 from ..project.steps import Step, reads_results, steps_of
@@ -35,6 +39,8 @@ Event = dict[str, Any]
 STEPS = ("inspect", "fit", "explore", "export", "convert", "generate", "check", "diagnose")
 #: s between two looks at the project file and at the completed stages of a fit.
 INTERVAL = 0.1
+#: File of the example, and its rows per second.
+EXAMPLE, EXAMPLE_RATE = "example.csv", 10.0
 #: Name of the tire whose fit is running, or will be.
 LIVE = "live"
 
@@ -92,7 +98,7 @@ class Window:
         return await asyncio.to_thread(self._state)
 
     async def do_choices(self, message: Event) -> Event:
-        """Return the models, and the effects and recipes of the project's model."""
+        """Return the models, the options of a fit with choices, and the effects and recipes of the project's model."""
         chosen = self.state.project().get("fit", "model", "mf61")
         available = await asyncio.to_thread(effects, None, chosen)
         model = model_named(chosen)
@@ -101,6 +107,11 @@ class Window:
             "effects": [{key: effect[key] for key in ("name", "kind", "physics")} for effect in available],
             "default": sorted(model.default_effects),
             "exports": {name: SECTIONS["export"][name].schema["items"]["enum"] for name in ("convert", "generate")},
+            "options": [
+                {"name": name, "label": option.label, "choices": list(option.choices.items()), "default": default}
+                for name, (option, default) in declared_options().items()
+                if option.label
+            ],
             "recipes": sorted({*RECIPES, *model.fit.recipes} - {"family"}),
         }
 
@@ -118,6 +129,16 @@ class Window:
         """Set the tables of the project."""
         tables = texts(message, "tables")
         await self._changed(self.state.set_tables, given(message, "version", str), tables)
+
+    async def do_example(self, message: Event) -> None:
+        """Write a recording of the virtual bench into the folder of the project and add it to the tables."""
+        handle, name = tempfile.mkstemp(dir=self.state.folder / FOLDER, suffix=".csv")
+        os.close(handle)
+        try:
+            await asyncio.to_thread(_write_example, Path(name))
+            await self.add_table(EXAMPLE, Path(name))
+        finally:
+            Path(name).unlink(missing_ok=True)
 
     async def do_undo(self, message: Event) -> None:
         """Restore the project file before the latest change."""
@@ -371,3 +392,9 @@ def texts(message: Mapping[str, Any], name: str) -> Sequence[str]:
     if not all(isinstance(item, str) for item in value):
         raise TirefmuError(f"{name} of a message is a list of texts")
     return value
+
+
+def _write_example(path: Path) -> None:
+    """Write a recording of a published tire on the virtual bench."""
+    program = trento_program(sample_rate=EXAMPLE_RATE, signs="iso")
+    write_table(VirtualBench(published("trento_hoosier"), Noise()).run(program).with_signs("iso").table, path)

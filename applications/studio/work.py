@@ -16,7 +16,7 @@ from typing import Any
 
 from ...boundary.errors import TirefmuError
 from ...boundary.escaping import excerpt
-from ..project.limited import ERROR
+from ..project.run import ERROR
 
 #: Last lines of progress that a new window shows.
 SHOWN_LINES = 8

@@ -15,8 +15,7 @@ from importlib import import_module
 
 #: What a fit imports; loading it takes longer than its first stage.
 LOADED = (
-    "tirefmu.commands.cli", "tirefmu.applications.batch.cross_validation", "tirefmu.applications.batch.intervals",
-    "tirefmu.fitting.reporting.report",
+    "tirefmu.commands.cli", "tirefmu.applications.batch.intervals", "tirefmu.fitting.reporting.report",
     "tirefmu.diagnosis.diagnose", "tirefmu.applications.project.run",
 )  # fmt: skip
 

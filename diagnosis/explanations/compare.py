@@ -16,12 +16,13 @@ from ...numerics.ties import graded
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import Screen, starts
-from ..thresholds import CONFOUNDED, REFIT_MARGIN, RIVALS
-from ..unexplained.proposal import Dictionary
+from ..thresholds import CONFOUNDED, EFFECT_ODDS, REFIT_MARGIN
+from ..unexplained.formula_proposal import Dictionary
 from .answer import Answer, answer_of
 from .budget import Budget
-from .evidence import Projected, inflation
+from .evidence import Projected, caution, inflation
 from .explanation import UNKNOWN, Explanation, Term
+from .gains import Gain, gains, projected, rivals_of
 from .linearization import Addition, Linearization
 from .refit import Refitted, Shared, refitted, shared_problem, some_rows, with_terms
 from .terms import form_errors, prior_deviation
@@ -72,7 +73,7 @@ def compared(
     for remaining in reversed(range(ESTIMATES)):
         table = _table(linear, baseline, explained, budget)
         table.climb(linear)
-        tables.append(table)
+        tables = [*tables[-1:], table]
         seen.add(linear.explanation.parts)
         # Two explanations may lead in turn, each under the noise of the other one: then the smaller one is the leader.
         if table.leads_again(seen, linear.explanation) or not remaining:
@@ -84,8 +85,8 @@ def compared(
             break
         explained, linear = table.explained, _with_own_noise(table.leader, few)
     # A table that was stopped at its beginning has compared less than the one before.
-    table = max(tables[-2:], key=lambda table: len(table.scores)) if budget.ended else tables[-1]
-    return Comparison(answer_of(table.scores, candidates), table.leader, table.shared, budget.ended)
+    table = max(tables, key=lambda table: len(table.scores)) if budget.ended else tables[-1]
+    return Comparison(answer_of(table.divided_scores(), candidates), table.leader, table.shared, budget.ended)
 
 
 def _table(linear: Linearization, baseline: Solution, explained: float, budget: Budget) -> _Table:
@@ -121,6 +122,7 @@ class _Table:
     - `proposed`: those for which a formula was searched.
     - `expanded`: those that were extended and reduced.
     - `scores`: logarithm of the evidence with the prior odds; of others that of the linear problem next to them.
+    - `extensions`: of these others, the refit with an effect less.
     """
 
     shared: Shared
@@ -131,6 +133,7 @@ class _Table:
     scores: dict[tuple[str, ...], float] = field(default_factory=dict)
     proposed: set[tuple[str, ...]] = field(default_factory=set)
     expanded: set[tuple[str, ...]] = field(default_factory=set)
+    extensions: dict[tuple[str, ...], tuple[str, ...]] = field(default_factory=dict)
 
     def _possible(self, linear: Linearization) -> list[Addition]:
         """Return the effects that an explanation lacks."""
@@ -145,10 +148,30 @@ class _Table:
         """Logarithm of the likelihood, not raised to a power, by which the leading explanation is better than none."""
         return (self.leader.evidence - self.refits[()].evidence) * inflation(self.shared.explained)
 
+    def divided_scores(self) -> dict[tuple[str, ...], float]:
+        """Return the scores that make the probabilities: without what inexact forms of effects may explain."""
+        factor = caution(self.explained)
+        priors = {parts: self.refits[base].explanation.log_prior for parts, base in self.extensions.items()}
+        priors = {parts: prior + float(np.log(EFFECT_ODDS)) for parts, prior in priors.items()}
+        priors |= {parts: refit.explanation.log_prior for parts, refit in self.refits.items()}
+        return {parts: priors[parts] + (score - priors[parts]) / factor for parts, score in self.scores.items()}
+
     @property
     def leader(self) -> Refitted:
         """The refitted explanation with the largest score."""
         return self.refits[max(self.refits, key=lambda parts: graded(self.scores[parts]))]
+
+    @property
+    def _roots(self) -> tuple[Refitted, ...]:
+        """The leader, and the refitted explanation with the largest probability if it is another one."""
+        divided = self.divided_scores()
+        probable = self.refits[max(self.refits, key=lambda parts: graded(divided[parts]))]
+        return tuple(dict.fromkeys([self.leader, probable]))
+
+    def _root_above(self, parts: Collection[str]) -> Refitted | None:
+        """Return the first root that has the parts and one more."""
+        above = (root for root in self._roots if set(parts) < set(root.explanation.parts))
+        return next((root for root in above if len(root.explanation.parts) == len(parts) + 1), None)
 
     @property
     def _goes_on(self) -> bool:
@@ -191,7 +214,7 @@ class _Table:
                 return
             refit = self.refits[remaining[0]]
             self._extend(refit)
-            if self.scores[remaining[0]] > max(self.scores.values()) + REFIT_MARGIN:
+            if refit in self._roots or self.scores[remaining[0]] > max(self.scores.values()) + REFIT_MARGIN:
                 self._reduce(refit)
             self.expanded.add(remaining[0])
 
@@ -271,15 +294,15 @@ class _Table:
         effects = self._possible(linear)
         alone = Addition(UNKNOWN, change[:, :, None], np.ones(1))
         sizes = [1, *(len(addition.deviation) for addition in effects)]
-        projected = Projected.of(linear.equations([alone, *effects]), sizes)
-        return any(projected.correlations(group)[0] > CONFOUNDED for group in projected.groups[1:])
+        whole = Projected.of(linear.equations([alone, *effects]), sizes)
+        return any(whole.correlations(group)[0] > CONFOUNDED for group in whole.groups[1:])
 
     def _best_term(self, refit: Refitted, dictionary: Dictionary, tried: Sequence[int]) -> tuple[int, float]:
         """Return the term with the largest gain in the linear problem, and this gain."""
         terms = [self._term(dictionary, i) for i in tried]
         additions = [Addition(UNKNOWN, term.column[:, :, None], np.array([term.deviation])) for term in terms]
-        projected = Projected.of(refit.linear.equations(additions), [1] * len(additions))
-        gained = [projected.gain(group)[0] for group in projected.groups]
+        columns = projected(refit.linear, additions)
+        gained = [columns.gain(group)[0] for group in columns.groups]
         return tried[int(np.argmax(graded(gained)))], max(gained)
 
     def _term(self, dictionary: Dictionary, i: int) -> Term:
@@ -288,11 +311,11 @@ class _Table:
         return Term(location, feature, column, deviation, -float(np.log(len(dictionary.terms))))
 
     def _near(self) -> list[tuple[str, ...]]:
-        """Return the leading explanation, those with one part less, and those with nearly its score."""
-        parts = self.leader.explanation.parts
-        less = [other for other in self.refits if len(other) == len(parts) - 1 and set(other) < set(parts)]
-        near = [other for other in self.refits if self.scores[other] > self.scores[parts] + REFIT_MARGIN]
-        return list(dict.fromkeys([parts, *less, *sorted(near, key=lambda other: -graded(self.scores[other]))]))
+        """Return the roots, those with one part less, and those with nearly the score of the leader."""
+        roots = [root.explanation.parts for root in self._roots]
+        less = [other for other in self.refits if self._root_above(other) is not None]
+        near = [other for other in self.refits if self.scores[other] > self.scores[roots[0]] + REFIT_MARGIN]
+        return list(dict.fromkeys([*roots, *less, *sorted(near, key=lambda other: -graded(self.scores[other]))]))
 
     def _add(self, refit: Refitted) -> None:
         parts = refit.explanation.parts
@@ -305,35 +328,43 @@ class _Table:
         for part in explanation.parts:
             less = explanation.without(part)
             if less.parts not in self.refits and not self.budget.ended:
-                start = refit.linear.solution.parameters.copy()
-                forms = [form for effect, form in explanation.forms if effect == part]
-                freed = [simulator.index[name] for form in forms for name in form.free]
-                start[freed] = self.absent[freed]
                 self._report(f"comparing {part} with other explanations")
-                self._add(refitted(self.shared, less, [start], simulator))
+                self._add(refitted(self.shared, less, [self._start_without(refit, less)], simulator))
+
+    def _start_without(self, refit: Refitted, less: Explanation) -> FloatArray:
+        """Return the coefficients of a refit, those of the effects that a smaller explanation lacks absent."""
+        start, index = refit.linear.solution.parameters.copy(), refit.linear.simulator.index
+        forms = [form for effect, form in refit.explanation.forms if effect not in less.effects]
+        freed = [index[name] for form in forms for name in form.free]
+        start[freed] = self.absent[freed]
+        return start
 
     def _extend(self, refit: Refitted) -> None:
         """Compare an explanation with those that have one effect more; the best ones are refitted.
 
-        Others are from `REFIT_MARGIN` on. In rivals of the leading explanation the first `RIVALS` effects also are if
-        they act through time: these are not linear in their coefficients.
+        Others are from `REFIT_MARGIN` on. If a leading explanation has one part more, effects that are confounded
+        with this part are refitted in its place: most act through time and are not linear in their coefficients.
         """
         self._report(f"adding an effect to {', '.join(refit.explanation.parts) or 'the baseline model'}")
-        candidates, model = refit.linear.candidates, refit.linear.simulator.symbolic_model
-        parts = self.leader.explanation.parts
-        rivals = RIVALS if len(refit.explanation.parts) < len(parts) or not parts else 0
-        base = self.scores[refit.explanation.parts]
-        scored = gains(refit.linear, self._possible(refit.linear))
+        own = refit.explanation.parts
+        base, possible = self.scores[own], self._possible(refit.linear)
+        if not possible:
+            return
+        columns = projected(refit.linear, possible)
+        scored = gains(columns, possible)
         totals = {name: float(np.logaddexp.reduce([form.gain for form in forms])) for name, forms in scored.items()}
-        for number, name in enumerate(sorted(totals, key=lambda part: -graded(totals[part]))):
+        above = self._root_above(own)
+        replaced: Collection[str] = set(above.explanation.parts).difference(own) if above else ()
+        rivals = rivals_of(replaced, columns, possible)
+        for name in sorted(totals, key=lambda part: -graded(totals[part])):
             best = max(scored[name], key=lambda form: graded(form.gain))
             parts, score = self._extended(refit, best).parts, base + totals[name]
             if parts in self.refits:
                 continue
-            self.scores[parts] = max(score, self.scores.get(parts, -np.inf))
-            rival = number < rivals and (candidates[name].has_states or name in model.relaxing_effects)
-            if (rival or score > max(self.scores.values()) + REFIT_MARGIN) and not self.budget.ended:
-                self._add(self._with_effect(refit, best))
+            if score > self.scores.get(parts, -np.inf):
+                self.scores[parts], self.extensions[parts] = score, own
+            if (name in rivals or score > max(self.scores.values()) + REFIT_MARGIN) and not self.budget.ended:
+                self._add(self._with_effect(refit, best, above if name in rivals else None))
 
     def _extended(self, refit: Refitted, gain: Gain) -> Explanation:
         """Return an explanation with an addition, without terms that are errors of its form."""
@@ -342,36 +373,21 @@ class _Table:
         terms = tuple(term for term in more.terms if not errors.contain(term.location, term.depends_on))
         return replace(more, terms=terms)
 
-    def _with_effect(self, refit: Refitted, best: Gain) -> Refitted:
-        """Refit an addition of an effect; coefficients of a grid are fitted, so that its points are one explanation."""
-        simulator, addition = refit.linear.simulator, best.addition
-        explanation = self._extended(refit, best)
-        begins = starts(simulator, refit.linear.solution, addition.form, best.estimate * addition.deviation)
-        return refitted(self.shared, explanation, begins, simulator)
+    def _with_effect(self, refit: Refitted, best: Gain, above: Refitted | None) -> Refitted:
+        """Refit an addition of an effect; coefficients of a grid are fitted, so that its points are one explanation.
+
+        `above`: an explanation in which the effect takes the place of another one; the fit also begins there.
+        """
+        simulator, solution = refit.linear.simulator, refit.linear.solution
+        solutions = [solution]
+        if above is not None:
+            solutions.append(replace(solution, parameters=self._start_without(above, refit.explanation)))
+        form, estimate = best.addition.form, best.estimate * best.addition.deviation
+        begins = [start for at in solutions for start in starts(simulator, at, form, estimate)]
+        return refitted(self.shared, self._extended(refit, best), begins, simulator)
 
 
 def _screen(refit: Refitted) -> Screen:
     """Return the linearization of a refit in rows of independent noise."""
     problem = replace(refit.linear.problem, whitening=None)
     return Screen(problem, problem.at(refit.linear.solution.parameters, refit.linear.solution.free))
-
-
-@dataclass(frozen=True, eq=False)
-class Gain:
-    """An addition with the increase of the logarithm of the evidence, prior odds included, and its estimate."""
-
-    gain: float
-    addition: Addition
-    estimate: FloatArray
-
-
-def gains(linear: Linearization, additions: Sequence[Addition]) -> dict[str, list[Gain]]:
-    """Return what could be added to an explanation, by name, with its gain in the linear problem."""
-    if not additions:
-        return {}
-    projected = Projected.of(linear.equations(additions), [len(addition.deviation) for addition in additions])
-    scored = dict[str, list[Gain]]()
-    for addition, group in zip(additions, projected.groups, strict=True):
-        gain, estimate = projected.gain(group)
-        scored.setdefault(addition.name, []).append(Gain(gain + addition.log_prior, addition, estimate))
-    return scored

@@ -16,10 +16,9 @@ import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 
 from ...measurements.virtual_bench.bench_errors import half_waves
-from ..recording.disturbances import passed
-from ..recording.load_error import LAGS, load_error_responses
-from ..recording.signals import Signals
-from ..recording.simulation import Simulator
+from ..signals.disturbances import LAGS, load_error_responses, passed
+from ..signals.signals import Signals
+from ..signals.simulation import Simulator
 from ..thresholds import BLOCK_LENGTH, DRIFT_WAVES, FAST_DRIFT_PRIOR, FAST_DRIFT_WAVES, LOAD_ERROR_PRIOR, MAX_SKEW
 from ..unexplained.features import CORE_INPUTS
 

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
-from ..thresholds import COARSENED_ROWS, INEXACT_SHARE
+from ..thresholds import COARSENED_ROWS, FORM_ERROR, INEXACT_SHARE
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -40,6 +40,18 @@ def inflation(explained: float) -> float:
     (1.0, 2.0)
     """
     return 1.0 + INEXACT_SHARE * max(explained, 0.0)
+
+
+def caution(explained: float) -> float:
+    """Return the factor by which probabilities divide the logarithm of the evidence of a comparison, at least 1.
+
+    The form of an effect may err by `FORM_ERROR` of its response: this share, squared, of what is explained says
+    nothing about which effect explains it. `explained` as in `inflation`.
+
+    >>> caution(0.0), bool(caution(1000.0) > 5.0)
+    (1.0, True)
+    """
+    return (1.0 + FORM_ERROR**2 * max(explained, 0.0)) / inflation(explained)
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,8 +20,14 @@ from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS, MAX_WHITENED_MISFIT
-from ..unexplained.formula_proposal import Added, Unknown, effect_of, unknown_of, with_formula
-from ..unexplained.structure import Structure
+from ..unexplained.formula_proposal import (
+    AddedFormula,
+    UnexplainedStructure,
+    Unknown,
+    effect_of,
+    unknown_of,
+    with_formula,
+)
 from .compare import Comparison
 from .effect_evidence import Evidence, effect_evidence
 from .explanation import Explanation
@@ -141,16 +147,18 @@ def _fitted(problem: LeastSquares, start: FloatArray, free: Collection[str]) -> 
 def _unknown(
     comparison: Comparison, start: Tire, problem: LeastSquares, solution: Solution, report: Callable[[str], None],
     no_formula: str,
-) -> tuple[tuple[Unknown, ...], Added | None]:  # fmt: skip
+) -> tuple[tuple[Unknown, ...], AddedFormula | None]:  # fmt: skip
     """Return the report of the unknown component, and the model with its formula if possible."""
     terms = comparison.leader.explanation.terms
     if not terms:
         return (), None
-    structure = Structure(terms[0].location, tuple(term.feature for term in terms), comparison.leader.term_sizes)
+    structure = UnexplainedStructure(
+        terms[0].location, tuple(term.feature for term in terms), comparison.leader.term_sizes
+    )
     effect = effect_of(structure)
     report("adding the proposed formula to the model equations")
     added = no_formula or with_formula(structure, effect, start, problem, solution)
-    return (unknown_of(structure, effect, added),), added if isinstance(added, Added) else None
+    return (unknown_of(structure, effect, added),), added if isinstance(added, AddedFormula) else None
 
 
 def _coefficients(effect: str, explanation: Explanation, after: Screen) -> tuple[str, ...]:

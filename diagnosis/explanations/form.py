@@ -21,8 +21,8 @@ from ...symbolic.added import AddedEffect, read_effect
 from ...symbolic.model import Model
 from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
-from ..recording.signals import Signals
-from ..recording.simulation import Simulator
+from ..signals.signals import Signals
+from ..signals.simulation import Simulator
 from ..thresholds import DISCREPANCIES, FINAL_ITERATIONS
 from .discrepancy import model_discrepancy
 from .evidence import likelihood_power

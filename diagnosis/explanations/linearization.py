@@ -13,8 +13,8 @@ from ...symbolic.detection import Form
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import CORE, Candidate, declared_candidate, is_testable, refinements_for
 from ..probing.effect_probing import probed, unfitted
-from ..recording.disturbances import CROSS_TALK
-from ..recording.simulation import Simulator
+from ..signals.disturbances import CROSS_TALK
+from ..signals.simulation import Simulator
 from ..thresholds import EFFECT_ODDS, FORM_ERROR, PAST_ERROR
 from ..unexplained.features import CORE_INPUTS
 from .discrepancy import bench_errors, effect_discrepancy, envelope

@@ -13,8 +13,8 @@ from ...numerics.noise_model import Whitening, noise_parts
 from ...numerics.ties import graded
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
-from ..recording.disturbances import Disturbances
-from ..recording.simulation import Simulator
+from ..signals.disturbances import Disturbances
+from ..signals.simulation import Simulator
 from ..thresholds import DISCREPANCIES, MAX_SKEW, SEARCH_ROWS
 from .discrepancy import fast_drift, input_noise_responses, model_discrepancy
 from .evidence import NormalEquations, inflation, likelihood_power

@@ -15,11 +15,11 @@ from ...symbolic.model import Model
 from ...tires.code import code_for
 from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
-from ..recording.disturbances import disturbances_of
-from ..recording.outliers import short_range
-from ..recording.signals import Signals
-from ..recording.simulation import Simulator
-from ..recording.skew import between_rows
+from ..signals.disturbances import disturbances_of
+from ..signals.outliers import short_range
+from ..signals.signals import Signals
+from ..signals.simulation import Simulator
+from ..signals.skew import between_rows
 from .candidates import declared_candidate, varies
 
 FloatArray = npt.NDArray[np.float64]
@@ -50,15 +50,7 @@ def _in_baseline(declaration: Coefficient, tire: Tire, signals: Signals) -> bool
 def baseline_coefficients(tire: Tire, signals: Signals) -> tuple[str, ...]:
     """Return the coefficients that the fit of a baseline model adjusts.
 
-    Parameters
-    ----------
-    tire : Tire
-    signals : Signals
-
-    Returns
-    -------
-    tuple of str
-        In the order of the model.
+    Returns: in the order of the model.
     """
     model = tire.symbolic_model
     declarations = model.coefficients
@@ -118,13 +110,7 @@ def worse_by_smoothing(problem: LeastSquares, solution: Solution, recorded: Sign
 
     Smoothing removes noise of the inputs, but distorts channels that were sampled too coarsely.
 
-    Parameters
-    ----------
-    problem : LeastSquares
-        Of the smoothed signals.
-    solution : Solution
-    recorded : Signals
-        Of the same recording without smoothing.
+    `problem`: of the smoothed signals. `recorded`: of the same recording without smoothing.
     """
     if not any(problem.simulator.signals.input_noise.values()):
         return False
@@ -200,16 +186,8 @@ def _per_unit(tire: Tire, role: str, values: Mapping[str, float]) -> float:
 def reweighted(problem: LeastSquares, solution: Solution) -> LeastSquares:
     """Return the problem with weights from the noise of a solution's residual, outliers excluded.
 
-    Parameters
-    ----------
-    problem : LeastSquares
-    solution : Solution
-
-    Returns
-    -------
-    LeastSquares
-        The noise of a channel has a constant and a proportional part, estimated from the short-range scatter, and what
-        the rows do not determine between them (`between_rows`).
+    Returns: the noise of a channel has a constant and a proportional part, estimated from the short-range scatter, and
+    what the rows do not determine between them (`between_rows`).
     """
     signals = problem.simulator.signals
     between = between_rows(problem.simulator, solution.parameters)

@@ -11,7 +11,7 @@ from ...symbolic.declarations import Coefficient
 from ...symbolic.detection import Detection, Form
 from ...symbolic.model import Model
 from ...tires.tire import Tire
-from ..recording.signals import Signals
+from ..signals.signals import Signals
 from ..thresholds import MAX_BLOCKS, MIN_VARIATION, MIN_VARIATION_IN_NOISE
 
 #: Inputs whose common deviation from zero an effect of two of them requires.
@@ -28,21 +28,12 @@ CHANNELS = ("Fx", "Fy", "Mz", "Mx", "My")
 class Candidate:
     """An effect that the model may lack.
 
-    Attributes
-    ----------
-    name : str
-    forms : tuple of Form
-        From the simplest to the most general.
-    requires : tuple of str
-        Inputs that must all vary, and outputs that must be measured.
-    channels : tuple of str
-        Outputs that the effect changes.
-    contains : str
-        An effect that is a special case of this one, or ''.
-    has_states : bool
-        Whether it depends on the past by states of its own, or on the rate of an input.
-    rate : float
-        Rows per second that a recording must have.
+    - `forms`: from the simplest to the most general.
+    - `requires`: inputs that must all vary, and outputs that must be measured.
+    - `channels`: outputs that the effect changes.
+    - `contains`: an effect that is a special case of this one, or ''.
+    - `has_states`: whether it depends on the past by states of its own, or on the rate of an input.
+    - `rate`: rows per second that a recording must have.
     """
 
     name: str
@@ -57,15 +48,7 @@ class Candidate:
 def candidates_for(tire: Tire) -> dict[str, Candidate]:
     """Return the effects that a tire lacks and that its model supports.
 
-    Parameters
-    ----------
-    tire : Tire
-        Library and user-defined effects are in its `added` ones.
-
-    Returns
-    -------
-    dict of str to Candidate
-        In alphabetical order.
+    `tire`: library and user-defined effects are in its `added` ones. Returns: in alphabetical order.
     """
     model = tire.symbolic_model
     present = [detection for name, detection in model.detections.items() if name in tire.has]
@@ -77,18 +60,8 @@ def candidates_for(tire: Tire) -> dict[str, Candidate]:
 def declared_candidate(name: str, model: Model, present: frozenset[str] = frozenset()) -> Candidate | None:
     """Return the candidate that an effect file or the model declares, or None.
 
-    Parameters
-    ----------
-    name : str
-    model : Model
-    present : frozenset of str
-        The effects that a tire has.
-
-    Returns
-    -------
-    Candidate or None
-        If the model has none of the declared coefficients, its own coefficients of the effect are probed by their
-        bounds.
+    `present`: the effects that a tire has. Returns: if the model has none of the declared coefficients, its own
+    coefficients of the effect are probed by their bounds.
     """
     detection, declarations = model.detections.get(name), model.coefficients
     if detection and any(set(form.free) & declarations.keys() for form in detection.forms):
@@ -143,11 +116,7 @@ def counts_from_neutral(declaration: Coefficient) -> bool:
 def refinements_for(tire: Tire, identified: frozenset[str]) -> list[tuple[str, Form]]:
     """Return the refinements of the baseline and of the effects that a model has, each with its effect or `CORE`.
 
-    Parameters
-    ----------
-    tire : Tire
-    identified : frozenset of str
-        The identified effects.
+    `identified`: the identified effects.
     """
     forms = [(CORE, Form.each(sizes)) for sizes in tire.symbolic_model.baseline.refinements]
     return forms + [
@@ -178,12 +147,7 @@ def excited(signals: Signals, tire: Tire, names: Sequence[str]) -> bool:
     An effect of two inputs is not determined if one of them varies only while the other one is constant: in a
     recording of pure slip, noise of kappa times the slope of a curve resembles combined slip.
 
-    Parameters
-    ----------
-    signals : Signals
-    tire : Tire
-    names : sequence of str
-        Inputs, "t", or outputs, which must be measured.
+    `names`: inputs, "t", or outputs, which must be measured.
     """
     if not all(varies(signals, tire, name) for name in names):
         return False

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...symbolic.detection import Detection
-from ..recording.skew import delay_response
+from ..signals.skew import delay_response
 from ..thresholds import MIN_SHARE, SIDE
 from .effect_probing import Screen
 
@@ -58,22 +58,11 @@ def correlations(
 ) -> dict[str, float]:
     """Return the correlation of an identified effect's response with that of each other explanation.
 
-    Parameters
-    ----------
-    screen : Screen
-        Of the solution with the identified effect.
-    coefficients : sequence of str
-        Coefficients of the identified effect.
-    others : mapping of str to ndarray, shapes (n_channels, n, k)
-        Weighted responses of other explanations.
-    identified : mapping of str to ndarray
-        Weighted responses of the other identified effects, which are in the model.
-
-    Returns
-    -------
-    dict of str to float
-        0 to 1: the correlation of the effect's response with the best linear combination of the other responses. The
-        responses to the remaining coefficients and to the disturbances of the recording are projected out of both.
+    `screen`: of the solution with the identified effect. `coefficients`: coefficients of the identified effect.
+    `others`, shapes (n_channels, n, k): weighted responses of other explanations. `identified`: weighted responses of
+    the other identified effects, which are in the model. Returns: 0 to 1: the correlation of the effect's response with
+    the best linear combination of the other responses. The responses to the remaining coefficients and to the
+    disturbances of the recording are projected out of both.
     """
     solution = screen.solution
     of_recording = [False] * len(screen.problem.disturbances.names)
@@ -119,15 +108,9 @@ def correlations(
 def separating_measurement(first: str, second: str, detections: Mapping[str, Detection]) -> str:
     """Return the cheapest measurement that separates two explanations.
 
-    Parameters
-    ----------
-    first, second : str
-        Effects or sensor errors.
-    detections : mapping of str to Detection
-        Declarations of the effect files: of the pair, otherwise of the first or the second effect alone.
+    `first`, `second`: effects or sensor errors. `detections`: declarations of the effect files: of the pair, otherwise
+    of the first or the second effect alone.
 
-    Examples
-    --------
     >>> from tirefmu.symbolic.models import model_named
     >>> separating_measurement("plysteer", "slip_angle_zero_offset", model_named("mf61").detections)
     'turn the tire on the rim and repeat one alpha sweep'

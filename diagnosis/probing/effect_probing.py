@@ -13,7 +13,7 @@ import numpy.typing as npt
 from ...numerics.block_regression import BlockSums, autocovariance, block_sums, coloured_covariance, regression, wald_p
 from ...symbolic.detection import Form, Probe
 from ..least_squares import LeastSquares, Solution
-from ..recording.simulation import Simulator
+from ..signals.simulation import Simulator
 from ..thresholds import FREE_PRIOR, MAX_CORRELATION_TIME, MIN_INDEPENDENT_SHARE, MIN_ROWS_OF_BLOCK
 from .baseline_fit import readable
 from .candidates import Candidate, counts_from_neutral, is_testable
@@ -26,22 +26,14 @@ IntArray = npt.NDArray[np.int64]
 class Response:
     """Response of the forces to the probes of a form, and its estimate from the residual.
 
-    Attributes
-    ----------
-    columns : ndarray, shape (n_channels, n, k)
-        Weighted responses, one per probe.
-    estimate : ndarray, shape (k,)
-        Amplitudes, in units of the probes.
-    p_coloured, p_blocks : float
-        p-values of the Wald test: from the autocovariance of the noise, and from the jackknife over blocks.
-    error : ndarray, shape (k,)
-        Standard errors of the estimate, the larger of the two.
-    loss : ndarray, shape (n_blocks,)
-        Cross-validated loss of each block with the response.
-    independent_share : float
-        Largest share of a response's norm that is orthogonal to the baseline's tangent space.
-    size : float
-        Root mean square of the largest response, in noise standard deviations.
+    - `columns`, shape (n_channels, n, k): weighted responses, one per probe.
+    - `estimate`, shape (k,): amplitudes, in units of the probes.
+    - `p_coloured`, `p_blocks`: p-values of the Wald test: from the autocovariance of the noise, and from the jackknife
+      over blocks.
+    - `error`, shape (k,): standard errors of the estimate, the larger of the two.
+    - `loss`, shape (n_blocks,): Cross-validated loss of each block with the response.
+    - `independent_share`: largest share of a response's norm that is orthogonal to the baseline's tangent space.
+    - `size`: root mean square of the largest response, in noise standard deviations.
     """
 
     columns: FloatArray
@@ -60,13 +52,7 @@ class Response:
 
 
 class Screen:
-    """Linearization at a solution, for tests of responses on its residual.
-
-    Parameters
-    ----------
-    problem : LeastSquares
-    solution : Solution
-    """
+    """Linearization at a solution, for tests of responses on its residual."""
 
     def __init__(self, problem: LeastSquares, solution: Solution) -> None:
         self.problem, self.solution = problem, solution

@@ -20,14 +20,7 @@ LOADS = ((0.1, BLUE, SOLID), (0.5, GRAY, DASHED), (0.9, RED, SOLID))
 def form_figure(diagnosis: Diagnosis) -> Figure:
     """Return the change of each corrected channel by the correction over the slip that varies most.
 
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        With a correction of the form.
-
-    Returns
-    -------
-    Figure
+    `diagnosis`: with a correction of the form.
     """
     rows = diagnosis.rows
     slip = max((name for name in (ALPHA.name, KAPPA.name) if name in rows), key=lambda name: np.ptp(rows[name]))

@@ -15,7 +15,7 @@ from ...tires.evaluation import Conventions, evaluate
 from ...tires.tire import Tire
 from ..thresholds import MIN_ROWS_OF_CELL
 from ..verdict.result import Diagnosis
-from .curves_figure import coincide
+from .residual_figure import coincide
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -24,7 +24,7 @@ INTERVALS, MIN_ROWS_OF_FORCE = 24, 2
 #: Distance from the most frequent load of the rows whose force is drawn, as a share of the nominal load.
 LOAD_BAND = 0.08
 #: Directions of slip: label, sign of the growth, color, marker and dashes.
-DIRECTIONS = (("size of slip grows", 1.0, RED, "o", SOLID), ("falls", -1.0, BLUE, "s", DASHED))
+DIRECTIONS = (("size of slip grows", 1.0, RED, SOLID), ("falls", -1.0, BLUE, DASHED))
 #: Seconds over which the direction of slip is determined.
 SMOOTHED = 0.1
 
@@ -34,15 +34,7 @@ def memory_figure(diagnosis: Diagnosis, channel: str) -> Figure:
 
     The force is that at the most frequent load, measured and of both tires; the residual is that of all rows.
 
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        Of a recording with time, whose improved tire has states.
-    channel : str
-
-    Returns
-    -------
-    Figure
+    `diagnosis`: of a recording with time, whose improved tire has states.
     """
     slip = max(
         (n for n in (ALPHA.name, KAPPA.name) if n in diagnosis.rows), key=lambda n: graded(np.ptp(diagnosis.rows[n]))
@@ -84,9 +76,9 @@ def _force_panel(diagnosis: Diagnosis, computed: FloatArray, channel: str, slip:
     measured = rows[channel].to_numpy(dtype=np.float64)
     values = np.where(np.isfinite(measured), computed, np.nan)
     points, lines, shown = [], [], []
-    for label, direction, color, marker, dashes in DIRECTIONS:
+    for label, direction, color, dashes in DIRECTIONS:
         x, mean = _means(diagnosis, measured, slip, direction, near, MIN_ROWS_OF_FORCE)
-        points.append(Series("points", x, mean, color, f"measured, {label}", marker=marker, size=4.0))
+        points.append(Series("points", x, mean, color, f"measured, {label}", marker="o", size=4.0))
         shown.append(mean)
         mean = _means(diagnosis, values, slip, direction, near, MIN_ROWS_OF_FORCE)[1]
         lines.append(Series("line", x, mean, color, f"tire, {label}", dashes, size=1.3))
@@ -104,9 +96,9 @@ def _residual_panel(diagnosis: Diagnosis, computed: FloatArray, channel: str, sl
     """Return the mean residual over slip for rows whose slip grows and for rows whose slip falls."""
     residual = diagnosis.rows[channel].to_numpy(dtype=np.float64) - computed
     series = []
-    for label, direction, color, marker, dashes in DIRECTIONS:
+    for label, direction, color, dashes in DIRECTIONS:
         x, mean = _means(diagnosis, residual, slip, direction, np.ones(len(residual), dtype=bool), MIN_ROWS_OF_CELL)
-        series.append(Series("line", x, mean, color, label, dashes, marker, size=1.2))
+        series.append(Series("line", x, mean, color, label, dashes, size=1.2))
     y = f"mean residual of {channel} ({drawn_unit(channel)})"
     return Panel(axis_label(slip), y, tuple(series), title, across=(0.0,), y_axis="residual", height=2.4)
 

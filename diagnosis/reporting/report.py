@@ -14,12 +14,11 @@ from ...drawing.figure import Figure
 from ...drawing.page import page_text, write_page
 from ...measurements import Recording, TableLike, recording_from
 from ...measurements.provenance import provenance
-from ...numerics.ties import graded
 from ...tires.tire import Tire
 from ..verdict.result import Diagnosis
 from ..verdict.verdict import percent
-from .curves_figure import curves_figure
 from .form_figure import form_figure
+from .gain_figure import gain_figure
 from .memory_figure import memory_figure
 from .residual_figure import residual_location_figure
 
@@ -80,19 +79,7 @@ def write_report(
 def report_page(
     diagnosis: Diagnosis, recording: Recording, simulated: Mapping[str, Any] | None = None, command: str = ""
 ) -> str:
-    """Return the HTML text of the page, figures included.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-    recording : Recording
-    simulated : mapping, optional
-    command : str
-
-    Returns
-    -------
-    str
-    """
+    """Return the HTML text of the page, figures included."""
     return page_text(
         "tirefmu.diagnosis.reporting",
         {
@@ -104,7 +91,7 @@ def report_page(
         },
         diagnosis=diagnosis,
         maps=_maps(diagnosis),
-        curves=[shown for name in _by_reduction(diagnosis) if (shown := curves_figure(diagnosis, name)).panels],
+        gain=gain_figure(diagnosis),
         memory=[memory_figure(diagnosis, name) for name in _with_memory(diagnosis)],
         form=[form_figure(diagnosis)] if diagnosis.form.delivered else [],
         changes=changed_lines(diagnosis.base_tire, diagnosis.tire),
@@ -117,16 +104,6 @@ def report_page(
 def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
     """Return the equations with effects that only the second tire has.
 
-    Parameters
-    ----------
-    before, after : Tire
-
-    Returns
-    -------
-    tuple of ChangedLine
-
-    Examples
-    --------
     >>> small = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
     >>> plain = Tire("mf61", small, effects=["load_friction"])
     >>> richer = Tire("mf61", small, effects=["load_friction", "camber_friction"])
@@ -158,12 +135,6 @@ def _with_memory(diagnosis: Diagnosis) -> list[str]:
     if not diagnosis.tire.states or "t" not in diagnosis.rows or not channels:
         return []
     return list(dict.fromkeys(channels))
-
-
-def _by_reduction(diagnosis: Diagnosis) -> list[str]:
-    """Return the channels, those first whose residual the improved tire reduces by the largest share."""
-    error = diagnosis.gap["train"]
-    return sorted(error, key=lambda name: graded(error[name]["after"] / max(error[name]["before"], 1e-300)))
 
 
 def _maps(diagnosis: Diagnosis) -> list[Figure]:

@@ -10,12 +10,30 @@ import numpy as np
 from ...drawing.figure import Cells, Figure, Panel, Series
 from ...drawing.labels import axis_label, per_si
 from ...drawing.style import BLUE, DASHED, RED, SOLID
+from ...numerics.arrays import FloatArray
 from ..thresholds import MIN_ROWS_OF_CELL
-from .curves_figure import coincide
 
 #: Mean residual at the ends of the color scale, in noise standard deviations.
 FULL = 3.0
 MEAN = "mean residual in noise standard deviations"
+#: Distance of two lines, as a share of the range of their panel, that is seen. A line is 0.7 % wide. Convention.
+VISIBLE = 0.02
+
+
+def coincide(first: FloatArray, second: FloatArray, *drawn: FloatArray) -> bool:
+    """Return whether two lines are one in a panel with them and other points; they may have NaN in the same rows.
+
+    Examples
+    --------
+    >>> x = np.linspace(0.0, 100.0, 50)
+    >>> coincide(x, x + 1.0), coincide(x, x + 5.0), coincide(x, x + 5.0, 10.0 * x)
+    (True, False, True)
+    """
+    shown = np.concatenate([first, second, *drawn])
+    both = np.isfinite(first) & np.isfinite(second)
+    if not both.any():
+        return True
+    return bool(np.abs(first - second)[both].max() <= VISIBLE * (np.nanmax(shown) - np.nanmin(shown)))
 
 
 def residual_location_figure(
@@ -25,22 +43,13 @@ def residual_location_figure(
 
     Where the misfit of both models over time is the same, both are drawn once.
 
-    Parameters
-    ----------
-    before, after : sequence of mapping
-        Results of `residual_location.residual_maps` for one channel, over the same pairs.
-    course : mapping
-        Result of `residual_location.time_course` for the channel.
-    channel : str
-
-    Returns
-    -------
-    Figure
+    `before`, `after`: results of `residual_location.residual_maps` for one channel, over the same pairs. `course`:
+    result of `residual_location.time_course` for the channel.
     """
     misfits = [np.asarray(course[name], dtype=np.float64) for name in ("before", "after")]
     models = [("baseline model", before, "before", RED, DASHED), ("improved model", after, "after", BLUE, SOLID)]
     if coincide(*misfits, np.zeros(1)):
-        models = [("both models", before, "before and after", RED, DASHED)]
+        models = [("baseline model", before, "misfit", RED, SOLID)]
     maps = [tuple(_map_panel(title, shown) for shown in maps_of_model) for title, maps_of_model, *_ in models]
     t = np.asarray(course["t"], dtype=np.float64)
     lines = [

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from ...boundary.bounded_file import write_whole
 from ...boundary.errors import DataError, nearest
-from ...boundary.whole_file import write_whole
 from ...drawing.figure import Cells, Figure, Panel, Series
 from ...drawing.labels import axis_label, drawn_unit, note, per_si
 from ...drawing.style import BLACK
@@ -242,18 +242,7 @@ def draw_residual_maps(maps: Sequence[tuple[str, ResidualMap]], path: str | Path
 def residual_map_figure(maps: Sequence[tuple[str, ResidualMap]]) -> Figure:
     """Return the figure of `draw_residual_maps`.
 
-    Parameters
-    ----------
-    maps : sequence of (str, ResidualMap)
-
-    Returns
-    -------
-    Figure
-
-    Raises
-    ------
-    DataError
-        If there is no map, or their channels or conventions differ.
+    Raises `DataError` if there is no map, or their channels or conventions differ.
     """
     if len({(shown.channel, shown.signs) for _, shown in maps}) != 1:
         raise DataError("residual maps on one scale require one channel and one sign convention")

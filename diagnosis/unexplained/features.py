@@ -15,8 +15,8 @@ import numpy.typing as npt
 from ...symbolic.model import Model
 from ...tires.tire import Tire
 from ..probing.candidates import excited, varies
-from ..recording.signals import Signals
-from ..recording.simulation import Simulator
+from ..signals.signals import Signals
+from ..signals.simulation import Simulator
 from .past import Adding, Past, add_rates_and_memory
 
 FloatArray = npt.NDArray[np.float64]
@@ -29,26 +29,15 @@ CORE_INPUTS = frozenset({"alpha", "kappa", "Fz"})
 class Feature:
     """A physical feature over the compared rows.
 
-    Attributes
-    ----------
-    text : str
-        Formula in inputs and nominal values; a description for rates and memories.
-    depends_on : frozenset of str
-    values : ndarray, shape (n,)
-        Dimensionless, of order 1.
-    odd : bool
-        Whether the sign changes under mirroring left to right. Odd features are terms; even ones are factors, or
-        scale a term.
-    expressible : bool
-        Whether the text is a formula of inputs and nominal values.
-    formula : str
-        Of a rate or memory: a formula that reads states and resembles it, or ''.
-    states : tuple of str
-        The states that this formula requires, of `past.STATES`.
-    parts : tuple of str
-        Texts of the two features of a product.
-    slips : frozenset of str
-        The slips that it contains other than as the magnitude of both.
+    - `text`: formula in inputs and nominal values; a description for rates and memories.
+    - `values`, shape (n,): dimensionless, of order 1.
+    - `odd`: whether the sign changes under mirroring left to right. Odd features are terms; even ones are factors, or
+      scale a term.
+    - `expressible`: whether the text is a formula of inputs and nominal values.
+    - `formula`: of a rate or memory: a formula that reads states and resembles it, or ''.
+    - `states`: the states that this formula requires, of `past.STATES`.
+    - `parts`: texts of the two features of a product.
+    - `slips`: the slips that it contains other than as the magnitude of both.
     """
 
     text: str
@@ -89,22 +78,13 @@ def _bracketed(text: str) -> str:
 class Location:
     """A part of the model in which structure can act.
 
-    Attributes
-    ----------
-    name : str
-        Friction, slip stiffness, ...
-    how : str
-        "factor" or "term".
-    quantities : tuple of str
-        Named quantities of the model that change.
-    coefficients : tuple of str
-        Coefficients whose derivatives (for a factor: times their values) are the response of the forces.
-    per : str
-        Multiplier of a term that makes its coefficient dimensionless; '' if none.
-    flips : bool
-        Whether such a term changes its sign between adapted SAE and ISO.
-    slips : frozenset of str
-        Without these slips it changes nothing.
+    - `name`: friction, slip stiffness, ...
+    - `how`: "factor" or "term".
+    - `quantities`: named quantities of the model that change.
+    - `coefficients`: coefficients whose derivatives (for a factor: times their values) are the response of the forces.
+    - `per`: multiplier of a term that makes its coefficient dimensionless; '' if none.
+    - `flips`: whether such a term changes its sign between adapted SAE and ISO.
+    - `slips`: without these slips it changes nothing.
     """
 
     name: str
@@ -145,8 +125,6 @@ SLIP_OF_ROLE = {
 def locations_of(model: Model) -> list[Location]:
     """Return the locations of a model in which structure can act: those whose roles it declares.
 
-    Examples
-    --------
     >>> from tirefmu.symbolic.models import model_named
     >>> locations_of(model_named("mf96"))[0].coefficients
     ('PDX1', 'PDY1')
@@ -170,13 +148,6 @@ def determined(location: Location, feature: Feature, signals: Signals, tire: Tir
 
     A slip in the formula of a quantity that acts through the other slip requires combined slip: where there is none,
     noise of a slip that is zero has a large coefficient, with which the formula is far off elsewhere.
-
-    Parameters
-    ----------
-    location : Location
-    feature : Feature
-    signals : Signals
-    tire : Tire
     """
     needed = feature.slips | location.slips if feature.slips else feature.slips
     return not feature.expressible or len(needed) < 2 or excited(signals, tire, sorted(needed))
@@ -185,10 +156,7 @@ def determined(location: Location, feature: Feature, signals: Signals, tire: Tir
 def directions(simulator: Simulator, parameters: FloatArray) -> dict[str, FloatArray]:
     """Return the response of the forces to each location, N and N m, shape (n_channels, n), by name of location.
 
-    Parameters
-    ----------
-    simulator : Simulator
-    parameters : ndarray, shape (n_parameters,)
+    `parameters`, shape (n_parameters,).
     """
     locations = locations_of(simulator.symbolic_model)
     names = [name for location in locations for name in location.coefficients]
@@ -207,11 +175,6 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
     """Return even features (operating conditions, magnitudes of slip) and odd features (sign of a lateral input).
 
     An input that does not vary is in no formula; a memory of several inputs depends on those that vary.
-
-    Parameters
-    ----------
-    signals : Signals
-    tire : Tire
     """
     named = dict(zip(signals.names, signals.inputs, strict=True))
     nominal = tire.values

@@ -1,39 +1,39 @@
-"""Structure as a proposed effect: its file, and the model with it."""
+"""Formulas for what no effect of the library explains: features and products of two features at locations of the model.
+
+A formula becomes a proposed effect: its file, and the model with it.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
 
 from ...boundary.errors import EffectError
 from ...boundary.escaping import toml_string
+from ...numerics.ties import graded
 from ...symbolic.added import AddedEffect, read_effect
 from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
-from ..recording.simulation import Simulator
-from ..thresholds import COEFFICIENT_BOUND_FACTOR
+from ..probing.effect_probing import Screen
+from ..signals.simulation import Simulator
+from ..thresholds import COEFFICIENT_BOUND_FACTOR, SHORTLIST
+from .features import Feature, Location, determined, directions, features, locations_of
 from .past import STATES
-from .structure import Structure
 
 
 @dataclass(frozen=True)
 class Unknown:
     """Structure that no candidate effect explains.
 
-    Attributes
-    ----------
-    depends_on : tuple of str
-    formula : str
-        As in an effect file: "quantity, factor or term: formula".
-    added : bool
-        Whether the improved tire contains it: only if it predicts the hold-out set better.
-    effect : AddedEffect or None
-        The proposed effect file.
-    not_added_because : str
-        Reason; "" if it was added.
-    next_measurement : str
-        The measurement that determines its form.
+    - `formula`: as in an effect file: "quantity, factor or term: formula".
+    - `added`: whether the improved tire contains it: only if it predicts the hold-out set better.
+    - `effect`: the proposed effect file.
+    - `not_added_because`: reason; "" if it was added.
+    - `next_measurement`: the measurement that determines its form.
     """
 
     depends_on: tuple[str, ...]
@@ -45,16 +45,10 @@ class Unknown:
 
 
 @dataclass(frozen=True, eq=False)
-class Added:
+class AddedFormula:
     """A proposed formula that was added to the model.
 
-    Attributes
-    ----------
-    effect : AddedEffect
-    tire : Tire
-        The baseline model with the effect of the formula.
-    problem : LeastSquares
-    solution : Solution
+    - `tire`: the baseline model with the effect of the formula.
     """
 
     effect: AddedEffect
@@ -63,7 +57,7 @@ class Added:
     solution: Solution
 
 
-def effect_of(structure: Structure) -> AddedEffect:
+def effect_of(structure: UnexplainedStructure) -> AddedEffect:
     """Return structure as an effect; rates and memories become states."""
     names = [f"FOUND{i + 1}" for i in range(len(structure.terms))]
     variables = "_".join(re.sub(r"\W", "", variable) for variable in structure.depends_on).lower()
@@ -78,7 +72,7 @@ def effect_of(structure: Structure) -> AddedEffect:
     return read_effect(text, f"found_{variables}.toml")
 
 
-def _declarations(structure: Structure, names: Sequence[str]) -> str:
+def _declarations(structure: UnexplainedStructure, names: Sequence[str]) -> str:
     """Return the declarations of the coefficients of structure, a line each."""
     flips = ", flips = true" if structure.location.flips else ""
     return "".join(
@@ -88,7 +82,7 @@ def _declarations(structure: Structure, names: Sequence[str]) -> str:
     )
 
 
-def _acts(structure: Structure, names: Sequence[str]) -> str:
+def _acts(structure: UnexplainedStructure, names: Sequence[str]) -> str:
     """Return how the terms of structure act on its quantities, a table each."""
     location = structure.location
     total = " + ".join(f"{name}*({term.in_effect_file})" for name, term in zip(names, structure.terms, strict=True))
@@ -106,26 +100,21 @@ def _table_of(state: str) -> str:
     return "\n".join((f"[states.{state}]", *rows, ""))
 
 
-def unknown_of(structure: Structure, effect: AddedEffect, added: Added | str) -> Unknown:
+def unknown_of(structure: UnexplainedStructure, effect: AddedEffect, added: AddedFormula | str) -> Unknown:
     """Return the report of structure that no candidate effect explains.
 
-    Parameters
-    ----------
-    structure : Structure
-    effect : AddedEffect
-        Result of `effect_of`.
-    added : Added or str
-        Result of `with_formula`.
+    `effect`: result of `effect_of`. `added`: result of `with_formula`.
     """
     formula = structure.formula
-    if isinstance(added, Added):
+    if isinstance(added, AddedFormula):
         index = added.problem.simulator.index
         formula = structure.formula_with(
             [added.solution.parameters[index[declaration.name]] for declaration in added.effect.declarations]
         )
     measurements = [_MEASUREMENTS[name] for name in structure.depends_on if name in _MEASUREMENTS]
+    reason = "" if isinstance(added, AddedFormula) else added
     return Unknown(
-        structure.depends_on, formula, isinstance(added, Added), effect, "" if isinstance(added, Added) else added,
+        structure.depends_on, formula, isinstance(added, AddedFormula), effect, reason,
         measurements[0] if measurements else "",
     )  # fmt: skip
 
@@ -145,24 +134,12 @@ def _bound(size: float) -> float:
 
 
 def with_formula(
-    structure: Structure, effect: AddedEffect, start: Tire, problem: LeastSquares, solution: Solution
-) -> Added | str:
+    structure: UnexplainedStructure, effect: AddedEffect, start: Tire, problem: LeastSquares, solution: Solution
+) -> AddedFormula | str:
     """Add a formula to the model.
 
-    Parameters
-    ----------
-    structure : Structure
-    effect : AddedEffect
-        Result of `effect_of`.
-    start : Tire
-    problem : LeastSquares
-    solution : Solution
-        Solution without the formula.
-
-    Returns
-    -------
-    Added or str
-        Otherwise the reason why the model cannot contain the formula.
+    `effect`: result of `effect_of`. `solution`: solution without the formula. Returns: otherwise the reason why the
+    model cannot contain the formula.
     """
     try:
         tire = replace(start, added=(*start.added, effect))
@@ -176,4 +153,92 @@ def with_formula(
         parameters[simulator.index[declaration.name]] = size
     extended = replace(problem, simulator=simulator.driven_at(parameters))
     free = (*solution.free, *(declaration.name for declaration in effect.declarations))
-    return Added(effect, tire, extended, extended.solve(parameters, free, iterations=8))
+    return AddedFormula(effect, tire, extended, extended.solve(parameters, free, iterations=8))
+
+
+@dataclass(frozen=True, eq=False)
+class UnexplainedStructure:
+    """A sum of features that acts on quantities of the model.
+
+    - `sizes`: the estimated coefficient of each term.
+    """
+
+    location: Location
+    terms: tuple[Feature, ...]
+    sizes: tuple[float, ...]
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """The variables, sorted."""
+        return tuple(sorted(frozenset(self.location.proportional_to).union(*(term.depends_on for term in self.terms))))
+
+    @property
+    def formula(self) -> str:
+        """The formula as text."""
+        return self.formula_with(self.sizes)
+
+    def formula_with(self, sizes: Iterable[float]) -> str:
+        """Return the formula with given coefficients.
+
+        `sizes`: one per term.
+        """
+        terms = " ".join(f"{value:+.3g}*{_bracketed(term)}" for value, term in zip(sizes, self.terms, strict=True))
+        head = "1 " if self.location.how == "factor" else ""
+        return f"{' and '.join(self.location.quantities)}, {self.location.how}: {head}{terms}"
+
+
+def _bracketed(term: Feature) -> str:
+    return f"({term.text})" if " " in term.text else term.text
+
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Rows from which features are shortlisted. Convention: computing time.
+SHORTLIST_ROWS = 1500
+
+
+class Dictionary:
+    """Features and products of two features at the locations of the model.
+
+    - `terms`: each location with a feature.
+    - `acting`: change of the forces per unit of a feature, by location, shape (n_channels, n).
+    """
+
+    def __init__(self, screen: Screen) -> None:
+        problem, signals = screen.problem, screen.signals
+        self._weights = problem.inverse_noise
+        tire = problem.simulator.tire
+        even, odd = features(signals, tire)
+        simple = [feature for feature in even if feature.expressible]
+        pairs = [feature * other for i, feature in enumerate(simple) for other in simple[i:]]
+        odd_pairs = [feature * other for feature in odd for other in simple]
+        self.acting = directions(problem.simulator, screen.solution.parameters)
+        self.terms: list[tuple[Location, Feature]] = [
+            (location, feature)
+            for location in locations_of(problem.simulator.symbolic_model)
+            if np.any(self._weights * self.acting[location.name])
+            for feature in ([*even, *pairs] if location.how == "factor" else [*odd, *odd_pairs, *even])
+            if determined(location, feature, signals, tire)
+        ]
+
+    def column(self, i: int) -> FloatArray:
+        """Return the change of the forces per unit of a term, N and N m, shape (n_channels, n)."""
+        location, feature = self.terms[i]
+        return np.asarray(self.acting[location.name] * feature.values)
+
+    def shortlisted(self, screen: Screen, chosen: Sequence[int]) -> list[int]:
+        """Return those of the chosen terms that explain most of a residual, each alone and from some rows."""
+        rows = slice(None, None, max(1, screen.residual.shape[1] // SHORTLIST_ROWS))
+        acting = {name: (self._weights * response)[:, rows] for name, response in self.acting.items()}
+        columns = [acting[self.terms[i][0].name] * self.terms[i][1].values[rows] for i in chosen]
+        rest = screen.residual[:, rows].ravel()
+        flat = np.stack(columns, axis=-1).reshape(len(rest), -1)
+        tangent = screen.tangent[:, rows].reshape(len(rest), -1)
+        matrix = tangent.T @ tangent + np.diag(screen.prior_precision)
+        inner = np.linalg.solve(matrix, tangent.T @ flat)
+        total = np.einsum("nk,nk->k", flat, flat)
+        power = total - np.einsum("qk,qk->k", tangent.T @ flat, inner)
+        target = flat.T @ rest - inner.T @ (tangent.T @ rest)
+        independent = power > 1e-3 * total
+        scores = np.where(independent, target**2 / np.where(independent, power, 1.0), 0.0)
+        return [chosen[k] for k in np.argsort(-graded(scores), kind="stable")[:SHORTLIST]]

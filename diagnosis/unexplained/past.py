@@ -41,12 +41,8 @@ STATES: Mapping[str, Mapping[str, str | tuple[str, ...]]] = {
 class Past:
     """How an effect file expresses a rate or a memory.
 
-    Attributes
-    ----------
-    formula : str
-        Reads `states`.
-    states : tuple of str
-        Names in `STATES`, with those that they read.
+    - `formula`: reads `states`.
+    - `states`: names in `STATES`, with those that they read.
     """
 
     formula: str
@@ -65,12 +61,7 @@ class Adding(Protocol):
 def add_rates_and_memory(add: Adding, t: FloatArray, named: Mapping[str, FloatArray]) -> None:
     """Add features of rates of change and of memory: first-order lags of the inputs.
 
-    Parameters
-    ----------
-    add : Adding
-    t : ndarray, shape (m,), s
-    named : mapping of str to ndarray, shape (m,)
-        Inputs.
+    `t`, shape (m,), s. `named`, shape (m,): inputs.
     """
     steps = np.diff(t)
     step = float(np.median(steps[steps > 0.0]))

@@ -9,7 +9,7 @@ from typing import Any
 
 from ...numerics.noise_floor import NoiseFloor
 from ...numerics.ties import graded
-from ..recording.range_text import range_text
+from ..signals.range_text import range_text
 from ..thresholds import INADEQUATE
 
 
@@ -17,18 +17,12 @@ from ..thresholds import INADEQUATE
 class Adequacy:
     """The residual of one channel compared with its noise floor.
 
-    Attributes
-    ----------
-    channel : str
-    residual, floor : float
-        Root mean square on the fitted rows, N or N m (`Diagnosis.gap`: train, after and floor_with_history).
-    location : str
-        Where the mean residual is largest.
-    over : tuple of str
-        The inputs of that location.
-    memory : bool
-        Whether the residual is above the floor and is explained by the direction in which slips change or by slow time,
-        not by the recorded inputs alone.
+    - `residual`, `floor`: root mean square on the fitted rows, N or N m (`Diagnosis.gap`: train, after and
+      floor_with_history).
+    - `location`: where the mean residual is largest.
+    - `over`: the inputs of that location.
+    - `memory`: whether the residual is above the floor and is explained by the direction in which slips change or by
+      slow time, not by the recorded inputs alone.
     """
 
     channel: str
@@ -69,13 +63,8 @@ def adequacies(
 ) -> tuple[Adequacy, ...]:
     """Return the adequacy of each channel.
 
-    Parameters
-    ----------
-    residuals : mapping of str to float
-        Root mean square residual of the delivered tire by channel, on the fitted rows.
-    floors : mapping of str to NoiseFloor
-    maps : sequence of mapping
-        Residual maps of the improved model (`residual_location.residual_maps`).
+    `residuals`: root mean square residual of the delivered tire by channel, on the fitted rows. `maps`: residual maps
+    of the improved model (`residual_location.residual_maps`).
     """
     rated = []
     for channel, residual in residuals.items():

@@ -23,17 +23,25 @@ from ..explanations.form import FORM
 from ..probing.candidates import Candidate
 from ..probing.confounding import UNRECORDED_TEMPERATURE, alias_columns, correlations, separating_measurement
 from ..probing.effect_probing import Screen, Tried, tried
-from ..recording.disturbances import reported_disturbances
-from ..recording.measurement_artefacts import recording_errors
-from ..recording.signals import FORMULA_SIGNS, Signals
+from ..signals.disturbances import reported_disturbances
+from ..signals.measurement_artefacts import recording_errors
+from ..signals.signals import FORMULA_SIGNS, Signals
 from ..thresholds import CHANNEL_SHARE, REPORTED, REPORTED_EVIDENCE
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy, adequacies
 from .delivery import reasons_against
 from .detectability import detectable_sizes
 from .extrapolation import extrapolations
-from .findings import Finding, FormCorrection, Interval
-from .fit_error import FitErrors, Residuals, delivered_residuals, fit_errors, floors_of, preprocessed, without_skew
+from .findings import CoefficientInterval, FormCorrection, FoundEffect
+from .fit_error import (
+    DeliveredResiduals,
+    FitErrors,
+    delivered_residuals,
+    fit_errors,
+    floors_of,
+    preprocessed,
+    without_skew,
+)
 from .improved_tire import tire_of
 from .residual_location import residual_maps, time_course
 from .result import NO_FORM, Diagnosis
@@ -46,20 +54,13 @@ NOT_DELIVERED = "the improved tire is not delivered"
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class DiagnosisOutcome:
     """What a comparison of explanations found.
 
-    Attributes
-    ----------
-    recording : Recording
-    candidates : mapping of str to Candidate
-        All that were compared.
-    final : Final
-        The final fits.
-    answer : Answer
-        The probabilities.
-    stopped : str
-        Why the comparison ended although explanations remained, or ''.
+    - `candidates`: all that were compared.
+    - `final`: the final fits.
+    - `answer`: the probabilities.
+    - `stopped`: why the comparison ended although explanations remained, or ''.
     """
 
     recording: Recording
@@ -86,19 +87,15 @@ class _Delivery:
     tire: Tire
     against: tuple[str, ...]
     final: Screen
-    residuals: Residuals
+    residuals: DeliveredResiduals
     errors: FitErrors
     floors: dict[str, NoiseFloor]
 
 
-def composed(outcome: Outcome, began: float) -> Diagnosis:
+def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
     """Return the diagnosis, in the sign convention of the formula.
 
-    Parameters
-    ----------
-    outcome : Outcome
-    began : float
-        Start time of the diagnosis by `time.perf_counter`, s.
+    `began`: start time of the diagnosis by `time.perf_counter`, s.
     """
     fits, signals, added = outcome.final, outcome.signals, _added(outcome.final)
     delivery = _delivery(outcome, added)
@@ -172,7 +169,7 @@ def _added(fits: Final) -> dict[str, tuple[str, ...]]:
     }
 
 
-def _delivery(outcome: Outcome, added: Mapping[str, tuple[str, ...]]) -> _Delivery:
+def _delivery(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -> _Delivery:
     """Return the improved tire with its fit error, or the baseline tire if there are reasons against it."""
     fits = outcome.final
     before, after = fits.before, fits.after
@@ -199,7 +196,7 @@ def _delivery(outcome: Outcome, added: Mapping[str, tuple[str, ...]]) -> _Delive
 
 
 def _next_measurements(
-    outcome: Outcome, confounded: Mapping[str, Mapping[str, float]], unknown: tuple[Unknown, ...]
+    outcome: DiagnosisOutcome, confounded: Mapping[str, Mapping[str, float]], unknown: tuple[Unknown, ...]
 ) -> tuple[str, ...]:
     """Return the measurements that separate confounded explanations, and that determine unexplained structure."""
     detections = outcome.final.start.symbolic_model.detections
@@ -209,7 +206,7 @@ def _next_measurements(
     return tuple(dict.fromkeys([*separating, *(part.next_measurement for part in unknown if part.next_measurement)]))
 
 
-def _recording_errors(outcome: Outcome, delivery: _Delivery) -> dict[str, Any]:
+def _recording_errors(outcome: DiagnosisOutcome, delivery: _Delivery) -> dict[str, Any]:
     """Return the errors of the recording as estimated with the delivered tire, and what the baseline tire removes."""
     before, final = outcome.final.before, delivery.final
     problem, solution = final.problem, final.solution
@@ -245,7 +242,7 @@ def _unidentified(adequacy: tuple[Adequacy, ...], fits: Final) -> tuple[Unknown,
     return (Unknown(depends_on, "", False, None, reason, "hold or repeat the operating conditions of the residual"),)
 
 
-def _inputs_of(outcome: Outcome, effect: str) -> tuple[str, ...]:
+def _inputs_of(outcome: DiagnosisOutcome, effect: str) -> tuple[str, ...]:
     """Return the inputs that an effect depends on."""
     added = [part for part in outcome.final.start.added if part.name == effect]
     read = {symbol.name for part in added for act in part.acts for symbol in act.expression.free_symbols}
@@ -253,7 +250,9 @@ def _inputs_of(outcome: Outcome, effect: str) -> tuple[str, ...]:
     return tuple(name for name in outcome.signals.names if name in read or name in required)
 
 
-def _in_order(outcome: Outcome, unknown: tuple[Unknown, ...], adequacy: tuple[Adequacy, ...]) -> tuple[Finding, ...]:
+def _in_order(
+    outcome: DiagnosisOutcome, unknown: tuple[Unknown, ...], adequacy: tuple[Adequacy, ...]
+) -> tuple[FoundEffect, ...]:
     """Return identified effects and unexplained structure in order of probability."""
     fits, probability = outcome.final, outcome.answer.probabilities[UNKNOWN]
     findings = [_finding(outcome, name, evidence) for name, evidence in fits.evidence.items()]
@@ -261,11 +260,11 @@ def _in_order(outcome: Outcome, unknown: tuple[Unknown, ...], adequacy: tuple[Ad
         of_formula = fits.unknown_evidence
         channels = _shown(of_formula, fits.after)
         findings.append(
-            Finding(UNKNOWN, channels, {}, of_formula.p, of_formula.gain, of_formula.gain_error, probability)
+            FoundEffect(UNKNOWN, channels, {}, of_formula.p, of_formula.gain, of_formula.gain_error, probability)
         )
     elif unknown:  # a formula that is not added, or nothing but a residual far above the noise floor
         channels = tuple(rated.channel for rated in adequacy if rated.rating == "red")
-        findings.append(Finding(UNKNOWN, channels, {}, float("nan"), 0.0, float("nan"), probability))
+        findings.append(FoundEffect(UNKNOWN, channels, {}, float("nan"), 0.0, float("nan"), probability))
     return tuple(sorted(findings, key=lambda finding: (-graded(finding.probability), -graded(finding.cv_gain))))
 
 
@@ -276,7 +275,7 @@ def _shown(evidence: Evidence, screen: Screen) -> tuple[str, ...]:
     return tuple(name for name, size in channels if size > CHANNEL_SHARE * power.max())
 
 
-def _finding(outcome: Outcome, name: str, evidence: Evidence) -> Finding:
+def _finding(outcome: DiagnosisOutcome, name: str, evidence: Evidence) -> FoundEffect:
     fits = outcome.final
     problem, solution, names = fits.after.problem, fits.after.solution, fits.effects[name]
     errors = fits.whitened.standard_errors()
@@ -285,9 +284,9 @@ def _finding(outcome: Outcome, name: str, evidence: Evidence) -> Finding:
     for coefficient in names:
         value = float(solution.parameters[problem.simulator.index[coefficient]])
         error = float(errors[solution.free.index(coefficient)]) * quantile
-        coefficients[coefficient] = Interval(value, value - error, value + error)
+        coefficients[coefficient] = CoefficientInterval(value, value - error, value + error)
     sizes = zip(outcome.signals.channels, evidence.change, strict=True)
-    return Finding(
+    return FoundEffect(
         name,
         _shown(evidence, fits.after),
         coefficients,
@@ -320,7 +319,7 @@ def _stretches(evidence: Evidence, signals: Signals) -> tuple[tuple[float, float
     return tuple(spans)
 
 
-def confounded_with(outcome: Outcome, tested: Sequence[Tried]) -> dict[str, dict[str, float]]:
+def confounded_with(outcome: DiagnosisOutcome, tested: Sequence[Tried]) -> dict[str, dict[str, float]]:
     """Return the confounded explanations of each identified effect, with their correlation."""
     fits, screen = outcome.final, outcome.final.after
     others, confounded = _alternatives(tested), {}

@@ -7,7 +7,7 @@ from typing import Annotated, Any, NotRequired, TypedDict
 
 from ...boundary.json_schema import document, schema_of
 from ..explanations.answer import RankedExplanation
-from .findings import Interval
+from .findings import CoefficientInterval
 
 #: Version of diagnosis.json. New keys increment the second number, changed meanings the first.
 VERSION = "4.1"
@@ -21,12 +21,12 @@ class Size(TypedDict):
 
 
 class FoundContent(TypedDict):
-    """An identified effect; see `Finding`."""
+    """An identified effect; see `FoundEffect`."""
 
     effect: Annotated[str, "name, or UNKNOWN for unexplained structure"]
     probability: Annotated[float, "of all compared explanations that contain it", {"minimum": 0, "maximum": 1}]
     channels: Sequence[str]
-    coefficients: Mapping[str, Interval]
+    coefficients: Mapping[str, CoefficientInterval]
     p: float
     cv_gain: float
     cv_gain_se: float

@@ -6,20 +6,16 @@ import numpy as np
 import numpy.typing as npt
 
 from ...numerics.ties import graded
-from .fit_error import FitErrors, Residuals
+from .fit_error import DeliveredResiduals, FitErrors
 
 FloatArray = npt.NDArray[np.float64]
 
 
-def reasons_against(errors: FitErrors, residuals: Residuals) -> tuple[str, ...]:
+def reasons_against(errors: FitErrors, residuals: DeliveredResiduals) -> tuple[str, ...]:
     """Return the reason why an improved tire is not delivered, or nothing.
 
-    Parameters
-    ----------
-    errors : dict
-        Of the delivered tires (`fit_error.fit_errors`).
-    residuals : Residuals
-        Of the same tires, from which the errors are computed.
+    `errors`: of the delivered tires (`fit_error.fit_errors`). `residuals`: of the same tires, from which the errors are
+    computed.
     """
     gain = density_gain(residuals)
     if gain.sum() >= 0.0:  # NaN is a reason
@@ -32,7 +28,7 @@ def reasons_against(errors: FitErrors, residuals: Residuals) -> tuple[str, ...]:
     )
 
 
-def density_gain(residuals: Residuals) -> FloatArray:
+def density_gain(residuals: DeliveredResiduals) -> FloatArray:
     """Return by how much the logarithm of the predictive density of the hold-out set increases, shape (n_channels,).
 
     Residuals are normal with the standard deviation that the tire has on the fitted rows: a tire that fits these better
@@ -41,7 +37,7 @@ def density_gain(residuals: Residuals) -> FloatArray:
     return np.asarray(_log_density(residuals, residuals.after) - _log_density(residuals, residuals.before))
 
 
-def _log_density(residuals: Residuals, rows: FloatArray) -> FloatArray:
+def _log_density(residuals: DeliveredResiduals, rows: FloatArray) -> FloatArray:
     squares = np.where(residuals.used, rows, 0.0) ** 2
     fitted, held = residuals.used & ~residuals.holdout, residuals.used & residuals.holdout
     variance = np.sum(squares, axis=1, where=fitted) / np.maximum(fitted.sum(axis=1), 1)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from ...numerics.ties import graded
 from ...symbolic.declarations import Quantity
 from ..least_squares import LeastSquares, Solution
-from ..recording.range_text import range_text
+from ..signals.range_text import range_text
 from ..thresholds import EXTRAPOLATED_SHARE, MAX_CHANGE
 
 FloatArray = npt.NDArray[np.float64]
@@ -24,17 +24,11 @@ ROWS = 300
 class Extrapolation:
     """The measured range of an input of an identified effect, and the change of the effect outside it.
 
-    Attributes
-    ----------
-    effect, input : str
-    lower, upper : float
-        Limits of the range, SI units, without the outermost 0.5 % of the rows on each side.
-    change : float
-        Largest change of the effect's part of a measured channel, as a share of the channel's root mean square, if the
-        input is outside the range by half of its width, on either side, and all other inputs are unchanged. Below the
-        range, at most half of the distance to the limit of the physical range (`Quantity.lower`).
-    channel : str
-        The channel with this change.
+    - `lower`, `upper`: limits of the range, SI units, without the outermost 0.5 % of the rows on each side.
+    - `change`: largest change of the effect's part of a measured channel, as a share of the channel's root mean square,
+      if the input is outside the range by half of its width, on either side, and all other inputs are unchanged. Below
+      the range, at most half of the distance to the limit of the physical range (`Quantity.lower`).
+    - `channel`: the channel with this change.
     """
 
     effect: str
@@ -64,18 +58,9 @@ def extrapolations(
 ) -> tuple[Extrapolation, ...]:  # fmt: skip
     """Return the measured ranges of the inputs of identified effects, and the change of the effects outside them.
 
-    Parameters
-    ----------
-    problem : LeastSquares
-    solution : Solution
-        Of the improved model.
-    effects, inputs : mapping of str to collection of str
-        By identified effect: its free coefficients, and the inputs that it depends on.
-
-    Returns
-    -------
-    tuple of Extrapolation
-        In the order of the effects; without slips and time, whose range depends on the test program.
+    `solution`: of the improved model. `effects`, `inputs`: by identified effect: its free coefficients, and the inputs
+    that it depends on. Returns: in the order of the effects; without slips and time, whose range depends on the test
+    program.
     """
     signals, absent = problem.simulator.signals, problem.simulator.tire.parameters()
     named = signals.named()
@@ -123,8 +108,6 @@ def _change(
 def outside(quantities: Iterable[Quantity], name: str, lower: float, upper: float) -> tuple[float, float]:
     """Return the values outside a range of an input at which a model is evaluated, within the physical range.
 
-    Examples
-    --------
     >>> from tirefmu.symbolic.quantities import GAMMA, V
     >>> outside([GAMMA, V], "gamma", -2.0, 2.0), outside([GAMMA, V], "V", 9.0, 27.0)
     ((-4.0, 4.0), (4.5, 36.0))

@@ -7,49 +7,39 @@ from dataclasses import dataclass, field, replace
 
 
 @dataclass(frozen=True)
-class Interval:
+class CoefficientInterval:
     """A coefficient's value and its 95 % confidence interval under coloured noise."""
 
     value: float
     lower: float
     upper: float
 
-    def mirrored(self) -> Interval:
+    def mirrored(self) -> CoefficientInterval:
         """Return the interval with the opposite sign."""
-        return Interval(turned_sign(self.value), turned_sign(self.upper), turned_sign(self.lower))
+        return CoefficientInterval(turned_sign(self.value), turned_sign(self.upper), turned_sign(self.lower))
 
 
 @dataclass(frozen=True)
-class Finding:
+class FoundEffect:
     """An identified missing effect.
 
-    Attributes
-    ----------
-    effect : str
-        Name, or "UNKNOWN" for unexplained structure.
-    channels : tuple of str
-        Channels that the effect changes.
-    coefficients : mapping of str to Interval
-        In the sign convention of the diagnosis.
-    p : float
-        p-value under coloured noise, adjusted for the number of forms tested.
-    cv_gain, cv_gain_se : float
-        Reduction of the squared misfit in blocked cross-validation, as a share, and its standard error.
-    probability : float
-        Of all explanations that contain it, among those compared (`tirefmu.diagnosis.explanations`).
-    when : tuple of (float, float)
-        Stretches of time with most of the evidence, s.
-    size : mapping of str to (float, float)
-        By channel: root mean square and largest change of the force by the effect in the recording, N and N m.
-    flips : frozenset of str
-        Coefficients whose sign depends on the convention.
-    at_bounds : tuple of str
-        Coefficients at a bound: the form of the effect is not that of the tire, or the recording does not determine it.
+    - `effect`: name, or "UNKNOWN" for unexplained structure.
+    - `channels`: channels that the effect changes.
+    - `coefficients`: in the sign convention of the diagnosis.
+    - `p`: p-value under coloured noise, adjusted for the number of forms tested.
+    - `cv_gain`, `cv_gain_se`: reduction of the squared misfit in blocked cross-validation, as a share, and its standard
+      error.
+    - `probability`: of all explanations that contain it, among those compared (`tirefmu.diagnosis.explanations`).
+    - `when`: stretches of time with most of the evidence, s.
+    - `size`: by channel: root mean square and largest change of the force by the effect in the recording, N and N m.
+    - `flips`: coefficients whose sign depends on the convention.
+    - `at_bounds`: coefficients at a bound: the form of the effect is not that of the tire, or the recording does not
+      determine it.
     """
 
     effect: str
     channels: tuple[str, ...]
-    coefficients: Mapping[str, Interval]
+    coefficients: Mapping[str, CoefficientInterval]
     p: float
     cv_gain: float
     cv_gain_se: float
@@ -59,7 +49,7 @@ class Finding:
     flips: frozenset[str] = frozenset()
     at_bounds: tuple[str, ...] = ()
 
-    def mirrored(self) -> Finding:
+    def mirrored(self) -> FoundEffect:
         """Return the finding in the other sign convention of coefficients."""
         mirrored = {name: interval.mirrored() for name, interval in self.coefficients.items() if name in self.flips}
         return replace(self, coefficients={**self.coefficients, **mirrored})
@@ -69,12 +59,9 @@ class Finding:
 class FormCorrection:
     """The correction of the formula's own form; it is no effect.
 
-    Attributes
-    ----------
-    channels : mapping of str to (float, float)
-        Root mean square and largest change of the force by it in the recording, N and N m; empty if there is none.
-    delivered : bool
-        Whether the delivered tire has it.
+    - `channels`: root mean square and largest change of the force by it in the recording, N and N m; empty if there is
+      none.
+    - `delivered`: whether the delivered tire has it.
     """
 
     channels: Mapping[str, tuple[float, float]]

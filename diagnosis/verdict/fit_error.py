@@ -20,8 +20,8 @@ from ...tires.evaluation import Conventions, evaluate
 from ...tires.signs import convert_signs
 from ...tires.tire import Tire
 from ..probing.effect_probing import Screen
-from ..recording.outliers import short_range
-from ..recording.signals import FORMULA_SIGNS, Signals
+from ..signals.outliers import short_range
+from ..signals.signals import FORMULA_SIGNS, Signals
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -30,22 +30,16 @@ FitErrors = dict[str, dict[str, dict[str, float]]]
 
 
 @dataclass(frozen=True, eq=False)
-class Residuals:
+class DeliveredResiduals:
     """Residuals of the delivered tires over the compared rows of a recording, N and N m.
 
-    Attributes
-    ----------
-    rows : ndarray of int, shape (m,)
-        Rows of the recording.
-    before, after : ndarray, shape (n_channels, m)
-        Of the baseline tire and the improved tire, in the sign convention of the computation.
-    used : ndarray of bool, shape (n_channels, m)
-        False if a channel was not measured or is an outlier.
-    holdout : ndarray of bool, shape (m,)
-    compared : ndarray of int, shape (n,)
-        Positions of the rows that the diagnosis compared.
-    block : ndarray of int, shape (m,)
-        Time block of each row.
+    - `rows`, shape (m,): rows of the recording.
+    - `before`, `after`, shape (n_channels, m): of the baseline tire and the improved tire, in the sign convention of
+      the computation.
+    - `used`, shape (n_channels, m): false if a channel was not measured or is an outlier.
+    - `holdout`, shape (m,).
+    - `compared`, shape (n,): positions of the rows that the diagnosis compared.
+    - `block`, shape (m,): time block of each row.
     """
 
     rows: IntArray
@@ -67,23 +61,11 @@ class Residuals:
 
 def delivered_residuals(
     tires: Iterable[Tire], recording: Recording, screens: tuple[Screen, Screen], rows: IntArray
-) -> Residuals:
+) -> DeliveredResiduals:
     """Return the residuals of both tires over a recording.
 
-    Parameters
-    ----------
-    tires : iterable of Tire
-        Baseline tire and improved tire.
-    recording : Recording
-        Without skew (`without_skew`).
-    screens : tuple of Screen
-        Of their solutions. Offsets, drift, cross-talk and waves of the recording are subtracted.
-    rows : ndarray of int, shape (m,)
-        The compared rows.
-
-    Returns
-    -------
-    Residuals
+    `tires`: baseline tire and improved tire. `recording`: without skew (`without_skew`). `screens`: of their solutions.
+    Offsets, drift, cross-talk and waves of the recording are subtracted. `rows`, shape (m,): the compared rows.
     """
     signals = screens[0].signals
     first, last = (_residual(tire, recording, screen, rows) for tire, screen in zip(tires, screens, strict=True))
@@ -94,7 +76,7 @@ def delivered_residuals(
     for start, end in signals.holdout_stretches():
         holdout[compared[start] : compared[end] + 1] = True
     block = signals.block[np.maximum(np.searchsorted(compared, np.arange(len(rows)), side="right") - 1, 0)]
-    return Residuals(rows, first, last, used, holdout, compared, block)
+    return DeliveredResiduals(rows, first, last, used, holdout, compared, block)
 
 
 def preprocessed(recording: Recording, signals: Signals) -> Recording:
@@ -103,12 +85,7 @@ def preprocessed(recording: Recording, signals: Signals) -> Recording:
     A state that follows the direction of slip follows noise of the slip, too. Whether a tire with states is better is
     therefore decided with these inputs.
 
-    Parameters
-    ----------
-    recording : Recording
-        With time.
-    signals : Signals
-        Of this recording.
+    `recording`: with time. `signals`: of this recording.
     """
     table, t = recording.table, recording.table["t"].to_numpy(dtype=np.float64)
     if (np.diff(t) < 0.0).any():
@@ -124,11 +101,7 @@ def preprocessed(recording: Recording, signals: Signals) -> Recording:
 def without_skew(recording: Recording, signals: Signals) -> Recording:
     """Return a recording with inputs that are delayed by the skew, as the forces are.
 
-    Parameters
-    ----------
-    recording : Recording
-    signals : Signals
-        Of this recording.
+    `signals`: of this recording.
     """
     if not signals.skew:
         return recording
@@ -149,35 +122,22 @@ def _residual(tire: Tire, recording: Recording, screen: Screen, rows: IntArray) 
     return np.asarray(measured - simulated - removed)
 
 
-def floors_of(recording: Recording, residuals: Residuals, channels: Sequence[str]) -> dict[str, NoiseFloor]:
+def floors_of(recording: Recording, residuals: DeliveredResiduals, channels: Sequence[str]) -> dict[str, NoiseFloor]:
     """Return the noise floor of each channel on the fitted rows (`tirefmu.numerics.noise_floor`).
 
-    Parameters
-    ----------
-    recording : Recording
-    residuals : Residuals
-        Of this recording; a smooth function is added to the improved tire.
-    channels : sequence of str
+    `residuals`: of this recording; a smooth function is added to the improved tire.
     """
     rest = np.where(residuals.used & ~residuals.holdout, residuals.after, np.nan)
     return noise_floor(recording.table.iloc[residuals.rows], dict(zip(channels, rest, strict=True)))
 
 
-def fit_errors(before: Screen, after: Screen, residuals: Residuals, floors: dict[str, NoiseFloor]) -> FitErrors:
+def fit_errors(
+    before: Screen, after: Screen, residuals: DeliveredResiduals, floors: dict[str, NoiseFloor]
+) -> FitErrors:
     """Return root mean square residuals of the delivered tires, with all errors of the recording removed.
 
-    Parameters
-    ----------
-    before, after : Screen
-        Of the solutions of the baseline model and the improved model.
-    residuals : Residuals
-        Of both delivered tires.
-    floors : dict of str to NoiseFloor
-
-    Returns
-    -------
-    dict
-        train, cv, holdout -> channel -> before, after, floor, floor_with_history.
+    `before`, `after`: of the solutions of the baseline model and the improved model. `residuals`: of both delivered
+    tires. Returns: train, cv, holdout -> channel -> before, after, floor, floor_with_history.
     """
     compared, used = residuals.compared, residuals.used
     both = (residuals.before, residuals.after)

@@ -16,14 +16,7 @@ from ..least_squares import LeastSquares, Solution
 def tire_of(start: Tire, problem: LeastSquares, solution: Solution, added: Collection[str]) -> Tire:
     """Return the tire of a solution.
 
-    Parameters
-    ----------
-    start : Tire
-        The baseline model.
-    problem : LeastSquares
-    solution : Solution
-    added : collection of str
-        Names of the effects that are added to it.
+    `start`: the baseline model. `added`: names of the effects that are added to it.
     """
     present = set(start.has) | set(added)
     if "relax_load" in present:

@@ -23,16 +23,9 @@ CELLS = 8
 def residual_maps(screen: Screen) -> list[dict[str, Any]]:
     """Return mean residuals in noise standard deviations, by channel, over pairs of inputs.
 
-    Parameters
-    ----------
-    screen : Screen
-        Of the solution of a model.
-
-    Returns
-    -------
-    list of dict
-        channel, over (two inputs), edges (two lists), mean and count (lists of cells; the mean is None without data),
-        worst: the cell with the largest magnitude of the mean, of those with at least ten rows.
+    `screen`: of the solution of a model. Returns: channel, over (two inputs), edges (two lists), mean and count (lists
+    of cells; the mean is None without data), worst: the cell with the largest magnitude of the mean, of those with at
+    least ten rows.
     """
     signals = screen.signals
     named = signals.named()
@@ -54,8 +47,6 @@ def residual_maps(screen: Screen) -> list[dict[str, Any]]:
 def _pairs(varying: Sequence[str]) -> list[tuple[str, str]]:
     """Return the pairs of inputs that both vary; an input whose partner is constant is paired with a slip.
 
-    Examples
-    --------
     >>> _pairs(["alpha", "Fz", "gamma", "T"])
     [('Fz', 'gamma'), ('alpha', 'T')]
     """
@@ -70,15 +61,8 @@ def _pairs(varying: Sequence[str]) -> list[tuple[str, str]]:
 def time_course(before: Screen, after: Screen) -> dict[str, dict[str, list[float]]]:
     """Return each channel's misfit over time: root mean square over noise, by time block.
 
-    Parameters
-    ----------
-    before, after : Screen
-        Of the solutions of the baseline model and the improved model.
-
-    Returns
-    -------
-    dict
-        channel -> t (start of each block, s), before, after.
+    `before`, `after`: of the solutions of the baseline model and the improved model. Returns: channel -> t (start of
+    each block, s), before, after.
     """
     signals, edges = after.signals, after.edges
     begins = signals.t[signals.rows][edges[:-1]].tolist()

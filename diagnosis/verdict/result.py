@@ -33,7 +33,7 @@ from .content import (
     UnknownContent,
 )
 from .extrapolation import Extrapolation
-from .findings import Finding, FormCorrection, turned_sign
+from .findings import FormCorrection, FoundEffect, turned_sign
 from .summary import diagnosis_html, diagnosis_text
 
 #: Of a diagnosis whose tires have no correction of the form.
@@ -48,7 +48,7 @@ class Diagnosis:
     ----------
     verdict : str
         One line.
-    found : tuple of Finding
+    found : tuple of FoundEffect
         In order of probability.
     answer : Answer
         The compared explanations with their probabilities.
@@ -102,7 +102,7 @@ class Diagnosis:
     """
 
     verdict: str
-    found: tuple[Finding, ...]
+    found: tuple[FoundEffect, ...]
     answer: Answer
     confounded_with: Mapping[str, Mapping[str, float]]
     next_measurement: tuple[str, ...]
@@ -197,7 +197,7 @@ class Diagnosis:
         return tuple(part.effect for part in self.unknown if part.effect is not None)
 
     @property
-    def _summarized(self) -> tuple[str, tuple[Finding, ...], Mapping[str, Mapping[str, float]], int, str]:
+    def _summarized(self) -> tuple[str, tuple[FoundEffect, ...], Mapping[str, Mapping[str, float]], int, str]:
         return self.verdict, self.found, self.gap["holdout"], len(self.rows), self.signs
 
     def __repr__(self) -> str:
@@ -305,7 +305,7 @@ def _content(kind: type, result: object, **others: Any) -> dict[str, Any]:
     }
 
 
-def _sizes(finding: Finding) -> dict[str, Size]:
+def _sizes(finding: FoundEffect) -> dict[str, Size]:
     return {name: {"rms": rms, "largest": largest} for name, (rms, largest) in finding.size.items()}
 
 

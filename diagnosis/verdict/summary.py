@@ -6,24 +6,17 @@ from collections.abc import Mapping, Sequence
 
 from ...boundary.escaping import visible
 from ...tires.notebook import html_details, html_summary, html_table
-from .findings import Finding
+from .findings import FoundEffect
 from .verdict import percent
 
 
 def diagnosis_text(
-    verdict: str, findings: Sequence[Finding], holdout: Mapping[str, Mapping[str, float]], n_rows: int, signs: str
+    verdict: str, findings: Sequence[FoundEffect], holdout: Mapping[str, Mapping[str, float]], n_rows: int, signs: str
 ) -> str:
     """Return the verdict, the findings with their evidence, and the hold-out error before and after.
 
-    Parameters
-    ----------
-    verdict : str
-    found : sequence of Finding
-    holdout : mapping of str to mapping of str to float
-        By channel: root mean square on the hold-out ``before`` and ``after``, N and N m.
-    n_rows : int
-    signs : str
-        Sign convention of the coefficients.
+    `holdout`: by channel: root mean square on the hold-out ``before`` and ``after``, N and N m. `signs`: sign
+    convention of the coefficients.
     """
     lines = [f"Diagnosis: {verdict}"]
     for finding in findings:
@@ -38,7 +31,7 @@ def diagnosis_text(
 
 
 def diagnosis_html(
-    verdict: str, findings: Sequence[Finding], holdout: Mapping[str, Mapping[str, float]], n_rows: int, signs: str
+    verdict: str, findings: Sequence[FoundEffect], holdout: Mapping[str, Mapping[str, float]], n_rows: int, signs: str
 ) -> str:
     """Return the summary as HTML, with the coefficients of the findings."""
     rows = [

@@ -10,31 +10,19 @@ from ...numerics.ties import graded
 from ..thresholds import CHANNEL_SHARE
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
-from .findings import Finding
+from .findings import FoundEffect
 
 
 def verdict_text(
-    findings: Sequence[Finding], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]],
+    findings: Sequence[FoundEffect], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]],
     refined: Sequence[str], adequacy: Sequence[Adequacy], detectable: Mapping[str, Mapping[str, float]],
     against: Sequence[str], recording: Mapping[str, Any],
 ) -> str:  # fmt: skip
     """Return the verdict: missing effects, finer forms, what was not identified, what was removed, and reservations.
 
-    Parameters
-    ----------
-    findings : sequence of Finding
-    unknown : sequence of Unknown
-    confounded : mapping of str to mapping of str to float
-        Correlation with other explanations, by effect.
-    refined : sequence of str
-        Refinements of effects of the baseline model.
-    adequacy : sequence of Adequacy
-    detectable : mapping of str to mapping of str to float
-        Smallest detectable sizes, by effect and channel.
-    against : sequence of str
-        Reasons why the improved tire is not delivered.
-    recording : mapping
-        Errors of the recording.
+    `confounded`: correlation with other explanations, by effect. `refined`: refinements of effects of the baseline
+    model. `detectable`: smallest detectable sizes, by effect and channel. `against`: reasons why the improved tire is
+    not delivered. `recording`: errors of the recording.
     """
     parts = [_missing(findings, unknown, confounded)]
     if refined:
@@ -54,14 +42,16 @@ def verdict_text(
 
 
 def _missing(
-    findings: Sequence[Finding], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]]
+    findings: Sequence[FoundEffect], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]]
 ) -> str:
-    missing = []
+    """Return the sentences on effects that are more probable than not, and on others of the improved tire."""
+    missing, uncertain = list[str](), list[str]()
     for finding in findings:
+        certain = missing if finding.probability >= 0.5 else uncertain
         if finding.effect == "UNKNOWN":
             if unknown[0].formula:
                 sure = percent(finding.probability)
-                missing.append(
+                certain.append(
                     f"an unexplained effect that depends on {', '.join(unknown[0].depends_on)} (probability {sure})"
                 )
             continue
@@ -69,8 +59,9 @@ def _missing(
         others = ", ".join(sorted(size, key=lambda name: -graded(size[name])))
         bounds = f"; at its bound: {', '.join(finding.at_bounds)}" if finding.at_bounds else ""
         confounded_with = f"; confounded with {others}" if others else ""
-        missing.append(f"{finding.effect} (probability {percent(finding.probability)}{bounds}{confounded_with})")
-    return f"Missing: {'; '.join(missing)}" if missing else ""
+        certain.append(f"{finding.effect} (probability {percent(finding.probability)}{bounds}{confounded_with})")
+    headed = (("Missing", missing), ("The fit is better with, but does not identify", uncertain))
+    return ". ".join(f"{head}: {'; '.join(names)}" for head, names in headed if names)
 
 
 def percent(probability: float) -> str:
@@ -79,12 +70,6 @@ def percent(probability: float) -> str:
     Of the effects with more than 90 %, 86 to 92 % were missing in the suites of docs/discovery.md: the digits of a
     larger number would mean nothing.
 
-    Parameters
-    ----------
-    probability : float
-
-    Examples
-    --------
     >>> percent(0.9999), percent(0.625)
     ('over 90 %', '62 %')
     """

@@ -49,8 +49,6 @@ class Margin:
 class VerifiedConstraints:
     """Constraints of a tire over its operating range.
 
-    - `violated`, shape (n_inputs, n_points): points that verification has added.
-
     `tire`: a tire with the model, effects and nominal values of the fit. `by_output`: constraints of each output; those
     of effects that the tire does not have are omitted. `ranges`: smallest and largest value of each input.
     """
@@ -58,7 +56,6 @@ class VerifiedConstraints:
     def __init__(
         self, tire: Tire, by_output: Mapping[str, Sequence[Constraint]], ranges: Mapping[str, tuple[float, float]]
     ) -> None:
-        self.violated: list[ConstraintPoints] = []
         self._model, self._inputs, self._ranges = tire.symbolic_model, tire.inputs, dict(ranges)
         self._nominal = {name: tire.nominal(name) for name in tire.inputs}
         self._by_output = {
@@ -80,7 +77,7 @@ class VerifiedConstraints:
         return pairs
 
     def violations(self, pairs: Sequence[ConstraintPoints], parameters: FloatArray) -> list[ConstraintPoints]:
-        """Return, and store, the worst points of each violated constraint, also between the grid points."""
+        """Return the worst points of each violated constraint, also between the grid points."""
         violated = []
         for constraint, on_grid in pairs:
             points, values = self._with_extrema(constraint, on_grid, parameters, NEAR)
@@ -92,7 +89,6 @@ class VerifiedConstraints:
                 order = outside[np.argsort(distance[outside], kind="stable")]
                 some = np.unique(np.linspace(0, len(order) - 1, MAX_ADDED).astype(int))
                 violated.append((constraint, points[:, order[some]]))
-        self.violated += violated
         return violated
 
     def margins(self, outputs: Sequence[str], parameters: FloatArray) -> tuple[Margin, ...]:

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
 from ...boundary.errors import DataError, FitError, UnknownName
-from ...measurements import EXCLUSION_REASONS, Finding, Recording, data_findings, exclude_rows, group_by_condition
+from ...measurements import EXCLUSION_REASONS, DataFinding, Recording, data_findings, exclude_rows, group_by_condition
 from ...measurements.checks.rows.row_exclusion import check_inputs
 from ...measurements.operating_conditions.levels import held_levels
 from ...measurements.row_selection.selected import matching
+from ...measurements.state_starts import with_fitted_starts
 from ...numerics.arrays import BoolArray, FloatArray
 from ...symbolic.model import Model
+from ...tires.evaluation import Conventions, evaluate
+from ...tires.tire import Tire
 
 #: The inputs of which at least one has to vary by `MIN_VARIATION` for a channel to be fitted; none for My.
 EXCITED_BY = {"Fx": ("kappa",), "Fy": ("alpha",), "Mz": ("alpha",), "Mx": ("alpha", "gamma"), "My": ()}
@@ -62,7 +65,7 @@ class FitData:
     table: pd.DataFrame
     excluded_rows: tuple[ExcludedRows, ...]
     notes: tuple[str, ...]
-    findings: tuple[Finding, ...] = ()
+    findings: tuple[DataFinding, ...] = ()
 
     @property
     def fitted(self) -> pd.DataFrame:
@@ -92,6 +95,8 @@ def prepare(
     excluded_rows: list[ExcludedRows] = []
     for part in recordings:
         part.measured()  # raises if no output is measured, and suggests columns that may be misnamed channels
+        if "Fz" not in part.table:
+            raise DataError(f"{part.source}: no load Fz: name its column (--columns Fz=NAME), or add one")
         check_inputs(part)  # before they are compared with levels
     unfitted: list[str] = []
     segments = 0
@@ -116,6 +121,23 @@ def prepare(
             "; ".join([f"none of {', '.join(outputs)} is measured over a varying slip: nothing to fit", *unfitted])
         )
     return FitData(data, tuple(excluded_rows), tuple(unfitted), tuple(data_findings(recordings)))
+
+
+def with_states(data: FitData, tire: Tire, free: Collection[str] = ()) -> pd.DataFrame:
+    """Return the included rows of a fit with the states of a tire as columns.
+
+    Excluded rows are simulated, too: a state remembers them. States with a fitted start begin each segment with the
+    value that the measured forces determine (`tirefmu.measurements.state_starts`).
+
+    `tire`: in adapted SAE, as the data. `free`: coefficients that are estimated together with fitted starts, but not
+    returned.
+    """
+    names = list(tire.states)
+    recordings = data.table.groupby("recording", sort=False)
+    parts = [with_fitted_starts(tire, Recording(part, tire.signs, str(name)), free).table for name, part in recordings]
+    courses = pd.concat([evaluate(tire, part, Conventions(tire.signs))[names] for part in parts])
+    fitted = data.fitted
+    return fitted.assign(**courses.loc[fitted.index])
 
 
 def _weights(recording: Recording, included: BoolArray, rows: str) -> FloatArray:

@@ -1,7 +1,7 @@
 """Initial values from the data: slip stiffness, friction, shifts and trail at each load.
 
 A saturating curve is fitted to the sweeps at one load; its slope at zero, zero crossing and height are the values. A
-few rows determine it; the slope near zero slip (`tirefmu.numerics.slip_slope`), which targets and evidence use, would
+few rows determine it; the slope near zero slip (`tirefmu.numerics.slip_slope`), which targets and checks use, would
 be off by up to 28 %. The trail is the ratio of aligning moment to side force. The coefficients that a model declares
 for these roles follow by least squares with the equations of the model, for any model and any set of effects.
 """

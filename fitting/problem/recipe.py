@@ -21,12 +21,12 @@ from ...boundary.bounded_file import toml_content, toml_file
 from ...boundary.errors import DataError, FitError, UnknownName
 from ...boundary.json_schema import document, object_schema, one_of
 from ...boundary.schema_check import check_content
-from ...measurements.channels import CHANNELS
 from ...measurements.row_selection.expression import Selection, parse_range, parse_selection
 from ...numerics.arrays import FloatArray
 from ...symbolic.effects import EFFECTS
 from ...symbolic.model import Model
 from ...symbolic.models import MODELS, model_named
+from ...tires.channels import CHANNELS
 
 #: The recipes that come with the package.
 RECIPES = ("progressive", "joint", "trento", "scaling", "family")
@@ -35,12 +35,17 @@ WEIGHTS = ("equal", "noise")
 
 
 @dataclass(frozen=True)
-class Freed:
-    """Guess and bounds of a coefficient that a stage frees, in adapted SAE."""
+class FreeCoefficient:
+    """A coefficient that a stage frees, in adapted SAE.
+
+    - `stage`, `determined`: the last stage that determined it, and whether one did.
+    """
 
     guess: float
     lower: float
     upper: float
+    stage: str = ""
+    determined: bool = False
 
 
 @dataclass(frozen=True)
@@ -66,7 +71,7 @@ class Stage:
     channels: tuple[str, ...]
     where: dict[str, list[tuple[float, float]]]
     hold: tuple[str, ...]
-    free: dict[str, Freed]
+    free: dict[str, FreeCoefficient]
     sections: tuple[str, ...]
     effects: tuple[str, ...] | None
     rows: int | None
@@ -202,11 +207,11 @@ def _stage(item: dict[str, Any], model: Model, where: str) -> Stage:
     )
 
 
-def _freed(given: dict[str, float], location: str) -> Freed:
+def _freed(given: dict[str, float], location: str) -> FreeCoefficient:
     lower, upper, guess = given.get("lower", -inf), given.get("upper", inf), given.get("guess", 0.0)
     if lower > upper:
         raise FitError(f"{location}: bounds cross: lower {lower:g} is above upper {upper:g}")
-    return Freed(float(guess), float(lower), float(upper))
+    return FreeCoefficient(float(guess), float(lower), float(upper))
 
 
 def _condition(text: str, channel: str, location: str) -> tuple[float, float]:

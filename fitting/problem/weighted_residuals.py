@@ -224,6 +224,20 @@ class Problem:
             start = stop
         return residuals
 
+    def weighted_residual(self, x: FloatArray) -> FloatArray:
+        """Return the weighted residuals of all channels, shape (n_forces * n,), without the loss."""
+        rows = self.rows
+        return np.asarray((np.sqrt(self.weights[rows.group].T * rows.weight) * self.residual(x)).ravel())
+
+    def weighted_jacobian(self, x: FloatArray) -> FloatArray:
+        """Return their derivatives by the scaled free values, shape (n_forces * n, n_free)."""
+        n = len(self.rows)
+        jacobian = np.zeros((self.weights.shape[1], n, len(self.free)))
+        for _, root, outputs in self.jacobian_chunks(x, n):
+            for channel, (free, derivatives) in outputs.items():
+                jacobian[channel][:, free] = (derivatives * root[channel]).T
+        return jacobian.reshape(-1, len(self.free))
+
     def _cost_of_rows(self, x: FloatArray) -> float:
         self._follow_weights()
         if not self._kept(x):
@@ -297,9 +311,31 @@ class Problem:
         return _Block(inputs, measured, root, rows.group, rows.segment, present, without)
 
 
+class Ridge:
+    """A problem with ridge regularization towards the initial values, for directions that are not identifiable.
+
+    `start`, shape (n_free,). `strength`: twice the cost of one unit of distance from the start.
+    """
+
+    def __init__(self, problem: Problem, start: FloatArray, strength: float) -> None:
+        self.problem, self._start, self._strength = problem, start.copy(), strength
+
+    def cost(self, x: FloatArray) -> float:
+        """Return the cost at scaled free values x, shape (n_free,)."""
+        away = x - self._start
+        return self.problem.cost(x) + 0.5 * self._strength * float(away @ away)
+
+    def derivatives(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+        """Return cost, gradient (n_free,) and Gauss-Newton matrix (n_free, n_free)."""
+        _, gradient, matrix = self.problem.derivatives(x)
+        gradient += self._strength * (x - self._start)
+        matrix[np.diag_indices_from(matrix)] += self._strength
+        return self.cost(x), gradient, matrix
+
+
 @lru_cache(maxsize=16)
-def coefficients_by_output(model: Model, *, straight: bool = False) -> dict[str, frozenset[str]]:
+def coefficients_by_output(model: Model, *, plain: bool = False) -> dict[str, frozenset[str]]:
     """Return the coefficients on which each output of a model depends, or depends without turn slip."""
     names = [output.name for output in model.outputs]
-    read = {name: model.structure.straight[name] if straight else model.reached([name]) for name in names}
+    read = {name: model.structure.plain[name] if plain else model.reached([name]) for name in names}
     return {name: frozenset(read[name]) & model.coefficients.keys() for name in names}

@@ -1,4 +1,4 @@
-"""Weights of the channels of recordings: equal ones, by the noise of residuals; limits of robust losses."""
+"""Weights of the channels of recordings: equal, by noise, by effective sample size; limits of robust losses."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import pandas as pd
 
 from ...measurements.operating_conditions.levels import held_levels
 from ...numerics.arrays import FloatArray
+from ...numerics.correlation import correlation_length
 from .loss import robust_scale
 from .rows import Rows
 from .weighted_residuals import Problem
@@ -69,6 +70,27 @@ def noise_weights(problem: Problem, x: FloatArray, factors: FloatArray | None = 
         deviation = robust_scale(residual) if robust else float(np.sqrt(np.mean(residual**2)))
         weights[group, channel] = 1.0 / (max(deviation, least) ** 2 * count)
     return weights if factors is None else weights * factors[: len(weights)]
+
+
+def effective_weights(problem: Problem, x: FloatArray) -> FloatArray:
+    """Return the weights of a problem, each divided by the correlation length of its residuals at x.
+
+    Residuals of neighboring rows are correlated. Therefore a channel of a recording is weighted by its effective sample
+    size instead of its number of rows. The cost at x does not change.
+
+    `problem`: with weights by noise. `x`, shape (n_free,): scaled free values. Returns shape (n_groups, n_forces).
+    """
+    residual, present = problem.residual(x), np.isfinite(problem.rows.measured.T)
+    squares, lengths = np.zeros_like(problem.weights), np.ones_like(problem.weights)
+    for group, channel in np.argwhere(problem.weights > 0):
+        rows = np.flatnonzero(present[channel] & (problem.rows.group == group))
+        if rows.size:
+            series = residual[channel, rows]
+            squares[group, channel] = float(series**2 @ problem.rows.weight[rows])
+            lengths[group, channel] = correlation_length(series, problem.rows.segment[rows])
+    weights = problem.weights / lengths
+    before, after = (float(np.sum(factors * squares)) for factors in (problem.weights, weights))
+    return weights * (before / after) if after > 0 else weights
 
 
 def _by_channel(problem: Problem, x: FloatArray) -> Iterator[tuple[int, int, FloatArray, float]]:

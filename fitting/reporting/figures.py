@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,21 +13,23 @@ import pandas as pd
 from ...boundary.errors import FitError, UnknownName
 from ...boundary.escaping import figure_text
 from ...drawing.figure import Figure, Panel, Series, band, curve, in_rows, measured
-from ...drawing.labels import LEVEL, axis_label, drawn_unit, held_text, letter, level_text, note, per_si
+from ...drawing.labels import LEVEL, axis_label, drawn_unit, held_text, level_text, note, per_si
 from ...drawing.residual_panels import residuals_over_inputs
-from ...drawing.style import BLUE, DOTTED, level_styles, some_of
+from ...drawing.style import BLUE, DOTTED, GRAY, GREEN, ORANGE, RED, level_colors, some_of
 from ...measurements import Recording, TableLike, recordings_from
-from ...measurements.checks.recordings.coverage import Coverage
+from ...measurements.checks.recordings.coverage import ChannelCoverage
 from ...tires import TireLike
 from ...tires.drawing.tire_figures import PURE
 from ...tires.signs import SIGNS
 from ...tires.tire import Tire
-from ..evidence.curves import CurveFamily, MeasuredCurves, compare
+from ..checks.curves import CurveFamily, MeasuredCurves, compare
 from ..results.fitted import Fitted
 from ..results.intervals import band as confidence_band
 from ..results.records import quality
-from .load_figures import BANDS, data_text, friction_over_load, stiffness_over_load
-from .temperature_figure import temperature_over_time
+from ..temperature.fitted_temperature import FittedTemperature
+from ..temperature.heat_balance import ZERO_CELSIUS, HeatBalance
+from ..temperature.selection import with_temperature
+from .load_figures import data_text, friction_over_load, stiffness_over_load
 
 #: Longitudinal slips at which a weighting function is drawn over the slip angle, and points of such a curve.
 WEIGHTING_LEVELS, CURVE_POINTS = 5, 201
@@ -44,13 +47,14 @@ def draw_figures(
     prefix: str = "",
     truth: Tire | None = None,
     signs: str | None = "iso",
+    bands: bool = False,
 ) -> list[Path]:
     """Draw a tire and recordings, one PNG for each kind of curve in the data.
 
     Parameters
     ----------
     tire : Tire, path of a .tir file, name of a published tire, or FitResult
-        With a FitResult, the curves of forces and slip stiffnesses have their 95 % bands.
+        With a FitResult, the curves can have their 95 % bands.
     recordings : path, DataFrame or Recording, or a sequence of them
         Of any test program and sign convention.
     folder : str or Path
@@ -62,6 +66,8 @@ def draw_figures(
     signs : str, optional
         Sign convention of the figures, stated in their footnotes: by default that of tire files; with None that of the
         recordings, or iso if they differ.
+    bands : bool
+        Whether 95 % bands of a FitResult are drawn.
 
     Returns
     -------
@@ -79,7 +85,7 @@ def draw_figures(
     """
     from ...drawing.picture import write_figures  # imports matplotlib, which takes its time
 
-    figures = figures_of(tire, recordings, truth=truth, signs=signs)
+    figures = [replace(f, bands=bands) for f in figures_of(tire, recordings, truth=truth, signs=signs)]
     try:
         return write_figures(figures, Path(folder), prefix)
     except OSError as error:
@@ -98,7 +104,7 @@ def figures_of(
     `tire`, `recordings`, `truth`, `signs`: as for `draw_figures`. Raises `FitError` if there is no recording. Raises
     `DataError` if a recording has no measured output.
     """
-    fitted = tire if isinstance(tire, Fitted) and len(tire.solution.covariance) else None
+    fitted = tire if isinstance(tire, Fitted) and len(tire.uncertainty.complete) else None
     comparison = compare(tire.tire if isinstance(tire, Fitted) else tire, recordings, signs)
     families = [
         ("pure_Fx", "Pure longitudinal force", comparison.pure("Fx", "kappa")),
@@ -142,16 +148,16 @@ def figure_of_fit(result: Fitted, kind: str = "pure", *, bands: bool = False, si
         if not drawn:
             raise NotDrawn("no fitted row is in pure slip: another kind of figure may have data")
         name = figure_text(result.tire.name or result.tire.model)
-        return _families(comparison, drawn, "pure", f"{name}: data and fit", result if bands else None)
+        return _families(comparison, drawn, "pure", f"{name}: data and fit", result if bands else None, bands)
     figures = {figure.name: figure for figure in figures_of(result if bands else result.tire, recordings, signs=signs)}
     if kind not in figures:
         raise UnknownName("kind of figure of this fit", kind, ("pure", *figures))
-    return figures[kind]
+    return replace(figures[kind], bands=bands)
 
 
 def _fitted_recordings(result: Fitted) -> list[Recording]:
     """Return the fitted rows of each recording."""
-    residuals = result.solution.residuals
+    residuals = result.residuals
     if residuals is None:
         raise NotDrawn("the result has no fitted rows")
     table = residuals.table.drop(columns=["segment"], errors="ignore")
@@ -163,18 +169,19 @@ def _fitted_recordings(result: Fitted) -> list[Recording]:
 
 
 def _families(
-    comparison: MeasuredCurves, families: Sequence[CurveFamily], name: str, title: str, fitted: Fitted | None
-) -> Figure:
+    comparison: MeasuredCurves, families: Sequence[CurveFamily], name: str, title: str, fitted: Fitted | None,
+    bands: bool = False,
+) -> Figure:  # fmt: skip
     """One panel for each family: measured points and curves of the tire."""
     rows = pd.concat([group.rows for family in families for group in family.groups])
-    text = "points: data; lines: the tire at the medians of each level's conditions" + BANDS * (fitted is not None)
+    text = "points: data; lines: the tire at the medians of each level's conditions"
     unreached = fitted is not None and any(not c.determined for c in _peaks(fitted, families[0].channel))
     text += "; dotted: extrapolation beyond data that do not reach the peak, with the prior of tires" * unreached
     panels = [_family_panel(comparison, family, fitted, unreached) for family in families]
-    return Figure(name, title, in_rows(panels), note(comparison.signs, text, data_text(comparison, rows)))
+    return Figure(name, title, in_rows(panels), note(comparison.signs, text, data_text(comparison, rows)), bands)
 
 
-def _peaks(fitted: Fitted, channel: str) -> Iterable[Coverage]:
+def _peaks(fitted: Fitted, channel: str) -> Iterable[ChannelCoverage]:
     """Return whether the data of a fit determine the peak friction of a channel; empty if it has none."""
     coverage = fitted.findings.coverage
     return (c for c in coverage if (c.characteristic, c.channel) == ("peak friction", channel))
@@ -183,9 +190,9 @@ def _peaks(fitted: Fitted, channel: str) -> Iterable[Coverage]:
 def _family_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: Fitted | None, unreached: bool) -> Panel:
     signs, channel, slip = comparison.signs, family.channel, family.slip
     points, lines = [], []
-    for group, style in zip(family.groups, level_styles(len(family.groups), family.by), strict=True):
+    for group, color in zip(family.groups, level_colors(len(family.groups), family.by), strict=True):
         label = level_text(family.by, group.level)
-        points.append(measured(group.rows, slip, channel, style, label))
+        points.append(measured(group.rows, slip, channel, color, label))
         shown = comparison.curve(group, slip)
         measured_slips = shown[slip].min(), shown[slip].max()
         if unreached:
@@ -193,18 +200,18 @@ def _family_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: Fitte
         x = shown[slip] * per_si(slip)
         if fitted is not None:
             interval = confidence_band(fitted, channel, shown, signs)
-            lines.append(band(x, interval["lower"], interval["upper"], style.color, label))
+            lines.append(band(x, interval["lower"], interval["upper"], color, label))
         inside = shown[slip].between(*measured_slips)
-        lines.append(curve(x, shown[channel].where(inside), style, label))
+        lines.append(curve(x, shown[channel].where(inside), color, label))
         if unreached:
-            lines.append(Series("line", x, shown[channel].where(~inside), style.color, label, DOTTED, size=1.2))
+            lines.append(Series("line", x, shown[channel].where(~inside), color, label, DOTTED, size=1.2))
     rows = pd.concat([group.rows for group in family.groups])
     _, rmse, r2, _ = quality(rows[channel].to_numpy(), rows[f"{channel}_fit"].to_numpy())
     conditions = f"{channel} per {LEVEL[family.by]}, at {held_text(signs, family.held)}"
     return Panel(
         axis_label(slip), axis_label(channel), (*points, *lines),
-        f"{conditions}\nRMSE {rmse:.3g} {drawn_unit(channel)}, R² {r2:.4f}",
-        f"{LEVEL[family.by]} {letter(family.by, signs)}", (0.0,), (0.0,),
+        f"{conditions}\nRMSE of these rows {rmse:.3g} {drawn_unit(channel)}, R² {r2:.4f}",
+        (0.0,), (0.0,),
     )  # fmt: skip
 
 
@@ -220,14 +227,13 @@ def weighting_figure(comparison: MeasuredCurves) -> Figure | None:
             continue
         over_alpha = _over_alpha(comparison, family)
         for slip, by, curves in (("kappa", "alpha", over_kappa), ("alpha", "kappa", over_alpha)):
-            styled = zip(curves, level_styles(len(curves), by), strict=True)
+            colored = zip(curves, level_colors(len(curves), by), strict=True)
             lines = [
-                curve(shown[slip] * per_si(slip), shown[name], style, level_text(by, level))
-                for (level, shown), style in styled
+                curve(shown[slip] * per_si(slip), shown[name], color, level_text(by, level))
+                for (level, shown), color in colored
             ]
             title = f"{symbol} per {LEVEL[by]}, at {held_text(comparison.signs, family.held)}"
-            legend = f"{LEVEL[by]} {letter(by)}"
-            panels.append(Panel(axis_label(slip), f"{symbol} (-)", tuple(lines), title, legend, (0.0, 1.0), (0.0,)))
+            panels.append(Panel(axis_label(slip), f"{symbol} (-)", tuple(lines), title, (0.0, 1.0), (0.0,)))
     text = "weighting functions of the tire (positive for a valid tire) over the measured slip range; not measurable"
     title = "Weighting functions of combined slip"
     return Figure("weighting", title, in_rows(panels), note(comparison.signs, text)) if panels else None
@@ -246,7 +252,7 @@ def _residuals(comparison: MeasuredCurves) -> Figure:
     table = comparison.table
     rows = []
     for number, source in enumerate(comparison.sources):
-        for channel in comparison.channels:
+        for channel in comparison.residuals():
             part = table[(table["recording"] == number) & table[channel].notna()]
             if len(part):
                 rows.append(_residual_panels(number, source, channel, part))
@@ -260,11 +266,11 @@ def _residual_panels(number: int, source: str, channel: str, rows: pd.DataFrame)
     clocked = "t" in rows and bool(rows["t"].notna().all())
     clock = rows["t"].to_numpy() if clocked else np.arange(len(rows))
     few = some_of(residual.to_frame().assign(clock=clock))
-    points = Series("points", few["clock"], few["residual"], BLUE, marker=".", size=2.5, opacity=0.5)
+    points = Series("points", few["clock"], few["residual"], BLUE, marker="o", size=2.5, opacity=0.5)
     limit = 1.15 * float(np.quantile(residual.abs(), 0.999)) or 1.0
     counts, edges = np.histogram(residual, BINS, (-limit, limit))
     outline = np.repeat(counts, 2), np.repeat(edges, 2)[1:-1]
-    histogram = Series("band", [0, *outline[0], 0], [-limit, *outline[1], limit], BLUE, opacity=0.7)
+    histogram = Series("area", [0, *outline[0], 0], [-limit, *outline[1], limit], BLUE, opacity=0.7)
     _, rmse, r2, _ = quality(rows[channel].to_numpy(), rows[f"{channel}_fit"].to_numpy())
     unit, label = drawn_unit(channel), axis_label(channel)
     score = f"mean {residual.mean():.3g} {unit}, RMSE {rmse:.3g} {unit}, R² {r2:.4f}"
@@ -276,3 +282,28 @@ def _residual_panels(number: int, source: str, channel: str, rows: pd.DataFrame)
         Panel("time (s)" if clocked else "row", label, (points,), title, x_axis=f"{number}", width=8.5, **shared),
         Panel("number of rows", label, (histogram,), x_limits=(0.0, None), width=2.0, **shared),
     )  # fmt: skip
+
+
+def temperature_over_time(tire: Tire, fitted: FittedTemperature, recordings: Iterable[Recording]) -> Figure:
+    """Return a figure with two panels for each recording with a recorded temperature."""
+    panels = []
+    chosen = with_temperature(list(recordings), fitted.column)
+    balances = HeatBalance.of_all(tire, chosen, fitted.column)
+    for balance, start in zip(balances, fitted.starts, strict=True):
+        course = balance.temperatures({}, np.array(start))
+        supplied, stored = balance.energy({}, course)
+        recorded = Series("points", balance.t, balance.measured - ZERO_CELSIUS, GRAY, "recorded", marker="o", size=2.0)
+        colors = (BLUE, ORANGE, GREEN, RED)
+        lines = [
+            Series("line", balance.t, values - ZERO_CELSIUS, color, name)
+            for name, values, color in zip(balance.states, course.T, colors, strict=True)
+        ]
+        title = figure_text(balance.source)
+        panels.append(Panel("t (s)", "temperature (deg C)", (*lines, recorded), title=title))
+        heats = {"from sliding and rolling": supplied, "to road and air": supplied - stored, "stored": stored}
+        drawn = [
+            Series("line", balance.t, heat / 1e3, color, name)
+            for (name, heat), color in zip(heats.items(), (ORANGE, BLUE, GREEN), strict=True)
+        ]
+        panels.append(Panel("t (s)", "heat (kJ)", tuple(drawn), title=f"energy balance, {title}"))
+    return Figure("temperature", "Temperature", in_rows(panels, 2), fitted.text())

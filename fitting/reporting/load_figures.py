@@ -11,21 +11,20 @@ import pandas as pd
 from ...boundary.escaping import figure_text
 from ...drawing.figure import Figure, Panel, Series, band, curve, in_rows
 from ...drawing.labels import axis_label, held_text, letter, level_text, note, per_si, stiffness_unit
-from ...drawing.style import BLACK, BLUE, DASHED, DOTTED, RED, level_styles
+from ...drawing.style import BLACK, BLUE, DASHED, DOTTED, RED, level_colors
 from ...measurements import levels
 from ...numerics.arrays import FloatArray
 from ...numerics.slip_slope import SLOPE_WINDOW
 from ...numerics.ties import graded
 from ...tires.tire import Tire
-from ..evidence.characteristics import Characteristic
-from ..evidence.curves import CurveFamily, Group, MeasuredCurves
-from ..evidence.slip_stiffness import SlipStiffness
+from ..checks.characteristics import Characteristic
+from ..checks.curves import CurveFamily, Group, MeasuredCurves
+from ..checks.slip_stiffness import SlipStiffness
 from ..results.fitted import Fitted
 from ..results.intervals import band as confidence_band
 
 #: Recordings listed below a figure.
 MAX_SOURCES = 30
-BANDS = "; bands: 95 % confidence intervals: noise, errors of the sensors and of the form of the model"
 #: Most parts of the slip range of a measured friction, and the smallest number of rows of a part.
 FRICTION_PARTS, FRICTION_ROWS = 25, 5
 #: Loads at which stiffnesses are evaluated, loads and slips at which the friction is.
@@ -74,7 +73,7 @@ def stiffness_over_load(comparison: MeasuredCurves, truth: Tire | None, fitted: 
     )
     dashed = ["black, dashed: the true tire"] if truth is not None else []
     sources = data_text(comparison, pd.concat(rows))
-    text = note(comparison.signs, text + BANDS * (fitted is not None), *dashed, sources)
+    text = note(comparison.signs, text, *dashed, sources)
     return Figure("stiffness", "Slip stiffness", in_rows(panels), text)
 
 
@@ -107,12 +106,12 @@ def _stiffness_panel(
 def _slopes_panel(comparison: MeasuredCurves, family: CurveFamily, quantity: str, truth: Tire | None) -> Panel:
     scale = per_si(family.slip)
     series = []
-    for group, style in zip(family.groups, level_styles(len(family.groups), "Fz"), strict=True):
+    for group, color in zip(family.groups, level_colors(len(family.groups), "Fz"), strict=True):
         shown = comparison.curve(group, family.slip)
         x, slope = shown[family.slip].to_numpy(), _slopes(shown, family, quantity)
         # Positive where the force grows in magnitude with the slip, in every convention.
         sign = np.sign(slope[np.abs(x).argmin()])
-        series.append(curve(x * scale, sign * slope / scale, style, level_text("Fz", group.level)))
+        series.append(curve(x * scale, sign * slope / scale, color, level_text("Fz", group.level)))
         if truth is not None:
             true = _slopes(comparison.curve(group, family.slip, truth), family, quantity)
             series.append(Series("line", x * scale, sign * true / scale, BLACK, dashes=DASHED, size=0.8))
@@ -120,7 +119,7 @@ def _slopes_panel(comparison: MeasuredCurves, family: CurveFamily, quantity: str
     return Panel(
         axis_label(family.slip), f"∂{family.channel} / ∂{slip} ({stiffness_unit(family.slip)})",
         tuple(series), f"slope over {slip} per load, {held_text(comparison.signs, family.held)}",
-        f"load {letter('Fz', comparison.signs)}", (0.0,), (0.0,),
+        (0.0,), (0.0,),
     )  # fmt: skip
 
 
@@ -167,7 +166,7 @@ def friction_over_load(comparison: MeasuredCurves, fitted: Fitted | None) -> Fig
         "and slightly above under noise, as the largest of several medians"
     )
     rows = pd.concat([group.rows for family in families for group in family.groups])
-    text = note(comparison.signs, text + BANDS * (fitted is not None), data_text(comparison, rows))
+    text = note(comparison.signs, text, data_text(comparison, rows))
     panels = [_friction_panel(comparison, family, fitted) for family in families]
     return Figure("friction", "Friction", in_rows(panels), text)
 

@@ -11,9 +11,9 @@ from math import nan, sqrt
 
 import numpy as np
 
-from ..evidence.characteristics import Characteristic
-from ..evidence.diagnostics import Findings
-from ..evidence.slip_stiffness import FORCES, SlipStiffness
+from ..checks.characteristics import Characteristic
+from ..checks.diagnostics import Findings
+from ..checks.slip_stiffness import FORCES, SlipStiffness
 from ..results.fitted import Fitted
 
 #: Loads of different readings that belong together, relative difference.

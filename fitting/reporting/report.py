@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -10,12 +11,12 @@ import numpy as np
 import pandas as pd
 
 from ...boundary.errors import FitError, path_from
-from ...drawing.figure import Figure
+from ...drawing.figure import Figure, Panel
 from ...drawing.page import page_text, write_page
-from ...measurements import Finding, TableLike, recordings_from
+from ...measurements import DataFinding, TableLike, recordings_from
 from ...measurements.provenance import provenance
 from ...numerics.ties import graded
-from ..evidence.residuals import condition_text
+from ..checks.residuals import condition_text
 from ..results.fitted import Fitted
 from ..results.intervals import listed_intervals
 from ..results.verdict import verdict_of
@@ -47,7 +48,7 @@ def write_report(
     path: str | Path,
     figures: Sequence[Figure] | None = None,
     *,
-    findings: Sequence[Finding] = (),
+    findings: Sequence[DataFinding] = (),
     command: str = "",
 ) -> None:
     """Write the report of a fit.
@@ -62,7 +63,7 @@ def write_report(
         The HTML file to write.
     figures : sequence of Figure, optional
         `figures_of` them; made if absent.
-    findings : sequence of Finding
+    findings : sequence of DataFinding
         About the data, and about what the tire leaves in the residual.
     command : str
         The command line, for the provenance.
@@ -83,7 +84,7 @@ def write_report(
 
 def report_page(
     result: Fitted, figures: Sequence[Figure], origin: Sequence[tuple[str, str]] = (),
-    findings: Sequence[Finding] = (),
+    findings: Sequence[DataFinding] = (),
 ) -> str:  # fmt: skip
     """Return the page's text.
 
@@ -117,9 +118,13 @@ def overview(figures: Sequence[Figure]) -> list[Figure]:
     for title, names in OVERVIEW.items():
         shown = [first[name] for name in names if name in first]
         if shown:
-            panels = tuple(figure.panels[0] for figure in shown)
+            panels = tuple(_without_bands(figure.panels[0]) for figure in shown)
             overview_figures.append(Figure("overview", title, (panels,), shown[0].note))
     return overview_figures
+
+
+def _without_bands(panel: Panel) -> Panel:
+    return replace(panel, series=tuple(series for series in panel.series if series.kind != "band"))
 
 
 def correlated_pairs(correlation: pd.DataFrame) -> list[tuple[str, str, float]]:

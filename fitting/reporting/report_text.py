@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite, isinf
 
+from ..checks.consistency import Disagreement
+from ..checks.residuals import condition_text
+from ..checks.ripple import Ripple
 from ..constraints.physical import REACH
 from ..constraints.verification import Margin
-from ..evidence.consistency import Disagreement
-from ..evidence.residuals import condition_text
-from ..evidence.ripple import Ripple
 from ..results.fitted import Fitted
-from ..results.resampled import Bootstrap
+from ..results.records import Bootstrap
 
 #: Number of standard deviations above which a difference within the data is reported.
 SIGNIFICANT = 4.0

@@ -206,7 +206,7 @@ def _stages(result: Fitted) -> Table:
 
 def _margins(result: Fitted) -> Table:
     """Return the constraints."""
-    from ..evidence.residuals import condition_text
+    from ..checks.residuals import condition_text
     from .report_text import constraint_rows
 
     table = plain_table(
@@ -225,7 +225,7 @@ def _margins(result: Fitted) -> Table:
 
 def _differences(result: Fitted) -> Iterator[Table]:
     """Yield the table of differences between data of equal conditions, files before sweeps, if there are any."""
-    from ..evidence.residuals import condition_text
+    from ..checks.residuals import condition_text
     from .report_text import significant_differences
 
     differences = significant_differences(result)

@@ -26,11 +26,11 @@ from ...numerics.arrays import FloatArray, IntArray
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..fit_result import FitResult
 from ..problem.slope_targets import SlopeTarget
-from ..results.resampled import Bootstrap, BootstrapInterval
-from ..results.solved_stage import SolvedStage
-from ..solvers.convergence import STEP_TOLERANCE
+from ..results.records import Bootstrap, BootstrapInterval
+from ..results.stages import StageResult
+from ..solvers.convergence import STEP_TOLERANCE, cost_of_a_row
 from .leverage import Correction, corrections
-from .near_solution import cost_of_a_row, solve_near
+from .near_solution import solve_near
 
 #: Fewest sweeps, and fewest replicates: with fewer, percentiles 2.5 and 97.5 are the extremes or beyond.
 MIN_SWEEPS, MIN_REPLICATES = 10, 40
@@ -42,14 +42,21 @@ REPLICATES_OF_TASK = 10
 class ReplicateTask:
     """Some replicates: what a worker needs.
 
+    - `determined`: the coefficients of which each stage is the last.
     - `sweeps`, shape (n,): number of the sweep of each row of all recordings.
     - `numbers`: numbers of the replicates. A replicate depends on the seed and its own number only.
     """
 
-    stages: tuple[SolvedStage, ...]
+    stages: tuple[StageResult, ...]
+    determined: tuple[tuple[str, ...], ...]
     sweeps: IntArray
     seed: int
     numbers: range
+
+    @property
+    def names(self) -> list[str]:
+        """The coefficients of the replicates, in their order."""
+        return [name for names in self.determined for name in names]
 
 
 def sweeps_of(recordings: Sequence[Recording]) -> IntArray:
@@ -85,16 +92,17 @@ def replicate_tasks(
     solution, or it is of other data.
     """
     check_replicates(replicates)
-    stages = tuple(stage for stage in result.solution.stages if stage.determined)
+    stages = tuple(stage for stage in result.whole_stages if result.determined_by(stage))
     if not stages:
         raise FitError("bootstrap: no stage of the fit used all of its rows")
     sweeps = sweeps_of(recordings)
-    if max(int(stage.rows.max()) for stage in stages) >= len(sweeps):
+    if max(int(stage.numbers.max()) for stage in stages) >= len(sweeps):
         raise FitError("bootstrap: the tables are not those of the fit")
     _check_sweeps(_weighted(stages, sweeps), "the fitted rows")
     firsts = range(0, replicates, REPLICATES_OF_TASK)
+    determined = tuple(result.determined_by(stage) for stage in stages)
     return [
-        ReplicateTask(stages, sweeps, seed, range(first, min(first + REPLICATES_OF_TASK, replicates)))
+        ReplicateTask(stages, determined, sweeps, seed, range(first, min(first + REPLICATES_OF_TASK, replicates)))
         for first in firsts
     ]
 
@@ -110,30 +118,25 @@ def check_replicates(replicates: int, recordings: Sequence[Recording] = ()) -> N
 def replicates_of(task: ReplicateTask) -> FloatArray:
     """Compute the replicates of a task, in any process.
 
-    Returns shape (n_replicates, n_coefficients): in the order of `coefficient_names`; a row of NaN for a replicate that
-    did not converge.
+    Returns shape (n_replicates, n_coefficients): in the order of `ReplicateTask.names`; a row of NaN for a replicate
+    that did not converge.
     """
     imposed = [ConstraintFunctions(stage.problem, stage.constraints) for stage in task.stages]
-    tolerances = [STEP_TOLERANCE**2 * len(stage.x) * cost_of_a_row(stage) for stage in task.stages]
+    tolerances = [STEP_TOLERANCE**2 * len(stage.x) * cost_of_a_row(stage.problem, stage.x) for stage in task.stages]
     count = int(task.sweeps.max()) + 1
-    replicates = np.full((len(task.numbers), len(coefficient_names(task.stages))), np.nan)
+    replicates = np.full((len(task.numbers), len(task.names)), np.nan)
     for row, number in zip(replicates, task.numbers, strict=True):
         drawn = np.random.default_rng([task.seed, number]).exponential(size=count)
         weights = drawn[task.sweeps]
         values: dict[str, float] = {}
-        for stage, constraints, tolerance in zip(task.stages, imposed, tolerances, strict=True):
+        for stage, names, constraints, tolerance in zip(task.stages, task.determined, imposed, tolerances, strict=True):
             solved = _replicate(stage, constraints, weights, tolerance)
             if solved is None:
                 break
-            values |= {name: value for name, value in solved.items() if name in stage.determined}
+            values |= {name: value for name, value in solved.items() if name in names}
         else:
             row[:] = list(values.values())
     return replicates
-
-
-def coefficient_names(stages: Sequence[SolvedStage]) -> list[str]:
-    """Return the coefficients of the replicates, in their order."""
-    return [name for stage in stages for name in stage.problem.free if name in stage.determined]
 
 
 def bootstrap_of(result: FitResult, tasks: Sequence[ReplicateTask], replicates: FloatArray) -> FitResult:
@@ -146,15 +149,16 @@ def bootstrap_of(result: FitResult, tasks: Sequence[ReplicateTask], replicates: 
     if len(converged) < MIN_REPLICATES:
         raise FitError(f"bootstrap: {len(converged)} of {len(replicates)} replicates converged: too few for intervals")
     stages, sweeps = tasks[0].stages, tasks[0].sweeps
-    names = coefficient_names(stages)
     free = {coefficient.name for coefficient in result.coefficients if not np.isinf(coefficient.interval)}
     corrected = {
-        name: (correction, stage) for stage in stages for name, correction in corrections(stage, sweeps).items()
+        name: (correction, stage)
+        for stage, determined in zip(stages, tasks[0].determined, strict=True)
+        for name, correction in corrections(stage, determined, sweeps).items()
     }
     intervals = tuple(
         _interval(name, column, *corrected.get(name, (None, None))) if name in free
         else BootstrapInterval(name, np.nan, np.nan, np.nan)
-        for name, column in zip(names, converged.T, strict=True)
+        for name, column in zip(tasks[0].names, converged.T, strict=True)
     )  # fmt: skip
     failed = len(replicates) - len(converged)
     bootstrap = Bootstrap(len(converged), failed, _weighted(stages, sweeps), tasks[0].seed, intervals)
@@ -162,7 +166,7 @@ def bootstrap_of(result: FitResult, tasks: Sequence[ReplicateTask], replicates: 
 
 
 def _interval(
-    name: str, replicates: FloatArray, correction: Correction | None, stage: SolvedStage | None
+    name: str, replicates: FloatArray, correction: Correction | None, stage: StageResult | None
 ) -> BootstrapInterval:
     """Return the percentiles of a coefficient, expanded around its value within its bounds; plain ones at a bound."""
     # Between the smallest and the largest of N replicates are (N - 1) / (N + 1) of all: Hyndman and Fan, 1996, type 6.
@@ -176,9 +180,9 @@ def _interval(
     return BootstrapInterval(name, max(lower, least), min(upper, most), correction.leverage * deviation)
 
 
-def _weighted(stages: Sequence[SolvedStage], sweeps: IntArray) -> int:
+def _weighted(stages: Sequence[StageResult], sweeps: IntArray) -> int:
     """Return the number of sweeps with fitted rows."""
-    return len(np.unique(sweeps[np.concatenate([stage.rows for stage in stages])]))
+    return len(np.unique(sweeps[np.concatenate([stage.numbers for stage in stages])]))
 
 
 def _check_sweeps(count: int, where: str) -> None:
@@ -187,10 +191,10 @@ def _check_sweeps(count: int, where: str) -> None:
 
 
 def _replicate(
-    stage: SolvedStage, imposed: ConstraintFunctions, weights: FloatArray, tolerance: float
+    stage: StageResult, imposed: ConstraintFunctions, weights: FloatArray, tolerance: float
 ) -> dict[str, float] | None:
     """Return the free values of a stage for weights of all rows; None if the solver did not converge."""
-    problem, factor = stage.problem, weights[stage.rows]
+    problem, factor = stage.problem, weights[stage.numbers]
     rows = replace(problem.rows, weight=problem.rows.weight * factor / factor.mean())
     targets = tuple(_reweighted(target, weights[target.rows]) for target in problem.targets)
     weighted = replace(problem, rows=rows, targets=targets)

@@ -17,15 +17,15 @@ about the bootstrap, 2015).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import stdtrit
 
 from ...numerics.arrays import FloatArray, IntArray
-from ..problem.regularization import Ridge
-from ..results.solved_stage import SolvedStage
+from ..problem.weighted_residuals import Ridge
+from ..results.stages import StageResult
 from ..uncertainty.sandwich import MIN_CURVATURE, QUANTILE
 
 
@@ -46,16 +46,16 @@ class Correction:
         return self.leverage * float(stdtrit(max(self.sweeps, 1.0), 0.975)) / QUANTILE
 
 
-def corrections(stage: SolvedStage, sweeps: IntArray) -> dict[str, Correction]:
+def corrections(stage: StageResult, determined: Collection[str], sweeps: IntArray) -> dict[str, Correction]:
     """Return the correction of each coefficient that a stage determines.
 
-    `sweeps`: number of the sweep of each row of all recordings (`tirefmu.fitting.resampling.bootstrap.sweeps_of`).
-    Returns: coefficients at a bound have none.
+    `determined`: the coefficients of which the stage is the last. `sweeps`: number of the sweep of each row of all
+    recordings (`tirefmu.fitting.resampling.bootstrap.sweeps_of`). Returns: coefficients at a bound have none.
     """
     problem = stage.problem
     free = np.flatnonzero((stage.x > stage.lower) & (stage.x < stage.upper))
     whole = Ridge(problem, stage.x, stage.ridge).derivatives(stage.x)[2][np.ix_(free, free)]
-    sweep_of_row = sweeps[stage.rows]
+    sweep_of_row = sweeps[stage.numbers]
     matrices = []
     for number in np.unique(sweep_of_row):
         rows = problem.rows.take(np.flatnonzero(sweep_of_row == number))
@@ -64,7 +64,7 @@ def corrections(stage: SolvedStage, sweeps: IntArray) -> dict[str, Correction]:
     leverage, shares = corrections_of(whole, matrices)
     return {
         problem.free[i]: Correction(float(factor), float(count))
-        for i, factor, count in zip(free, leverage, shares, strict=True) if problem.free[i] in stage.determined
+        for i, factor, count in zip(free, leverage, shares, strict=True) if problem.free[i] in determined
     }  # fmt: skip
 
 

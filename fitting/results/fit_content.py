@@ -1,22 +1,32 @@
-"""The content of fit.json, from which its JSON Schema follows."""
+"""The content of fit.json: its keys with their types, from which its values and its JSON Schema follow."""
 
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import Annotated, Any, TypedDict
 
-from ...boundary.json_schema import document, schema_of
-from ...measurements import Finding
+import numpy as np
+
+from ...boundary.json_schema import document, json_value, schema_of
+from ...measurements import DataFinding
+from ..checks.diagnostics import Findings
 from ..constraints.verification import Margin
 from ..data.fit_data import ExcludedRows
-from ..evidence.diagnostics import Findings
 from ..temperature.fitted_temperature import FittedTemperature
 from ..uncertainty.sandwich import Direction
-from .intervals import ListedInterval
-from .records import BoundConsequence, ChannelFit, FittedCoefficient, HeldOut, StageFit
-from .resampled import Bootstrap
+from .fitted import Fitted
+from .intervals import ListedInterval, listed_intervals
+from .records import Bootstrap, BoundConsequence, ChannelFit, FittedCoefficient, HeldOut
+from .stages import StageResult
+from .verdict import Verdict
 
 #: Version of fit.json. New keys increment the second number, changed meanings the first.
 VERSION = "2.0"
+#: Where a result has what is called otherwise in the file.
+_PLACES = {
+    "recipe": "run.recipe", "method": "run.method", "seconds": "run.seconds", "interrupted": "run.interrupted",
+    "model": "tire.model", "values": "tire.values", "set_aside": "excluded_rows",
+}  # fmt: skip
 
 
 class Covariance(TypedDict):
@@ -27,7 +37,7 @@ class Covariance(TypedDict):
 
 
 class FitContent(TypedDict):
-    """The keys of fit.json; `FitResult` explains those with its names."""
+    """The keys of fit.json; those of `FitResult` have its values."""
 
     version: str
     ok: Annotated[bool, "whether the tire is usable, possibly with limits"]
@@ -43,7 +53,7 @@ class FitContent(TypedDict):
     values: Annotated[dict[str, float], "all coefficients of the tire, in ISO-W"]
     coefficients: tuple[FittedCoefficient, ...]
     channels: tuple[ChannelFit, ...]
-    stages: tuple[StageFit, ...]
+    stages: tuple[StageResult, ...]
     margins: tuple[Margin, ...]
     margins_signs: str
     directions: tuple[Direction, ...]
@@ -56,8 +66,27 @@ class FitContent(TypedDict):
     bootstrap: Bootstrap | None
     temperature: FittedTemperature | None
     notes: tuple[str, ...]
-    data_findings: tuple[Finding, ...]
+    data_findings: tuple[DataFinding, ...]
     interrupted: Annotated[str, "where the fit was stopped; empty if it is complete"]
+
+
+def fit_content(result: Fitted, verdict: Verdict) -> dict[str, Any]:
+    """Return a result as values of JSON; a number that does not exist, such as a missing bound, is null."""
+    derived = {
+        "version": VERSION, "ok": verdict.usable, "verdict": verdict.word, "reasons": verdict.reasons,
+        "effects": sorted(result.tire.has), "margins_signs": "adapted-sae", "covariance": _covariance(result),
+        "intervals": list(listed_intervals(result)),
+    }  # fmt: skip
+    return {
+        name: json_value(derived[name] if name in derived else attrgetter(_PLACES.get(name, name))(result))
+        for name in FitContent.__annotations__
+    }
+
+
+def _covariance(result: Fitted) -> Covariance:
+    covariance = result.covariance
+    determined = list(covariance.index[np.isfinite(np.diag(covariance))]) if len(covariance) else []
+    return {"coefficients": determined, "matrix": covariance.loc[determined, determined].to_numpy().tolist()}
 
 
 def fit_schema() -> dict[str, Any]:

@@ -11,19 +11,19 @@ import numpy as np
 import pandas as pd
 
 from ...boundary.errors import UnknownName
-from ...measurements import Finding
+from ...measurements import DataFinding
 from ...tires.tire import Tire
+from ..checks.diagnostics import Findings, find
+from ..checks.residuals import Residuals
 from ..constraints.physical import TOLERANCE
 from ..constraints.verification import Margin
 from ..data.fit_data import ExcludedRows
-from ..evidence.diagnostics import Findings, find
 from ..temperature.fitted_temperature import FittedTemperature
 from ..uncertainty.discrepancy import Discrepancy
-from ..uncertainty.sandwich import Direction
+from ..uncertainty.sandwich import Direction, Uncertainty
 from .informed_discrepancies import informed_discrepancies
-from .records import BoundConsequence, ChannelFit, FitRecord, FittedCoefficient, HeldOut, StageFit
-from .resampled import Bootstrap
-from .solved_stage import FitSolution
+from .records import Bootstrap, BoundConsequence, ChannelFit, FittedCoefficient, HeldOut
+from .stages import FitRecord, StageResult
 
 
 @dataclass(frozen=True, repr=False)
@@ -37,20 +37,45 @@ class Fitted:
     run: FitRecord
     margins: tuple[Margin, ...] = ()
     notes: tuple[str, ...] = ()
-    data_findings: tuple[Finding, ...] = ()
-    directions: tuple[Direction, ...] = ()
+    data_findings: tuple[DataFinding, ...] = ()
     excluded_rows: tuple[ExcludedRows, ...] = ()
     held_out: tuple[HeldOut, ...] = ()
-    covariance: pd.DataFrame = field(default_factory=pd.DataFrame, compare=False)
     bootstrap: Bootstrap | None = None
     temperature: FittedTemperature | None = None
     bounds: tuple[BoundConsequence, ...] = ()
-    solution: FitSolution = field(default_factory=FitSolution, repr=False, compare=False)
+    uncertainty: Uncertainty = field(default_factory=Uncertainty, compare=False)
+    residuals: Residuals | None = None
 
     @property
-    def stages(self) -> tuple[StageFit, ...]:
+    def stages(self) -> tuple[StageResult, ...]:
         """The stages in order: rows, iterations, cost."""
         return self.run.stages
+
+    @property
+    def whole_stages(self) -> tuple[StageResult, ...]:
+        """The stages that used all of their rows, from which intervals, bootstrap and consequences follow."""
+        return tuple(stage for stage in self.stages if len(stage.numbers))
+
+    def determined_by(self, stage: StageResult) -> tuple[str, ...]:
+        """Return the free coefficients of a stage that it was the last to determine."""
+        names = {c.name for c in self.coefficients if c.determined and c.stage == stage.name}
+        return tuple(name for name in stage.problem.free if name in names)
+
+    @property
+    def directions(self) -> tuple[Direction, ...]:
+        """Combinations of coefficients that are not identifiable."""
+        return self.uncertainty.directions
+
+    @property
+    def covariance(self) -> pd.DataFrame:
+        """Covariance of the coefficients by name, in their units and `signs`, under time-correlated noise.
+
+        Half an interval is 1.96 times the root of the diagonal. Rows and columns are NaN for a coefficient without a
+        finite interval (at a bound, not identifiable, or not freed by a stage with all its rows). A stage assumes that
+        the values of earlier stages are known, so the covariance of coefficients of different stages
+        (`FittedCoefficient.stage`) is 0.
+        """
+        return self.uncertainty.covariance
 
     @property
     def correlation(self) -> pd.DataFrame:
@@ -87,15 +112,15 @@ class Fitted:
             self,
             signs=signs,
             coefficients=tuple(c.mirrored() if declarations[c.name].flips else c for c in self.coefficients),
-            covariance=self.covariance * np.outer(flips, flips),
-            solution=self.solution.in_signs(signs, np.outer(flips, flips)),
+            uncertainty=self.uncertainty.mirrored(np.outer(flips, flips)),
+            residuals=self.residuals and replace(self.residuals, signs=signs),
             bootstrap=self.bootstrap and self.bootstrap.mirrored(lambda name: declarations[name].flips),
         )
 
     @cached_property
     def findings(self) -> Findings:
         """Diagnostics of the fit, computed at the first access; empty without fitted rows."""
-        if self.solution.residuals is None:
+        if self.residuals is None:
             return Findings()
         free = [c.name for c in self.coefficients if not c.at_bound or c.interval == inf]
         unseen = [(c.name,) for c in self.coefficients if not c.determined]
@@ -106,12 +131,12 @@ class Fitted:
         bounded = [c.name for c in self.coefficients if c.at_bound]
         combinations = [tuple(n for n in d.coefficients if n in free and n not in bounded) for d in self.directions]
         undetermined = [names for names in (*combinations, *unseen) if names]
-        return find(self.solution.residuals, free, undetermined, bounded, effective)
+        return find(self.residuals, free, undetermined, bounded, effective)
 
     @cached_property
     def discrepancies(self) -> tuple[Discrepancy, ...]:
         """Errors of the form, with what the characteristics of the data say of them; computed at the first access."""
-        return informed_discrepancies(self.tire, self.solution, self.findings)
+        return informed_discrepancies(self.tire, self.residuals, self.uncertainty.discrepancies, self.findings)
 
     @property
     def ok(self) -> bool:

@@ -10,9 +10,9 @@ import pandas as pd
 from ...numerics.arrays import FloatArray
 from ...tires.code import fastest_code
 from ...tires.tire import Tire
+from ..checks.error_split import ErrorSplit, error_split
+from ..checks.residuals import Residuals
 from ..data.fit_data import FitData
-from ..evidence.error_split import ErrorSplit, error_split
-from ..evidence.residuals import Residuals
 from ..problem.rows import BLOCK, Rows
 from .records import ChannelFit, Moments
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
 
@@ -9,15 +11,14 @@ from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
 from ...tires.code import fastest_code
 from ...tires.tire import Tire
-from ..evidence.characteristics import Characteristic
-from ..evidence.diagnostics import Findings
-from ..evidence.read_errors import READING_ERROR
-from ..evidence.residuals import Residuals
-from ..evidence.slip_stiffness import SlipStiffness
+from ..checks.characteristics import Characteristic
+from ..checks.diagnostics import Findings
+from ..checks.read_errors import READING_ERROR
+from ..checks.residuals import Residuals
+from ..checks.slip_stiffness import SlipStiffness
 from ..problem.rows import inputs_of
 from ..uncertainty.discrepancy import Discrepancy
 from ..uncertainty.sensitivities import sensitivities
-from .solved_stage import FitSolution
 
 #: The forces over their own slip.
 OVER_SLIP = {"Fx": "kappa", "Fy": "alpha"}
@@ -25,26 +26,28 @@ OVER_SLIP = {"Fx": "kappa", "Fy": "alpha"}
 PEAK_SLIPS = tuple(np.linspace(0.02, 0.3, 15).tolist())
 
 
-def informed_discrepancies(tire: Tire, solution: FitSolution, findings: Findings) -> tuple[Discrepancy, ...]:
+def informed_discrepancies(
+    tire: Tire, residuals: Residuals | None, discrepancies: Sequence[Discrepancy], findings: Findings
+) -> tuple[Discrepancy, ...]:
     """Return the errors of the form with what slip stiffnesses and peaks that are read from the data say of them."""
     return tuple(
-        _informed(tire.in_signs("adapted-sae"), solution.residuals, findings, discrepancy)
+        _informed(tire.in_signs("adapted-sae"), residuals, findings, discrepancy)
         if discrepancy.final and discrepancy.channel in OVER_SLIP
         else discrepancy
-        for discrepancy in solution.discrepancies
+        for discrepancy in discrepancies
     )
 
 
-def _informed(tire: Tire, evidence: Residuals | None, findings: Findings, discrepancy: Discrepancy) -> Discrepancy:
+def _informed(tire: Tire, residuals: Residuals | None, findings: Findings, discrepancy: Discrepancy) -> Discrepancy:
     channel = discrepancy.channel
-    if evidence is None:
+    if residuals is None:
         return discrepancy
     for kind in ("stiffness", "friction"):
         quantity = tire.symbolic_model.quantity(f"{kind}_{channel[-1]}")
         read = readings(findings, kind, channel)
         if not read or not quantity:
             continue
-        table = pd.DataFrame([{**medians(evidence.table, tire), **reading.at, "Fz": reading.load} for reading in read])
+        table = pd.DataFrame([{**medians(residuals.table, tire), **reading.at, "Fz": reading.load} for reading in read])
         inputs = inputs_of(table, tire)
         value, slopes, names = sensitivities(tire, quantity, inputs)
         at = place(tire, quantity, channel, inputs)

@@ -14,7 +14,7 @@ from ...measurements import TableLike, recording_from
 from ...numerics.arrays import FloatArray
 from ...tires.signs import convert_signs
 from ...tires.tire import Tire
-from ..evidence.read_errors import ReadErrors
+from ..checks.read_errors import ReadErrors
 from ..problem.rows import inputs_of
 from ..uncertainty.sensitivities import sensitivities
 from .fitted import Fitted
@@ -49,7 +49,7 @@ def interval(
     """
     if not 0.0 < level < 1.0:
         raise FitError(f"confidence level {level:g} is not between 0 and 1")
-    if not len(result.solution.covariance):
+    if not len(result.uncertainty.complete):
         raise FitError("the fit has no covariance: none of its stages used all rows of its channels")
     recording = recording_from(table, signs=signs)
     return band(result, quantity, recording.table, recording.signs, level)
@@ -64,7 +64,7 @@ def band(result: Fitted, quantity: str, table: pd.DataFrame, signs: str, level: 
     tire = result.tire.in_signs(formula)
     rows = convert_signs(table, signs, formula)
     declarations = tire.symbolic_model.coefficients
-    covariance = result.solution.covariance
+    covariance = result.uncertainty.complete
     flips = np.array([-1.0 if formula != result.signs and declarations[n].flips else 1.0 for n in covariance.index])
     inputs = inputs_of(rows, tire)
     value, slopes, names = sensitivities(tire, quantity, inputs)
@@ -88,8 +88,8 @@ def _form_variance(
     data, these readings say what the error is, in place of the residual of all rows.
     """
     added = np.zeros(len(value))
-    read = _read_errors(result, quantity) if result.solution.discrepancies else None
-    for discrepancy, informed in zip(result.solution.discrepancies, result.discrepancies, strict=True):
+    read = _read_errors(result, quantity) if result.uncertainty.discrepancies else None
+    for discrepancy, informed in zip(result.uncertainty.discrepancies, result.discrepancies, strict=True):
         by_name = slopes[list(discrepancy.names)].to_numpy()
         at = place(tire, quantity, discrepancy.channel, inputs) if discrepancy.final else None
         if read is not None:
@@ -120,19 +120,19 @@ def listed_intervals(result: Fitted) -> Iterator[ListedInterval]:
 
     Yields: none without fitted rows or covariance.
     """
-    evidence, model = result.solution.residuals, result.tire.symbolic_model
-    if evidence is None or not len(result.solution.covariance):
+    residuals, model = result.residuals, result.tire.symbolic_model
+    if residuals is None or not len(result.uncertainty.complete):
         return
-    table = convert_signs(evidence.table, "adapted-sae", "iso")
-    tested = evidence.levels.get("Fz", ())
+    table = convert_signs(residuals.table, "adapted-sae", "iso")
+    tested = residuals.levels.get("Fz", ())
     loads = np.array(tested) if tested else np.linspace(table["Fz"].min(), table["Fz"].max(), LOADS)
     held = medians(table, result.tire)
     for role in OVER_LOAD:
-        if role in model.roles and f"F{role[-1]}" in evidence.channels:
+        if role in model.roles and f"F{role[-1]}" in residuals.channels:
             rows = pd.DataFrame({"Fz": loads}).assign(**held)
             yield from _records(result, model.quantity(role), rows, ("Fz",))
     for force, slip in OVER_SLIP.items():
-        if force in evidence.channels:
+        if force in residuals.channels:
             slips = np.linspace(table[slip].min(), table[slip].max(), SLIPS)
             rows = pd.DataFrame({"Fz": np.repeat(loads, SLIPS), slip: np.tile(slips, len(loads))}).assign(**held)
             yield from _records(result, force, rows, ("Fz", slip))

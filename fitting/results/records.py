@@ -1,7 +1,8 @@
-"""The records of a fit result: fitted coefficients, goodness of fit by channel, stages, cross-validation."""
+"""The records of a fit result: fitted coefficients, goodness of fit by channel, bounds, cross-validation, bootstrap."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import nan
 
@@ -58,7 +59,7 @@ class ChannelFit:
     - `r2`: coefficient of determination over all rows: 1 - residual variance over variance about the mean.
     - `r2_uncentred`: 1 - sum of squared residuals over sum of squares, as in the Trento report.
     - `noise_floor`, `explained_by_inputs`, `explained_by_time`, `between_repeats`: the parts of `fitted_rmse`, whose
-      squares add up to its square (`evidence.error_split`): what no model of inputs and time could remove,
+      squares add up to its square (`checks.error_split`): what no model of inputs and time could remove,
       what a function of the inputs explains, what depends on time or the past, what differs between repeats.
     - `effective_rows`: effective sample size: the residuals of the last stage are correlated in time.
     - `fitted_rmse`, `fitted_r2`: the same over the fitted rows, without excluded ones.
@@ -133,46 +134,6 @@ class BoundConsequence:
 
 
 @dataclass(frozen=True)
-class StageFit:
-    """The result of a stage.
-
-    - `converged`: by the criterion of `tirefmu.fitting.solvers.convergence`; without an optimum, if no coefficient
-      differs from it by more than a standard error.
-    - `reason`: why it is an optimum or not, as a text for the user.
-    - `cost`: half the weighted sum of squares.
-    - `r2_uncentred`: of its rows and channels.
-    - `detail`: return status of the solver.
-    """
-
-    name: str
-    rows: int
-    free: int
-    iterations: int
-    converged: bool
-    reason: str
-    cost: float
-    r2_uncentred: float
-    detail: str = ""
-
-
-@dataclass(frozen=True)
-class FitRecord:
-    """How a fit ran.
-
-    - `stages`: in order.
-    - `recipe`, `method`: names of the recipe and of the method that solved the stages.
-    - `seconds`: wall time, s.
-    - `interrupted`: where the fit was stopped; empty if it is complete.
-    """
-
-    stages: tuple[StageFit, ...]
-    recipe: str
-    method: str
-    seconds: float
-    interrupted: str
-
-
-@dataclass(frozen=True)
 class HeldOut:
     """Prediction error of a channel of a recording at operating conditions that were not fitted.
 
@@ -193,6 +154,53 @@ class HeldOut:
     rows: int
     in_sample: float
     held_out: float
+
+
+@dataclass(frozen=True)
+class BootstrapInterval:
+    """The 95 % percentile interval of a coefficient, in the signs of `FitResult.signs`.
+
+    - `lower`, `upper`: percentiles 2.5 and 97.5 of the replicates, expanded around the value for sweeps that the fit
+      follows and for few sweeps (`tirefmu.fitting.resampling.leverage`), within the bounds; NaN if the coefficient is
+      not identifiable, because the regularization then determines its replicates.
+    - `deviation`: standard deviation of the replicates, times the factor for sweeps that the fit follows.
+    """
+
+    name: str
+    lower: float
+    upper: float
+    deviation: float
+
+    def mirrored(self) -> BootstrapInterval:
+        """Return the same with the opposite sign."""
+        return replace(self, lower=0.0 - self.upper, upper=0.0 - self.lower)
+
+
+@dataclass(frozen=True)
+class Bootstrap:
+    """The result of a block bootstrap by sweeps.
+
+    - `replicates`: number of replicates in the intervals.
+    - `failed`: number of further replicates that did not converge.
+    - `sweeps`: number of sweeps that were weighted at random.
+    """
+
+    replicates: int
+    failed: int
+    sweeps: int
+    seed: int
+    intervals: tuple[BootstrapInterval, ...]
+
+    def interval(self, name: str) -> BootstrapInterval | None:
+        """Return the interval of a coefficient; None if no stage with all its rows freed it."""
+        return next((interval for interval in self.intervals if interval.name == name), None)
+
+    def mirrored(self, flips: Callable[[str], bool]) -> Bootstrap:
+        """Return the same with the opposite sign of some coefficients."""
+        return replace(
+            self,
+            intervals=tuple(interval.mirrored() if flips(interval.name) else interval for interval in self.intervals),
+        )
 
 
 def quality(measured: FloatArray, computed: FloatArray) -> tuple[int, float, float, float]:

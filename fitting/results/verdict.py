@@ -13,14 +13,14 @@ import numpy as np
 from ...measurements.checks.recordings.coverage import coverage_texts
 from ...numerics.ties import graded
 from ...tires.property_file.names import not_given
+from ..checks.characteristics import Characteristic
+from ..checks.clipping import Clipped
+from ..checks.continuity import Discontinuity
+from ..checks.diagnostics import Findings
+from ..checks.residuals import Residuals, condition_text
+from ..checks.slip_stiffness import SlipStiffness
 from ..constraints.physical import chosen_constraints
 from ..data.fit_data import EXCITED_BY
-from ..evidence.characteristics import Characteristic
-from ..evidence.clipping import Clipped
-from ..evidence.continuity import Discontinuity
-from ..evidence.diagnostics import Findings
-from ..evidence.residuals import Residuals, condition_text
-from ..evidence.slip_stiffness import SlipStiffness
 from ..uncertainty.discrepancy import Discrepancy
 from .fitted import Fitted
 from .records import ChannelFit
@@ -102,7 +102,7 @@ def verdict_of(result: Fitted) -> Verdict:
         *_second_solution(result),
         *_at_bounds(result),
         *_excluded(result),
-        *([] if result.solution.residuals is None else _ranges(result.solution.residuals)),
+        *([] if result.residuals is None else _ranges(result.residuals)),
     ]
     reasons = tuple(dict.fromkeys((*wrong, *limits)))
     return Verdict(UNUSABLE if wrong else LIMITED if limits else GOOD, reasons)
@@ -127,7 +127,7 @@ def _unsteady(result: Fitted) -> Iterator[str]:
 
     The residual has to confirm it: where a form is far off, its error over the inputs is an error over time as well.
     """
-    discrepancies = result.solution.discrepancies
+    discrepancies = result.uncertainty.discrepancies
     over_time = {c.channel for c in result.channels if c.explained_by_time > c.explained_by_inputs}
     for d in discrepancies:
         large = d.channel in over_time.intersection(FORCES) and RANGE * d.state > UNSTEADY
@@ -189,7 +189,7 @@ def floor_reason(c: ChannelFit) -> str:
 
 def _structure(result: Fitted) -> Iterator[str]:
     """Yield the errors of the form that are significant in channels whose error is near the noise floor."""
-    discrepancies = result.solution.discrepancies
+    discrepancies = result.uncertainty.discrepancies
     far = {c.channel for c in result.channels if lacks_something(c)}
     least = {c.channel: FORM_OF_FORCE if c.channel in FORCES else FORM_OF_MOMENT for c in result.channels}
     for c in (c for c in result.channels if c.spread > 0.0 and c.noise_floor >= 0.0):
@@ -231,9 +231,9 @@ def _discontinuity_reason(d: Discontinuity) -> str:
 
 def _few_rows(result: Fitted, rows_per_coefficient: int) -> Iterator[str]:
     """Yield that there are fewer rows than a multiple of the coefficients."""
-    evidence, count = result.solution.residuals, sum(c.determined for c in result.coefficients)
-    if evidence is not None and len(evidence.table) < rows_per_coefficient * count:
-        yield f"{len(evidence.table)} rows for {count} coefficients: the tire follows the noise of the rows"
+    residuals, count = result.residuals, sum(c.determined for c in result.coefficients)
+    if residuals is not None and len(residuals.table) < rows_per_coefficient * count:
+        yield f"{len(residuals.table)} rows for {count} coefficients: the tire follows the noise of the rows"
 
 
 def _quality_reason(c: ChannelFit) -> str:
@@ -326,11 +326,11 @@ def _excluded(result: Fitted) -> Iterator[str]:
             yield f"{recording}: {share:.0%} of the rows excluded ({', '.join(rows.reason for rows in excluded)})"
 
 
-def _ranges(evidence: Residuals) -> Iterator[str]:
+def _ranges(residuals: Residuals) -> Iterator[str]:
     """Yield the inputs of which a force was measured over a part of the range of the others."""
-    for channel in (name for name in FORCES if name in evidence.channels):
-        for name, held in evidence.levels.items():
-            low, high = evidence.range_of(name, channel)
+    for channel in (name for name in FORCES if name in residuals.channels):
+        for name, held in residuals.levels.items():
+            low, high = residuals.range_of(name, channel)
             gap = MISSING_RANGE * (held[-1] - held[0])
             beyond = [level for level in (held[0], held[-1]) if level < low - gap or level > high + gap]
             if beyond:

@@ -19,8 +19,7 @@ from ...numerics.arrays import FloatArray
 from ...numerics.correlation import effective_sample_size
 from ...numerics.gauss_newton import Damping, minimize, restore
 from ..constraints.constraint_functions import ConstraintFunctions
-from ..problem.regularization import Ridge
-from ..problem.weighted_residuals import Problem
+from ..problem.weighted_residuals import Problem, Ridge
 from ..problem.weights import MIN_NOISE
 
 #: Largest step of a converged fit, in standard errors.
@@ -67,6 +66,12 @@ def noise_of(problem: Problem, x: FloatArray) -> tuple[float, float]:
             signal += 0.5 * float(problem.weights[group, channel] * squares)
             effective += effective_sample_size(residual[channel, rows], problem.rows.segment[rows])
     return MIN_NOISE**2 * signal, effective
+
+
+def cost_of_a_row(problem: Problem, x: FloatArray) -> float:
+    """Return the cost of one independent row with the noise at x, shape (n_free,): scaled free values."""
+    least, rows = noise_of(problem, x)
+    return max(problem.cost(x), least) / max(rows, 1.0)
 
 
 class _Criterion:

@@ -60,11 +60,19 @@ class Interruption:
             signal.signal(signal.SIGINT, self._before)
             self._before = None
 
+    def stop(self) -> bool:
+        """Return whether a stop is requested, as solvers ask."""
+        return self.requested
+
     @property
     def where(self) -> str:
         """Stage and iteration of the latest report."""
         stage, iteration = self._latest
         return f"stage {stage!r}, iteration {iteration}" if stage else "before the first stage"
+
+    def after(self, done: int, stages: int) -> str:
+        """Return where the fit was stopped after some of its stages; empty if it is complete."""
+        return f"{self.where}, {done} of {stages} stages done" if self.requested and done < stages else ""
 
     def plan(self, work: Callable[[], Sequence[tuple[str, float]]]) -> None:
         """Report the work of the stages that follow, if the callback takes it."""

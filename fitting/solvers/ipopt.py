@@ -29,8 +29,7 @@ from ...numerics.arrays import FloatArray
 from ...numerics.one_thread import one_blas_thread
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..constraints.physical import Constraint
-from ..problem.regularization import Ridge
-from ..problem.weighted_residuals import Problem
+from ..problem.weighted_residuals import Problem, Ridge
 from .convergence import GaussNewton
 
 #: The cost decreases from about 1 to 0.001; IPOPT's barrier parameters are intended for larger values.

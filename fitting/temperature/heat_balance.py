@@ -21,6 +21,8 @@ from ...tires.states.transient import exchange, held_system, vector_recursion, w
 from ...tires.tire import Tire
 from ..problem.rows import inputs_of
 
+#: Prior mean and standard deviation of the delay of the sensor, s.
+DELAY, DELAY_SPREAD = 0.1, 0.1
 #: The effect whose states are temperatures.
 EFFECT = "temperature"
 #: Its heat capacities, in the order of the states.
@@ -119,7 +121,9 @@ class HeatBalance:
             """Return the lines of the states at temperatures of 0 K, and the heat that does not depend on them."""
             rows = rows.copy()
             rows[at] = 0.0
-            lines = dict(zip(model.drives, fastest_code(model, rows.shape[1]).drives(rows, parameters), strict=True))
+            lines = dict(
+                zip(model.state_lines, fastest_code(model, rows.shape[1]).state_lines(rows, parameters), strict=True)
+            )
             return lines, np.stack([lines[f"{name}_target"] * lines[f"{name}_rate"] for name in self.states])
 
         lines, supply = lines_at(self.inputs)

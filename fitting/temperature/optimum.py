@@ -19,7 +19,7 @@ from ...numerics.arrays import FloatArray
 from ...numerics.correlation import correlation_length
 from ...tires.evaluation import Conventions, evaluate
 from ...tires.tire import Tire
-from .solution import DELAY, DELAY_SPREAD
+from .heat_balance import DELAY, DELAY_SPREAD
 
 #: The effect with the coefficients TMU1 and TMU2, per K and per K^2 about TREF.
 EFFECT = "temp_friction"

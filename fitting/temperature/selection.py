@@ -11,8 +11,8 @@ import pandas as pd
 
 from ...boundary.errors import DataError, nearest, no_single_text
 from ...measurements import Recording
-from ...measurements.channels import channel
 from ...numerics.arrays import FloatArray
+from ...tires.channels import channel
 from ..options import FitOptions
 from .heat_balance import EFFECT, ZERO_CELSIUS
 

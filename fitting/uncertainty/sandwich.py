@@ -15,7 +15,7 @@ are combinations of the same residuals and are no further information.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pandas as pd
@@ -67,15 +67,20 @@ class Uncertainty:
       finite interval. Half an interval is `QUANTILE` times the root of the diagonal.
     - `complete`: the same for predictions, without NaN: a direction that is not identifiable has the plausible
       deviation of one size.
-    - `discrepancies`: errors of the form of the model by channel; covariance and intervals contain them.
+    - `discrepancies`: errors of the form of the model by channel, always in adapted SAE; covariance and intervals
+      contain them.
     """
 
-    intervals: dict[str, float]
-    directions: tuple[Direction, ...]
-    effective_rows: FloatArray
-    covariance: pd.DataFrame
-    complete: pd.DataFrame
+    intervals: dict[str, float] = field(default_factory=dict)
+    directions: tuple[Direction, ...] = ()
+    effective_rows: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    covariance: pd.DataFrame = field(default_factory=lambda: pd.DataFrame(dtype=np.float64))
+    complete: pd.DataFrame = field(default_factory=lambda: pd.DataFrame(dtype=np.float64))
     discrepancies: tuple[Discrepancy, ...] = ()
+
+    def mirrored(self, flips: FloatArray) -> Uncertainty:
+        """Return the same in another sign convention, with the changes of sign of the covariance, shape (n, n)."""
+        return replace(self, covariance=self.covariance * flips, complete=self.complete * flips)
 
 
 def across_stages(covariance: pd.DataFrame) -> pd.DataFrame:
@@ -156,7 +161,7 @@ def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str], sensors:
     names = [name for name in problem.free if name not in fixed]
     unfixed = np.array([i for i, name in enumerate(problem.free) if name not in fixed], dtype=int)
     if not unfixed.size:
-        return Uncertainty({}, (), effective, pd.DataFrame(dtype=np.float64), pd.DataFrame(dtype=np.float64))
+        return Uncertainty(effective_rows=effective)
     block = np.ix_(unfixed, unfixed)
     spread, along, inverse, vectors, unidentified = _eigenvectors(curvature[block], middle[block])
     directions = tuple(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +15,9 @@ from ...boundary.escaping import figure_text
 from ...drawing.figure import Figure, Panel, Series
 from ...drawing.labels import note
 from ...drawing.style import BLACK, BLUE, GRAY, RED
-from .result import CheckedChannel, CheckResult
+
+if TYPE_CHECKING:
+    from .result import CheckedChannel, CheckResult
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -87,18 +90,18 @@ def _time(result: CheckResult) -> FloatArray:
 def _values(result: CheckResult, channel: CheckedChannel, time: FloatArray) -> Iterator[Series]:
     """Yield the data as dots and the FMU as a line that is interrupted between segments."""
     data, simulated = (table[channel.name].to_numpy() for table in (result.recording, result.simulated))
-    yield Series("points", time, data, GRAY, "data", marker="s", size=1.5 if len(time) > MANY else 4.0)
+    yield Series("points", time, data, GRAY, "data", marker="o", size=1.5 if len(time) > MANY else 4.0)
     segments = _segments(result)
     last = [segment.stop for segment in segments]
     alone = all(segment.stop - segment.start == 1 for segment in segments)
     line = np.insert(time, last, np.nan), np.insert(simulated, last, np.nan)
-    yield Series("line", *line, BLUE, "FMU", marker="." if alone else "", size=0.9)
+    yield Series("line", *line, BLUE, "FMU", marker="o" if alone else "", size=0.9)
 
 
 def _errors(result: CheckResult, channel: CheckedChannel, time: FloatArray) -> Iterator[Series]:
     """Yield the error as dots, lines at plus and minus its RMSE in each segment, and the worst point."""
     error = result.simulated[channel.name].to_numpy() - result.recording[channel.name].to_numpy()
-    yield Series("points", time, error, RED, "FMU - data", marker="s", size=1.5 if len(time) > MANY else 4.0)
+    yield Series("points", time, error, RED, "FMU - data", marker="o", size=1.5 if len(time) > MANY else 4.0)
     lines = []
     for rows in _segments(result):
         finite = error[rows][np.isfinite(error[rows])]

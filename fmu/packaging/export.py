@@ -15,9 +15,9 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from ...boundary.bounded_file import write_whole
 from ...boundary.errors import FmuError, WrongType, path_from, writing
 from ...boundary.named_options import named
-from ...boundary.whole_file import write_whole
 from ...symbolic.reserved import C_KEYWORDS
 from ...tires import Tire, TireLike, tire_from, write_tir
 from ...tires.property_file.names import not_measured

@@ -9,7 +9,7 @@ from ...boundary.errors import FmuError
 from ...symbolic.printers.definitions import INCLUDES, calling_functions, calling_math, definitions
 
 #: Routines that a host calls at every step, and routines that it calls rarely.
-FAST = ("forces", "relaxation", "drives")
+FAST = ("forces", "relaxation", "state_lines")
 SMALL = ("quantities",)
 
 # A routine starts and ends in the first column.
@@ -54,9 +54,9 @@ def _chosen(model: str, name: str, routines: dict[str, str]) -> list[str]:
 
     Elementary functions are expanded where a step calls them; elsewhere the code is a third smaller without.
     """
-    parts = ["is_straight"] if name == FAST[0] else []
-    parts += [f"{name}_general", f"{model}_{name}_straight", f"{model}_{name}"]
-    expanded = f"{model}_{name}_straight"
+    parts = ["is_plain"] if name == FAST[0] else []
+    parts += [f"{name}_general", f"{model}_{name}_plain", f"{model}_{name}"]
+    expanded = f"{model}_{name}_plain"
     return [
         routines[part] if part == expanded else calling_functions(routines[part]) for part in parts if part in routines
     ]

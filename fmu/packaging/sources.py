@@ -25,8 +25,8 @@ CONTACT = {"slip": ("slip_inputs.c",), "wheel": _WHEEL, "hub": _HUB, "hub-torque
 LAGGING = "lagging_slips.c"
 HEADERS = (
     "state.h", "outputs.h", "instance.h", "arrays.h", "tire.h", "resource_file.h", "contact.h", "slips.h",
-    "memory.h", "standstill.h", "hub.h", "spin.h", "root.h", "changes.h", "tangents.h", "chain_rule.h", "same_calls.h",
-    "steps.h",
+    "effect_states.h", "standstill.h", "hub.h", "spin.h", "root.h", "changes.h", "tangents.h", "chain_rule.h",
+    "same_calls.h", "steps.h",
 )  # fmt: skip
 CONFIG, VALUES = "model_config.h", "tire_values.h"
 #: The headers of the model with the radii of a wheel, of which hub inputs need both.
@@ -56,7 +56,7 @@ def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
 
 def common_files(shown: Interface) -> tuple[str, ...]:
     """Return the C files that do not depend on the FMI version."""
-    states = (*((LAGGING,) if shown.lags else ()), *(("memory.c",) if shown.memory else ()))
+    states = (*((LAGGING,) if shown.lags else ()), *(("effect_states.c",) if shown.memory else ()))
     return (*COMMON, *CONTACT[shown.inputs], *states, *model_files(shown.tire.model))
 
 

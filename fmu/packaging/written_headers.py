@@ -136,7 +136,7 @@ def _sizes(shown: Interface) -> Iterable[str]:
     paths = [state for state in shown.memory if state.follows_a_path]
     yield f"#define N_MEMORY {len(shown.memory)}"
     yield f"#define N_INDICATORS {len(paths) + shown.spins}"
-    yield f"#define N_DRIVES {len(shown.tire.symbolic_model.drives)}"
+    yield f"#define N_STATE_LINES {len(shown.tire.symbolic_model.state_lines)}"
     for name in ("FIRST_STEP", "GROWTH", "MAX_ITERATIONS", "ACCEPTED", "MAX_HALVINGS"):
         yield f"#define {name} {getattr(states, name)!r}"
     relaxes = shown.lags and bool(shown.tire.symbolic_model.relaxing_effects)
@@ -149,7 +149,7 @@ def _sizes(shown: Interface) -> Iterable[str]:
     yield f"#define REVERSES {int(shown.tire.symbolic_model.motion.reverses)}"
     names = [v.name for v in shown.contact_inputs]
     yield f"#define SPIN_PLACE {names.index(SPIN.name) if shown.spins else 0}"
-    optional = [name for name, used in (("relaxation", relaxes), ("drives", shown.memory)) if used]
+    optional = [name for name, used in (("relaxation", relaxes), ("state_lines", shown.memory)) if used]
     for routine in ["forces", "quantities", *optional]:
         yield f"#define model_{routine} {model}_{routine}"
     for table in ("CONSTANTS", "OPERATIONS"):
@@ -203,7 +203,7 @@ def _backward_signs(model: Model) -> list[str]:
 
 
 def _memory(shown: Interface) -> list[str]:
-    """Return the entries of the table of the states of effects, as declared in memory.c."""
+    """Return the entries of the table of the states of effects, as declared in effect_states.c."""
     model, names = shown.tire.symbolic_model, [state.name for state in shown.memory]
     prefix, laws = model.name.upper(), {
         "accumulation": "SUM", "hysteresis": "PATH", "play": "PLAY", "oscillator": "POSITION", SPEED: "VELOCITY",
@@ -215,7 +215,7 @@ def _memory(shown: Interface) -> list[str]:
         lags = [str(names.index(name)) for name in state.drive] if state.follows_a_path else []
         velocity, _, _, derivative = state.line_names
         fields = [
-            f"{prefix}_{state.name}", str(model.drives.index(velocity)), laws.get(state.kind, "BALANCE"),
+            f"{prefix}_{state.name}", str(model.state_lines.index(velocity)), laws.get(state.kind, "BALANCE"),
             str(int(model.is_direct(state))), own_start, f"{{{', '.join([*lags, '-1', '-1'][:2])}}}",
             f"{prefix}_{derivative}", f"{prefix}_{state.event_line or velocity}",
         ]  # fmt: skip
@@ -225,11 +225,11 @@ def _memory(shown: Interface) -> list[str]:
 
 def _temperatures(shown: Interface) -> Iterable[str]:
     """Yield the number of temperatures, their indices among the states, and the lines of their exchange of heat."""
-    names, drives = [state.name for state in shown.memory], shown.tire.symbolic_model.drives
+    names, lines_of_states = [state.name for state in shown.memory], shown.tire.symbolic_model.state_lines
     nodes = [state.name for state in shown.memory if state.is_temperature]
     yield f"#define N_TEMPERATURES {len(nodes)}"
     if nodes:
-        lines = {(a, b): str(drives.index(line)) for line, a, b in couplings(shown.memory)}
+        lines = {(a, b): str(lines_of_states.index(line)) for line, a, b in couplings(shown.memory)}
         yield from table("TEMPERATURES", [str(names.index(name)) for name in nodes])
         yield from table("EXCHANGE", [f"{{{', '.join(lines.get((a, b), '-1') for b in nodes)}}}" for a in nodes])
 

@@ -1,4 +1,4 @@
-"""Repetition of the proof inside an FMU."""
+"""Repetition of the proof inside an FMU, and the verdict on the fit that the proof states."""
 
 from __future__ import annotations
 
@@ -174,3 +174,17 @@ def _runs(segments: list[int], driven: pd.DataFrame, expected: pd.DataFrame) -> 
     if len(driven) != len(expected) or segments[0] != 0 or any(a >= b for a, b in zip(segments, ends, strict=True)):
         raise ValueError("stimuli, reference and segments differ in their rows")
     return [slice(begin, end) for begin, end in zip(segments, ends, strict=True)]
+
+
+def read_verdict(path: Path) -> tuple[str, ...]:
+    """Return the verdict on a fit and its reasons.
+
+    `path`: JSON of `tirefmu fit`. Raises `FmuError` if it is not that.
+    """
+    try:
+        fit = json.loads(read_bounded(path, LARGEST))
+        return (excerpt(str(fit["verdict"])), *(excerpt(str(reason)) for reason in fit["reasons"]))
+    except OSError as error:
+        raise FmuError(f"{path}: cannot be read ({error.strerror or error})") from error
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        raise FmuError(f"{path}: not the JSON of a fit (no verdict with its reasons)") from error

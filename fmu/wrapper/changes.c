@@ -3,7 +3,7 @@
 
 #include "chain_rule.h"
 #include "hub.h"
-#include "memory.h"
+#include "effect_states.h"
 #include "slips.h"
 #include "spin.h"
 

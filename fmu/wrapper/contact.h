@@ -28,7 +28,7 @@ void contact_forces(const State *state, const double inputs[N_INPUTS], double fo
 typedef struct {
     double given[N_INPUTS];  /* of contact.inputs, with the given slips */
     double acting[N_INPUTS]; /* of the inputs with the acting slips and states, see slips.h */
-    double direct[N_INPUTS]; /* of the inputs with the given slips and states, see memory.h */
+    double direct[N_INPUTS]; /* of the inputs with the given slips and states, see effect_states.h */
     double motion[N_MOTION];
 } Tangent;
 

@@ -1,7 +1,7 @@
 /* Model Exchange: the host's solver integrates the states.  See instance.h. */
 #include "instance.h"
 
-#include "memory.h"
+#include "effect_states.h"
 #include "outputs.h"
 #include "spin.h"
 
@@ -102,7 +102,7 @@ Status instance_get_nominals(Instance *self, double nominals[], size_t n)
     return STATUS_OK;
 }
 
-/* Where one changes sign, the derivative of a state along a path jumps; see memory.h.  The last one is that of the
+/* Where one changes sign, the derivative of a state along a path jumps; see effect_states.h.  The last one is that of the
    brake. */
 Status instance_get_indicators(Instance *self, double indicators[], size_t n)
 {

@@ -3,7 +3,7 @@
 
 #include "contact.h"
 #include "loaded_radius.h"
-#include "memory.h"
+#include "effect_states.h"
 #include "root.h"
 #include "slips.h"
 

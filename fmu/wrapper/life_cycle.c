@@ -1,7 +1,7 @@
 /* The life cycle of an instance.  See instance.h. */
 #include "instance.h"
 
-#include "memory.h"
+#include "effect_states.h"
 #include "outputs.h"
 #include "slips.h"
 #include "spin.h"

@@ -3,7 +3,7 @@
 
 #include "contact.h"
 #include "hub.h"
-#include "memory.h"
+#include "effect_states.h"
 #include "slips.h"
 #include "spin.h"
 #include "state_laws.h"

@@ -110,7 +110,7 @@ typedef struct {
     double lagging[N_LAGGING]; /* since the end of initialization; see slips.h */
     double distance;           /* rolled, m */
 #if N_MEMORY > 0
-    double memory[N_MEMORY]; /* the states of effects; see memory.h */
+    double memory[N_MEMORY]; /* the states of effects; see effect_states.h */
 #endif
 } Continuous;
 

@@ -2,7 +2,7 @@
 #include "tangents.h"
 
 #include "chain_rule.h"
-#include "memory.h"
+#include "effect_states.h"
 #include "slips.h"
 
 #include <string.h>

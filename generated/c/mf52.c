@@ -1195,7 +1195,7 @@ static void relaxation_general(const double inputs[], const double parameters[],
 
 /* Forces and moments.
    Only for rows without turn slip (phit = 0) and with every option at its first value. */
-void mf52_forces_straight(const double inputs[], const double parameters[], double results[])
+void mf52_forces_plain(const double inputs[], const double parameters[], double results[])
 {
     const double kappa = inputs[MF52_kappa];
     const double alpha = inputs[MF52_alpha];
@@ -1531,7 +1531,7 @@ void mf52_forces_straight(const double inputs[], const double parameters[], doub
 
 /* Relaxation lengths that act on kappa and tan(alpha).
    Only for rows without turn slip (phit = 0) and with every option at its first value. */
-void mf52_relaxation_straight(const double inputs[], const double parameters[], double results[])
+void mf52_relaxation_plain(const double inputs[], const double parameters[], double results[])
 {
     const double gamma = inputs[MF52_gamma];
     const double Fz = inputs[MF52_Fz];
@@ -1571,7 +1571,7 @@ void mf52_relaxation_straight(const double inputs[], const double parameters[], 
 }
 
 /* Only for rows without turn slip (phit = 0) and with every option at its first value. */
-static inline int is_straight(const double inputs[], const double parameters[])
+static inline int is_plain(const double inputs[], const double parameters[])
 {
     return inputs[MF52_phit] == 0.0
         && parameters[MF52_CONVENTION] == 0.0
@@ -1581,16 +1581,16 @@ static inline int is_straight(const double inputs[], const double parameters[])
 
 void mf52_forces(const double inputs[], const double parameters[], double results[])
 {
-    if (is_straight(inputs, parameters))
-        mf52_forces_straight(inputs, parameters, results);
+    if (is_plain(inputs, parameters))
+        mf52_forces_plain(inputs, parameters, results);
     else
         forces_general(inputs, parameters, results);
 }
 
 void mf52_relaxation(const double inputs[], const double parameters[], double results[])
 {
-    if (is_straight(inputs, parameters))
-        mf52_relaxation_straight(inputs, parameters, results);
+    if (is_plain(inputs, parameters))
+        mf52_relaxation_plain(inputs, parameters, results);
     else
         relaxation_general(inputs, parameters, results);
 }

@@ -1372,7 +1372,7 @@ static void relaxation_general(const double inputs[], const double parameters[],
 
 /* Forces and moments.
    Only for rows without turn slip (phit = 0) and with every option at its first value. */
-void mf61_forces_straight(const double inputs[], const double parameters[], double results[])
+void mf61_forces_plain(const double inputs[], const double parameters[], double results[])
 {
     const double kappa = inputs[MF61_kappa];
     const double alpha = inputs[MF61_alpha];
@@ -1744,7 +1744,7 @@ void mf61_forces_straight(const double inputs[], const double parameters[], doub
 
 /* Relaxation lengths that act on kappa and tan(alpha).
    Only for rows without turn slip (phit = 0) and with every option at its first value. */
-void mf61_relaxation_straight(const double inputs[], const double parameters[], double results[])
+void mf61_relaxation_plain(const double inputs[], const double parameters[], double results[])
 {
     const double gamma = inputs[MF61_gamma];
     const double Fz = inputs[MF61_Fz];
@@ -1809,7 +1809,7 @@ void mf61_relaxation_straight(const double inputs[], const double parameters[], 
 }
 
 /* Only for rows without turn slip (phit = 0) and with every option at its first value. */
-static inline int is_straight(const double inputs[], const double parameters[])
+static inline int is_plain(const double inputs[], const double parameters[])
 {
     return inputs[MF61_phit] == 0.0
         && parameters[MF61_CONVENTION] == 0.0
@@ -1819,16 +1819,16 @@ static inline int is_straight(const double inputs[], const double parameters[])
 
 void mf61_forces(const double inputs[], const double parameters[], double results[])
 {
-    if (is_straight(inputs, parameters))
-        mf61_forces_straight(inputs, parameters, results);
+    if (is_plain(inputs, parameters))
+        mf61_forces_plain(inputs, parameters, results);
     else
         forces_general(inputs, parameters, results);
 }
 
 void mf61_relaxation(const double inputs[], const double parameters[], double results[])
 {
-    if (is_straight(inputs, parameters))
-        mf61_relaxation_straight(inputs, parameters, results);
+    if (is_plain(inputs, parameters))
+        mf61_relaxation_plain(inputs, parameters, results);
     else
         relaxation_general(inputs, parameters, results);
 }

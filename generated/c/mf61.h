@@ -332,10 +332,10 @@ void mf61_relaxation(const double inputs[], const double parameters[], double re
 
 /* Only for rows without turn slip (phit = 0) and with every option at its first value.
    The routines above find out by themselves. */
-void mf61_forces_straight(const double inputs[], const double parameters[], double results[]);
-void mf61_jacobian_inputs_straight(const double inputs[], const double parameters[], double results[]);
-void mf61_jacobian_parameters_straight(const double inputs[], const double parameters[], double results[]);
-void mf61_relaxation_straight(const double inputs[], const double parameters[], double results[]);
+void mf61_forces_plain(const double inputs[], const double parameters[], double results[]);
+void mf61_jacobian_inputs_plain(const double inputs[], const double parameters[], double results[]);
+void mf61_jacobian_parameters_plain(const double inputs[], const double parameters[], double results[]);
+void mf61_relaxation_plain(const double inputs[], const double parameters[], double results[]);
 
 /* Apply a routine to n rows of inputs, each giving n_results numbers. */
 void mf61_rows(void (*routine)(const double[], const double[], double[]), size_t n, size_t n_results,

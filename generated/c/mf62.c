@@ -1478,7 +1478,7 @@ static void relaxation_general(const double inputs[], const double parameters[],
 
 /* Forces and moments.
    Only for rows without turn slip (phit = 0) and with every option at its first value. */
-void mf62_forces_straight(const double inputs[], const double parameters[], double results[])
+void mf62_forces_plain(const double inputs[], const double parameters[], double results[])
 {
     const double kappa = inputs[MF62_kappa];
     const double alpha = inputs[MF62_alpha];
@@ -1850,7 +1850,7 @@ void mf62_forces_straight(const double inputs[], const double parameters[], doub
 
 /* Relaxation lengths that act on kappa and tan(alpha).
    Only for rows without turn slip (phit = 0) and with every option at its first value. */
-void mf62_relaxation_straight(const double inputs[], const double parameters[], double results[])
+void mf62_relaxation_plain(const double inputs[], const double parameters[], double results[])
 {
     const double gamma = inputs[MF62_gamma];
     const double Fz = inputs[MF62_Fz];
@@ -1915,7 +1915,7 @@ void mf62_relaxation_straight(const double inputs[], const double parameters[], 
 }
 
 /* Only for rows without turn slip (phit = 0) and with every option at its first value. */
-static inline int is_straight(const double inputs[], const double parameters[])
+static inline int is_plain(const double inputs[], const double parameters[])
 {
     return inputs[MF62_phit] == 0.0
         && parameters[MF62_CONVENTION] == 0.0
@@ -1925,16 +1925,16 @@ static inline int is_straight(const double inputs[], const double parameters[])
 
 void mf62_forces(const double inputs[], const double parameters[], double results[])
 {
-    if (is_straight(inputs, parameters))
-        mf62_forces_straight(inputs, parameters, results);
+    if (is_plain(inputs, parameters))
+        mf62_forces_plain(inputs, parameters, results);
     else
         forces_general(inputs, parameters, results);
 }
 
 void mf62_relaxation(const double inputs[], const double parameters[], double results[])
 {
-    if (is_straight(inputs, parameters))
-        mf62_relaxation_straight(inputs, parameters, results);
+    if (is_plain(inputs, parameters))
+        mf62_relaxation_plain(inputs, parameters, results);
     else
         relaxation_general(inputs, parameters, results);
 }

@@ -19,7 +19,7 @@ COEFFICIENTS = (
 OPTIONS = (
     "SIGNS",
 )
-STRAIGHT_OPTIONS = ()
+PLAIN_OPTIONS = ()
 QUANTITIES = (
     "mu_x", "mu_y", "K_xkappa", "K_yalpha", "a", "slip_x", "slip_y", "psi", "D_t", "trail",
 )

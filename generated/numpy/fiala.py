@@ -19,7 +19,7 @@ COEFFICIENTS = (
 OPTIONS = (
     "SIGNS",
 )
-STRAIGHT_OPTIONS = ()
+PLAIN_OPTIONS = ()
 QUANTITIES = (
     "S_s_alpha", "mu_x_fall", "U", "mu_x", "mu_y", "mu_y_fall", "K_xkappa", "kappa_crit",
     "K_yalpha", "alpha_crit", "t_0", "sigma_kappa", "sigma_alpha", "rho", "R_l", "d_z", "C_gamma",

@@ -38,7 +38,7 @@ COEFFICIENTS = (
 OPTIONS = (
     "CONVENTION", "SLIP_ANGLE", "LIMITS", "SIGNS",
 )
-STRAIGHT_OPTIONS = (
+PLAIN_OPTIONS = (
     "CONVENTION", "SLIP_ANGLE", "LIMITS",
 )
 QUANTITIES = (
@@ -886,7 +886,7 @@ def relaxation(inputs, parameters, xp=np):
     )
 
 
-def forces_straight(inputs, parameters, xp=np):
+def forces_plain(inputs, parameters, xp=np):
     """Forces and moments.
 
     Only for rows without turn slip (phit = 0) and with every option at its first value.
@@ -1056,7 +1056,7 @@ def forces_straight(inputs, parameters, xp=np):
     )
 
 
-def relaxation_straight(inputs, parameters, xp=np):
+def relaxation_plain(inputs, parameters, xp=np):
     """Relaxation lengths that act on kappa and tan(alpha).
 
     Only for rows without turn slip (phit = 0) and with every option at its first value.

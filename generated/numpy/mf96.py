@@ -24,7 +24,7 @@ COEFFICIENTS = (
     "SSZ1", "SSZ2", "SSZ3", "SSZ4",
 )
 OPTIONS = ()
-STRAIGHT_OPTIONS = ()
+PLAIN_OPTIONS = ()
 QUANTITIES = (
     "F_z01", "dfz", "gamma_s", "S_Hx", "kappa_x", "C_x", "mu_x", "D_x", "E_x", "K_xkappa", "B_x",
     "S_Vx", "F_x0", "F_x0_slope", "S_Hy", "S_Vy", "alpha_y", "C_y", "mu_y", "D_y", "E_y",

@@ -18,10 +18,11 @@ import pandas as pd
 from ...boundary.errors import DataError
 from .columns.content import MAX_COLUMNS, Column, Content
 from .columns.layout import SAMPLED, layout
+from .encoding import encoding_of
 
 _SEPARATORS = ",;\t"
-#: Upper limits: characters of a line up to the header's end; cells that the rows of a table lack.
-LONGEST_LINE, MAX_ABSENT = 1_000_000, 10_000_000
+#: Upper limits: characters of a line up to the header's end; lines in which a table begins; cells that its rows lack.
+LONGEST_LINE, MOST_ABOVE, MAX_ABSENT = 1_000_000, 100_000, 10_000_000
 _DIGITS = re.compile(r" *-?\d*(e-?\d+)? *")
 #: A header of RaceCapture: name, unit, lowest and highest value, and rate.
 _RACECAPTURE = re.compile(r'"?(?P<name>[^"|]+)"?\|"?(?P<unit>[^"|]*)"?\|[^|]*\|[^|]*\|[^|]*')
@@ -70,7 +71,8 @@ def _exact(cells: pd.Series) -> pd.Series:
 def _sample(file: TextIO, path: Path) -> list[tuple[int, str]]:
     """Return number and text of the first lines that are neither blank nor comments above the names."""
     sample: list[tuple[int, str]] = []
-    for number, line in enumerate(iter(partial(file.readline, LONGEST_LINE + 1), ""), start=1):
+    lines = iter(partial(file.readline, LONGEST_LINE + 1), "")
+    for number, line in enumerate(islice(lines, MOST_ABOVE), start=1):
         if len(line) > LONGEST_LINE:
             raise DataError(f"{path}: line {number}: more than {LONGEST_LINE} characters")
         text = line.strip("\r\n")
@@ -122,7 +124,7 @@ def _body(path: Path, skipped: int, width: int, separator: str) -> pd.DataFrame:
 
 @contextmanager
 def _opened(path: Path, skipped: int = 0) -> Iterator[TextIO]:
-    with path.open(encoding="utf-8-sig", newline="") as file:
+    with path.open(encoding=encoding_of(path), newline="") as file:
         for _ in range(skipped):
             file.readline()
         yield file
@@ -150,7 +152,7 @@ def _check_cells(path: Path, skipped: int, width: int, separator: str, most: int
 
 def _line(path: Path, skipped: int, row: int) -> int:
     """Return the line number of a row of the body. pandas skips blank lines."""
-    with path.open(encoding="utf-8-sig", newline="") as file:
+    with _opened(path) as file:
         rows = -1
         for number, line in enumerate(file, start=1):
             rows += number > skipped and bool(line.strip())

@@ -21,8 +21,9 @@ __all__ = ["MissingPackage", "close", "load"]
 MEMORY, MEMORY_PER_BYTE = 4 << 30, 100
 #: Limit of the content in bytes: a constant, and a factor for the size of the file, the largest compression ratio.
 CONTENT, CONTENT_PER_BYTE = 64 << 20, 1000
-#: Time limit in seconds: a constant, and a term for each byte of the file.
-SECONDS, SECONDS_PER_BYTE = 60.0, 1e-6
+#: Time limits in seconds: constants for the clock and for the processor, and a term for each byte of the file.
+#: Compressed messages of ROS need the longest for a byte.
+SECONDS, PROCESSOR_SECONDS, SECONDS_PER_BYTE = 60.0, 4.0, 2e-5
 
 
 class _Process:
@@ -42,7 +43,7 @@ class _Process:
         """Whether the process is running and was started by this process, not by a parent from which it was forked."""
         return self._owner == os.getpid() and self._popen.poll() is None
 
-    def send(self, request: tuple[str, str, int, int, tuple[Any, ...]], seconds: float) -> tuple[str, Any]:
+    def send(self, request: tuple[Any, ...], seconds: float) -> tuple[str, Any]:
         """Return the answer to a request; raise `TimeoutError` if it is late, `EOFError` if there is none."""
         assert self._popen.stdin is not None
         assert self._popen.stdout is not None
@@ -88,15 +89,15 @@ def load(wanted: str, path: Path, *arguments: Any) -> Any:
     `DataError` if the file has another format, or the code that reads it crashes.
     """
     global _running
-    with path.open("rb") as file:
-        size = os.fstat(file.fileno()).st_size
+    size = _size(path)
     memory, largest = MEMORY + MEMORY_PER_BYTE * size, CONTENT + CONTENT_PER_BYTE * size
-    request = (wanted, os.path.abspath(path), memory, largest, arguments)
+    more = SECONDS_PER_BYTE * size
+    request = (wanted, os.path.abspath(path), memory, PROCESSOR_SECONDS + more, largest, arguments)
     with _lock:
         if _running is None or not _running.usable:
             _running = _Process()
         try:
-            status, content = _running.send(request, SECONDS + SECONDS_PER_BYTE * size)
+            status, content = _running.send(request, SECONDS + more)
         except TimeoutError:
             status, content = "refused", "reading takes too long"
         except EOFError:
@@ -109,6 +110,14 @@ def load(wanted: str, path: Path, *arguments: Any) -> Any:
         )
         raise DataError(f"{path}: cannot be read as {kind}: {content}")
     return content
+
+
+def _size(path: Path) -> int:
+    """Return the bytes of a file that can be opened, or of the files in a folder."""
+    if path.is_dir():
+        return sum(entry.stat().st_size for entry in os.scandir(path) if entry.is_file())
+    with path.open("rb") as file:
+        return os.fstat(file.fileno()).st_size
 
 
 @atexit.register

@@ -1,13 +1,15 @@
 """Program that reads files by native code (MATLAB, HDF5, Arrow); `native_reader.py` starts it as a process.
 
 A damaged file can make such code crash, hang or fill the memory. Only this process ends then. It imports no module of
-tirefmu, so that it starts in a fraction of a second. A request is a pickled tuple of what to load, path, memory limit,
-largest size of the answer and further arguments. The answer is a pickled pair of a status and the content, the package
-or the reason.
+tirefmu, so that it starts in a fraction of a second. A request is a pickled tuple of what to load, path, limits of
+memory and of processor time, largest size of the answer and further arguments. The answer is a pickled pair of a status
+and the content, the package or the reason.
 """
 
 from __future__ import annotations
 
+import contextlib
+import math
 import os
 import pickle
 import runpy
@@ -136,27 +138,33 @@ def answer(wanted: str, path: str, largest: int, arguments: tuple[Any, ...] = ()
         return pickle.dumps(("refused", (str(error).splitlines() or [type(error).__name__])[0]))
 
 
-def _limit_memory(size: int) -> None:
+def _limit(memory: int, seconds: float) -> None:
+    """Limit the memory, and the processor time from now on; late work gets a `TimeoutError`."""
     if sys.platform == "win32":
         return
     import resource
 
-    _, largest = resource.getrlimit(resource.RLIMIT_AS)
-    size = size if largest == resource.RLIM_INFINITY else min(size, largest)
-    try:
-        resource.setrlimit(resource.RLIMIT_AS, (size, largest))
-    except (OSError, ValueError):  # the system has no such limit
-        return
+    signal.signal(signal.SIGXCPU, _late)
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    until = math.ceil(used.ru_utime + used.ru_stime + seconds)
+    for kind, limit in ((resource.RLIMIT_AS, memory), (resource.RLIMIT_CPU, until)):
+        _, largest = resource.getrlimit(kind)
+        with contextlib.suppress(OSError, ValueError):  # the system has no such limit
+            resource.setrlimit(kind, (limit if largest == resource.RLIM_INFINITY else min(limit, largest), largest))
+
+
+def _late(*_: object) -> None:
+    raise TimeoutError("reading takes too long")
 
 
 def serve(requests: BinaryIO, answers: BinaryIO) -> None:
     """Answer requests until they end."""
     while True:
         try:
-            wanted, path, memory, largest, arguments = pickle.load(requests)
+            wanted, path, memory, seconds, largest, arguments = pickle.load(requests)
         except EOFError:
             return
-        _limit_memory(memory)
+        _limit(memory, seconds)
         answers.write(answer(wanted, path, largest, arguments))
         answers.flush()
 

@@ -16,7 +16,7 @@ from ..checks.rows.incomplete_rows import without_incomplete_rows
 from ..interpretation import Interpretation
 from ..recording import Recording
 from .columns.content import Content, frame_columns
-from .formats import FORMATS, reader_of
+from .formats import FORMATS, Format, format_of, is_bag
 from .table_recording import recording_of
 
 _PLUGINS: dict[str, EntryPoint] = {entry.name: entry for entry in plugins("readers") if entry.name not in FORMATS}
@@ -26,6 +26,10 @@ READERS: dict[str, str] = {extension: declared.signs for extension, declared in 
     _PLUGINS, "iso"
 )
 
+#: Bytes of a text that is read as a whole: a TTC file has 20 MB, a VBOX log 70 MB an hour. Smallest share of bytes that
+#: a file on a disk has.
+LARGEST_TEXT, MIN_STORED = 1 << 28, 0.01
+
 
 def read_content(path: str | PathLike[str], signs: str | None = None) -> Content:
     """Return the columns of a file as it stores them.
@@ -34,7 +38,7 @@ def read_content(path: str | PathLike[str], signs: str | None = None) -> Content
     file that does not exist, has an unknown extension or cannot be read.
     """
     file = path_from(path)
-    if file.suffix.lower() not in READERS:
+    if file.suffix.lower() not in READERS and not is_bag(file):
         raise DataError(f"{file}: unknown kind of recording {file.suffix!r}{nearest(file.suffix, READERS)}")
     try:
         if not file.exists():
@@ -43,12 +47,26 @@ def read_content(path: str | PathLike[str], signs: str | None = None) -> Content
             raise DataError(f"{file}: neither a file nor a folder")
         if file.suffix.lower() in _PLUGINS:
             return _from_plugin(_PLUGINS[file.suffix.lower()], file, signs or "iso")
-        module, _, function = reader_of(file).partition(":")
+        declared = format_of(file)
+        _check_size(file, declared)
+        module, _, function = declared.reader.partition(":")
         return getattr(import_module(f".{module}", __package__), function)(file)  # type: ignore[no-any-return]
+    except MemoryError:
+        raise DataError(f"{file}: reading needs more memory than there is") from None
     except UnicodeDecodeError:
-        raise DataError(f"{file}: not a text file (UTF-8)") from None
+        raise DataError(f"{file}: not a text file") from None
     except OSError as error:
         raise DataError(f"{file}: {error.strerror or error}") from None
+
+
+def _check_size(path: Path, declared: Format) -> None:
+    """Raise for a file whose bytes are mostly absent, such as a part of a download, and for too long a text."""
+    status = path.stat()
+    stored = 512 * getattr(status, "st_blocks", 0)
+    if 0 < stored < MIN_STORED * status.st_size and status.st_size > LARGEST_TEXT:
+        raise DataError(f"{path}: {stored} of its {status.st_size} bytes are stored: the file is incomplete")
+    if declared.whole and status.st_size > LARGEST_TEXT:
+        raise DataError(f"{path}: {status.st_size} bytes: a {path.suffix} file of at most {LARGEST_TEXT} is read")
 
 
 def _from_plugin(entry: EntryPoint, path: Path, signs: str) -> Content:

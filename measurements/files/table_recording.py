@@ -9,13 +9,13 @@ import pandas as pd
 
 from ...boundary.errors import DataError
 from ...numerics.arrays import FloatArray
-from ..channels import CHANNELS, INPUTS
+from ...tires.channels import CHANNELS, INPUTS
 from ..column_names import check_names
 from ..interpretation import NOT_READ, Interpretation
 from ..recording import Recording
 from ..thresholds import MAX_INCOMPLETE
 from .columns.content import Content
-from .columns.resolution import DEFINED, Choice, choices, common_clock, ignored_columns
+from .columns.resolution import DEFINED, ColumnChoice, choices, common_clock, ignored_columns
 from .ttc_channels import as_bench_table, completed, missing_channel
 
 
@@ -56,7 +56,7 @@ def recording_of(
     return Recording(table, signs or content.signs or "iso", name, about)
 
 
-def channel_table(content: Content, chosen: Mapping[str, Choice], source: str) -> pd.DataFrame:
+def channel_table(content: Content, chosen: Mapping[str, ColumnChoice], source: str) -> pd.DataFrame:
     """Return the channels in SI units, and in a table the other columns as they are.
 
     Raises `DataError` if columns of channels have different lengths, or a cell is not a number.
@@ -99,7 +99,7 @@ def _placed(content: Content, header: str) -> Callable[[int], str]:
     return lambda row: f"{content.location(row)}: {header}".removesuffix(": ")
 
 
-def _check_lengths(values: Mapping[str, FloatArray], chosen: Mapping[str, Choice], source: str) -> None:
+def _check_lengths(values: Mapping[str, FloatArray], chosen: Mapping[str, ColumnChoice], source: str) -> None:
     first = "t" if "t" in values else next(iter(values), "")
     for name, column in values.items():
         if len(column) != len(values[first]):
@@ -109,7 +109,7 @@ def _check_lengths(values: Mapping[str, FloatArray], chosen: Mapping[str, Choice
             )
 
 
-def _check_present(content: Content, chosen: Mapping[str, Choice], source: str) -> None:
+def _check_present(content: Content, chosen: Mapping[str, ColumnChoice], source: str) -> None:
     """Raise if no column is a channel, or one of another name probably is."""
     if content.format == "ttc":
         missing_channel(content, chosen, source)

@@ -12,7 +12,7 @@ import pandas as pd
 
 from ...boundary.errors import DataError, TirefmuError, nearest
 from ...numerics.arrays import FloatArray
-from ..channels import CHANNELS, OUTPUTS
+from ...tires.channels import CHANNELS, OUTPUTS
 from ..checks.columns.radii import deflection, median_radius
 from ..column_names import intended_channel
 from ..thresholds import FREE_ROLLING_FORCE, LOWEST_KPA
@@ -21,7 +21,7 @@ from .columns.cells import numbers
 from .columns.content import Column, Content, name_and_unit
 
 if TYPE_CHECKING:
-    from .columns.resolution import Choice
+    from .columns.resolution import ColumnChoice
 
 #: kappa is read from SL, the slip that is zero at zero FX, and never from SR. N is unusable in many runs and ignored.
 MANDATORY = ("ET", "SA", "IA", "FZ")
@@ -142,7 +142,7 @@ def missing_channel(content: Content, chosen: Collection[str], source: str) -> N
 
 
 def completed(
-    content: Content, chosen: Mapping[str, Choice], table: pd.DataFrame, source: str
+    content: Content, chosen: Mapping[str, ColumnChoice], table: pd.DataFrame, source: str
 ) -> tuple[pd.DataFrame, dict[str, str]]:
     """Return the table with kappa = 0 for a file without SL, such as a warm-up run, and metadata: why, and the radii.
 
@@ -161,7 +161,7 @@ def completed(
     return table[[name for name in CHANNELS if name in table]], about
 
 
-def _radii(columns: Sequence[Column], chosen: Mapping[str, Choice], table: pd.DataFrame) -> dict[str, str]:
+def _radii(columns: Sequence[Column], chosen: Mapping[str, ColumnChoice], table: pd.DataFrame) -> dict[str, str]:
     """Return the medians of the loaded radius and of speed over wheel speed, m; what is unusable is missing.
 
     With the radius at zero load and the vertical stiffness, where the loaded radius falls over a varying load.

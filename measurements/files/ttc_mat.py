@@ -16,6 +16,8 @@ from .columns.cells import numbers
 from .columns.content import Column, Content, frame_columns, listed
 from .ttc_channels import bench_content, has_bench_names
 
+#: Names of the times of a struct, in lower case.
+TIMES = ("t", "time", "timestamp")
 EXTRA = "mat-io, which the extra 'matlab' installs: pip install 'tirefmu[matlab]'"
 
 
@@ -34,18 +36,25 @@ def read_mat(path: Path) -> Content:
     columns: list[Column] = []
     texts: dict[str, Any] = {}
     for name, value in fields.items():
-        inside = {} if name == "channel" else _struct(value)
+        inside = {} if name == "channel" else dict(_fields(value))
         texts |= {key: inside[key] for key in ("tireid", "testid", "source") if key in inside}
         if isinstance(value, pd.DataFrame):
             columns += [replace(column, group=name) for column in frame_columns(value, dict(_table_units(value)))]
         vectors = {key: cells for key, part in inside.items() if (cells := _vector(part)) is not None}
-        columns += [Column(key, cells, group=name) for key, cells in vectors.items()]
+        for key, cells in vectors.items():
+            group, _, field = f"{name}.{key}".rpartition(".")
+            columns.append(Column(field, cells, group=group))
         if (cells := _vector(value)) is not None:
             columns.append(Column(name, cells))
     texts = {key: fields.get(key, texts.get(key)) for key in ("tireid", "testid", "source")}
     columns = [replace(column, unit=column.unit or units.get(column.header, "")) for column in columns]
     columns = _with_own_times(columns)
-    used = {"channel", *texts, *(column.header for column in columns), *(column.group for column in columns)}
+    used = {
+        "channel",
+        *texts,
+        *(column.header for column in columns),
+        *(column.group.partition(".")[0] for column in columns),
+    }
     others = [name for name in fields if name not in used]
     content = Content(tuple(columns), ignored=(f"variables {listed(others)}",) if others else ())
     if not has_bench_names([column.header for column in columns]):
@@ -55,15 +64,17 @@ def read_mat(path: Path) -> Content:
 
 
 def _with_own_times(columns: list[Column]) -> list[Column]:
-    """Return the columns of several timetables with the times of their own table; others unchanged."""
-    clocks = [column for column in columns if column.meant == "t"]
-    if len(clocks) < 2:
+    """Return the columns of several timetables or structs with the times of their own one; others unchanged."""
+    clocks = [
+        column for column in columns if column.meant == "t" or (column.group and column.header.casefold() in TIMES)
+    ]
+    if len({clock.group for clock in clocks}) < 2:
         return columns
     times = {clock.group: numbers(clock.cells, "", "", str, clock=True)[0] for clock in clocks}
+    unchosen = [column for column in columns if column not in clocks]
     return [
-        replace(column, times=times.get(column.group) if column.times is None else column.times)
-        for column in columns
-        if column.meant != "t"
+        replace(column, times=times[column.group]) if len(column.cells) == len(times.get(column.group, ())) else column
+        for column in unchosen
     ]
 
 
@@ -80,6 +91,14 @@ def _struct(value: Any) -> dict[str, Any]:
     cell = value.flat[0] if isinstance(value, np.ndarray) and value.size == 1 else value
     names = getattr(cell, "_fieldnames", None) or getattr(getattr(cell, "dtype", None), "names", None) or ()
     return {name: getattr(cell, name) if hasattr(cell, "_fieldnames") else cell[name] for name in names}
+
+
+def _fields(value: Any, prefix: str = "", depth: int = 4) -> Iterator[tuple[str, Any]]:
+    """Yield the fields of a struct, and those of structs in it behind the names of these."""
+    for name, part in _struct(value).items():
+        yield f"{prefix}{name}", part
+        if depth:
+            yield from _fields(part, f"{prefix}{name}.", depth - 1)
 
 
 def _vector(value: Any) -> Any:

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from ...boundary.bounded_file import replacing
 from ...boundary.errors import DataError, writing
-from ...boundary.whole_file import replacing
 from .parquet_table import EXTRA
 
 

@@ -9,10 +9,10 @@ import pandas as pd
 
 from ...boundary.escaping import figure_text
 from ...drawing.figure import Figure, Panel, Series, in_rows, measured
-from ...drawing.labels import axis_label, held_text, letter, level_text, note, per_si
-from ...drawing.style import BLACK, BLUE, GRAY, GREEN, LIGHT_GRAY, ORANGE, RED, level_styles, some_of
+from ...drawing.labels import axis_label, held_text, level_text, note, per_si
+from ...drawing.style import BLACK, BLUE, GRAY, GREEN, LIGHT_GRAY, ORANGE, RED, level_colors, some_of
 from ...numerics.arrays import BoolArray, FloatArray
-from ..channels import CHANNELS, INPUTS, OUTPUTS
+from ...tires.channels import CHANNELS, INPUTS, OUTPUTS
 from ..operating_conditions.levels import held_levels, level_tolerance
 from .inspection import Inspection
 
@@ -20,11 +20,8 @@ from .inspection import Inspection
 MAX_COLUMNS = 900
 #: Marked rows of one reason.
 MAX_MARKED = 1500
-#: Color and marker by reason of an exclusion.
-EXCLUDED = {
-    "warm-up": (ORANGE, "o"), "transition": (GRAY, "s"), "outlier": (RED, "^"), "lifted": (BLACK, "v"),
-    "standing": (BLACK, "D"),
-}  # fmt: skip
+#: Color by reason of an exclusion.
+EXCLUDED = {"warm-up": ORANGE, "transition": GRAY, "outlier": RED, "lifted": BLACK, "standing": BLACK}
 #: The slip over which an output is drawn.
 SLIP = {"Fx": "kappa", "Fy": "alpha", "Mz": "alpha", "Mx": "alpha", "My": "kappa"}
 
@@ -42,7 +39,7 @@ def _over_time(inspection: Inspection) -> Figure:
     panels = [
         Panel(
             "time (s)" if clocked else "sample", axis_label(name), tuple(_course(inspection, name, x)),
-            legend="excluded" if inspection.exclusion.counts else "", x_axis="time", width=11.0, height=1.15,
+            x_axis="time", width=11.0, height=1.15,
         )
         for name in CHANNELS if name in table and name != "t"
     ]  # fmt: skip
@@ -55,12 +52,12 @@ def _course(inspection: Inspection, name: str, x: FloatArray) -> Iterator[Series
     pieces = [_envelope(x[piece], y[piece], len(x)) for piece in inspection.recording.segments()]
     joined = np.hstack([np.append(piece, [[np.nan], [np.nan]], axis=1) for piece in pieces])
     yield Series("line", joined[0], joined[1], BLUE if name in INPUTS else GREEN, size=0.8)
-    for reason, (color, marker) in EXCLUDED.items():
+    for reason, color in EXCLUDED.items():
         rows = np.flatnonzero(inspection.exclusion.reasons == reason)
         if len(rows):
             label = f"{reason}, {len(rows)} row{'s' * (len(rows) != 1)}"
             few = rows[:: -(-len(rows) // MAX_MARKED)]
-            yield Series("points", x[few], y[few], color, label, marker=marker, size=2.5)
+            yield Series("points", x[few], y[few], color, label, marker="o", size=2.5)
 
 
 def _envelope(x: FloatArray, y: FloatArray, rows_of_all: int) -> FloatArray:
@@ -93,12 +90,11 @@ def _slip_panel(included: pd.DataFrame, slip: str, name: str, signs: str) -> Pan
     held, at_levels = _held(included, slip)
     others = some_of(included[~at_levels].dropna(subset=[name]))
     x, y = others[slip] * per_si(slip), others[name]
-    series = [Series("points", x, y, LIGHT_GRAY, marker=".", size=2.5)] if len(others) else []
-    for level, (value, style) in enumerate(zip(levels, level_styles(len(levels), "Fz"), strict=True)):
+    series = [Series("points", x, y, LIGHT_GRAY, marker="o", size=2.5)] if len(others) else []
+    for level, (value, color) in enumerate(zip(levels, level_colors(len(levels), "Fz"), strict=True)):
         rows = included[at_levels & (nearest == level)]
-        series.append(measured(rows, slip, name, style, level_text("Fz", value)))
-    title, legend = held_text(signs, held), f"load {letter('Fz', signs)}"
-    return Panel(axis_label(slip), axis_label(name), tuple(series), title, legend, (0.0,), (0.0,))
+        series.append(measured(rows, slip, name, color, level_text("Fz", value)))
+    return Panel(axis_label(slip), axis_label(name), tuple(series), held_text(signs, held), (0.0,), (0.0,))
 
 
 def _held(rows: pd.DataFrame, slip: str) -> tuple[dict[str, float], BoolArray]:
@@ -129,7 +125,7 @@ def _coverage(inspection: Inspection) -> Iterator[Figure]:
     panels = [
         Panel(
             axis_label(x), axis_label(y),
-            (Series("points", rows[x] * per_si(x), rows[y] * per_si(y), marker=".", size=2.5, opacity=0.5),),
+            (Series("points", rows[x] * per_si(x), rows[y] * per_si(y), marker="o", size=2.5, opacity=0.5),),
         )
         for x, y in (("alpha", "kappa"), ("Fz", "gamma"), ("Fz", "p"), ("V", "T")) if {x, y} <= set(table)
     ]  # fmt: skip

@@ -13,11 +13,11 @@ import pandas as pd
 from ...boundary.escaping import excerpt, visible
 from ...boundary.named_options import named
 from ...numerics.arrays import BoolArray, FloatArray, IndexArray
-from ..channels import CHANNELS
+from ...tires.channels import CHANNELS
 from ..checks.columns.check import check_columns
 from ..checks.columns.meanings import ColumnMeaning, column_meanings
 from ..checks.recordings.data_findings import data_findings
-from ..checks.recordings.finding import Finding, verdict_on
+from ..checks.recordings.finding import DataFinding, verdict_on
 from ..checks.rows.row_exclusion import RowExclusion, exclude_rows
 from ..operating_conditions.grouping import group_by_condition
 from ..operating_conditions.levels import held_levels
@@ -145,7 +145,7 @@ class InspectionResult(NamedTuple):
     """The contents of recordings of one tire, and what they lack or contradict."""
 
     recordings: tuple[Inspection, ...]
-    findings: tuple[Finding, ...]
+    findings: tuple[DataFinding, ...]
 
     @property
     def ok(self) -> bool:

@@ -8,7 +8,7 @@ from itertools import groupby
 import numpy as np
 
 from ...drawing.labels import drawn_unit, per_si
-from ..channels import CHANNELS
+from ...tires.channels import CHANNELS
 from ..checks.columns.meanings import ASSUMPTIONS
 from ..checks.rows.row_exclusion import EXCLUSION_REASONS
 from .inspection import Inspection, SweepSummary

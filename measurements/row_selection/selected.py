@@ -10,7 +10,7 @@ import numpy as np
 
 from ...boundary.errors import DataError
 from ...numerics.arrays import BoolArray, FloatArray
-from ..channels import CHANNELS
+from ...tires.channels import CHANNELS
 from ..operating_conditions.phases import phases
 from ..recording import Recording
 from .expression import LONGEST_EXPRESSION, parse_selection, quoted

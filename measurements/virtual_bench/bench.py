@@ -11,16 +11,11 @@ import pandas as pd
 
 from ...boundary.errors import DataError
 from ...tires import Tire, tire_from
+from ...tires.channels import CHANNELS, OUTPUTS
 from ...tires.signs import convert_signs
-from ..channels import OUTPUTS
 from ..recording import Recording
 from .programs import Program
 from .sensor_noise import Noise
-
-# The random stream of each channel, by position. New channels are appended: a seed gives the same recording as before.
-_STREAMS = (
-    "t", "kappa", "alpha", "gamma", "Fz", "p", "V", "T", "phit", "Fx", "Fy", "Mz", "Mx", "My", "T_ambient", "T_road"
-)  # fmt: skip
 
 
 class TestedTire(Protocol):
@@ -137,4 +132,4 @@ class VirtualBench:
 
     def _rng(self, name: str) -> np.random.Generator:
         """Return the random generator of a channel, which does not depend on the other channels."""
-        return np.random.default_rng([self.seed, _STREAMS.index(name)])
+        return np.random.default_rng([self.seed, CHANNELS[name].stream])

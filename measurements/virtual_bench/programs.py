@@ -16,8 +16,8 @@ import pandas as pd
 
 from ...boundary.errors import DataError
 from ...numerics.arrays import FloatArray
+from ...tires.channels import INPUTS
 from ...tires.signs import reversed_columns
-from ..channels import INPUTS
 from ..units import PSI
 
 _Inputs = Mapping[str, float | FloatArray]

@@ -102,9 +102,9 @@ class Model(ModelDeclaration):
         return tuple(OPTIONS[name] for name in self.structure.options)
 
     @cached_property
-    def straight_options(self) -> tuple[Option, ...]:
-        """The options that act where no effect on demand does, but for the signs, which straight lines read too."""
-        return tuple(OPTIONS[name] for name in self.structure.straight_options)
+    def plain_options(self) -> tuple[Option, ...]:
+        """The options that act where no effect on demand does, but for the signs, which plain lines read too."""
+        return tuple(OPTIONS[name] for name in self.structure.plain_options)
 
     @cached_property
     def parameters(self) -> tuple[str, ...]:
@@ -257,8 +257,8 @@ class Model(ModelDeclaration):
         return tuple(name for name in self.states if name in used)
 
     @cached_property
-    def drives(self) -> tuple[str, ...]:
-        """The lines that determine the states: three for each, then `couplings`; results of the routine `drives`."""
+    def state_lines(self) -> tuple[str, ...]:
+        """The lines that determine the states, three for each, then `couplings`: results of a routine of this name."""
         of_states = [line for name in self.states for line in self._lines_of(name)[:3]]
         return (*of_states, *(line for line, _, _ in couplings(self.states.values())))
 
@@ -282,14 +282,14 @@ class Model(ModelDeclaration):
         """The effects in the lines of the relaxation lengths: with one of them, slips lag."""
         return frozenset(self.structure.relaxing_effects)
 
-    def lines(self, effects: Collection[str] | None = None, *, straight: bool = False) -> tuple[Equation, ...]:
+    def lines(self, effects: Collection[str] | None = None, *, plain: bool = False) -> tuple[Equation, ...]:
         """Return the lines with effects switched.
 
         Parameters
         ----------
         effects : collection of str, optional
             The effects that the tire has; all of the model where None.
-        straight : bool
+        plain : bool
             Omit what most rows do not need: effects on demand are off, options except the signs have their first value.
             Otherwise an option is read from the parameter vector, row by row.
 
@@ -306,9 +306,9 @@ class Model(ModelDeclaration):
         from .lines import reduced
 
         present = set(self.effects if effects is None else self.known_effects(effects))
-        if straight:
+        if plain:
             present -= {effect for effect, _ in self.on_demand}
-        left = {signs.parameter} if straight else {option.parameter for option in OPTIONS.values()}
+        left = {signs.parameter} if plain else {option.parameter for option in OPTIONS.values()}
         return reduced(self.equations, present, left)
 
     def as_written(self, effects: Collection[str]) -> dict[str, sp.Expr]:

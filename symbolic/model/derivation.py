@@ -37,15 +37,15 @@ def structure_of(
     effects = tuple(dict.fromkeys(name for line in equations for name in _effects(line)))
     relaxing = (name for line in equations if line.symbol.name in lengths for name in _effects(line))
     rest = set(effects) - set(on_demand)
-    straight = reaching(reduced(equations, rest, {signs.parameter}), outputs)
+    plain = reaching(reduced(equations, rest, {signs.parameter}), outputs)
     return Structure(
         coefficients=tuple(name for name in declared if name in read),
         options=tuple(option.name for option in options),
-        straight_options=_straight_options(equations, rest, options, outputs),
+        plain_options=_plain_options(equations, rest, options, outputs),
         effects=effects,
         relaxing_effects=tuple(sorted(set(relaxing))),
         quantities={line.symbol.name: (line.unit, line.description) for line in equations if line.named},
-        straight={output: _read_by(straight, output) for output in outputs},
+        plain={output: _read_by(plain, output) for output in outputs},
         lines=_lines(equations),
     )
 
@@ -55,7 +55,7 @@ def _effects(line: Equation) -> list[str]:
     return list(dict.fromkeys(str(switch.args[0]) for switch in switches(line.expression)))
 
 
-def _straight_options(
+def _plain_options(
     equations: Sequence[Equation], effects: set[str], options: Sequence[Option], outputs: Sequence[str]
 ) -> tuple[str, ...]:
     lines = reaching(reduced(equations, effects, {option.parameter for option in OPTIONS.values()}), outputs)

@@ -58,12 +58,12 @@ class Structure:
     """What the lines of a model determine.
 
     - `coefficients`: those that a line reads, in the order of the parameter vector.
-    - `options`, `straight_options`: the options that a line reads; those that act in rows without an effect on demand,
+    - `options`, `plain_options`: the options that a line reads; those that act in rows without an effect on demand,
       except the signs.
     - `effects`: in the order in which the lines have them.
     - `relaxing_effects`: the effects in the lines of the relaxation lengths.
     - `quantities`: unit and description of each named quantity.
-    - `straight`: what each output reads in rows without an effect on demand, under default options.
+    - `plain`: what each output reads in rows without an effect on demand, under default options.
 
     >>> from tirefmu.symbolic.models import model_named
     >>> structure = model_named("mf96").structure
@@ -75,11 +75,11 @@ class Structure:
 
     coefficients: tuple[str, ...]
     options: tuple[str, ...]
-    straight_options: tuple[str, ...]
+    plain_options: tuple[str, ...]
     effects: tuple[str, ...]
     relaxing_effects: tuple[str, ...]
     quantities: Mapping[str, tuple[str, str]]
-    straight: Mapping[str, tuple[str, ...]]
+    plain: Mapping[str, tuple[str, ...]]
     lines: tuple[Line, ...]
 
     def reached(self, targets: Iterable[str], effects: Collection[str]) -> frozenset[str]:
@@ -125,9 +125,9 @@ class Structure:
             for name, effects, earlier, cases in content.pop("lines")
         )  # fmt: skip
         quantities = {name: (unit, description) for name, (unit, description) in content.pop("quantities").items()}
-        straight = {name: tuple(reads) for name, reads in content.pop("straight").items()}
+        plain = {name: tuple(reads) for name, reads in content.pop("plain").items()}
         names = {key: tuple(value) for key, value in content.items()}
-        return cls(**names, quantities=quantities, straight=straight, lines=lines)
+        return cls(**names, quantities=quantities, plain=plain, lines=lines)
 
 
 def stored_structure(file: Traversable, declared: Collection[str]) -> Structure:

@@ -6,7 +6,7 @@ from ..model import Model
 from .c import heading, parameters_read, statements
 from .definitions import INCLUDES, KERNEL, comment, definitions
 from .expressions import LanesPrinter
-from .routines import STRAIGHT, Routine, entries
+from .routines import PLAIN, Routine, entries
 
 #: The routines that have a kernel.
 KERNELS = ("forces", "jacobian_inputs", "jacobian_parameters")
@@ -26,7 +26,7 @@ def batch_sources(model: Model, routines: tuple[Routine, ...]) -> dict[str, str]
     sources = {}
     for name in KERNELS:
         general = by_name[name]
-        routine = by_name.get(f"{name}_{STRAIGHT}", general)
+        routine = by_name.get(f"{name}_{PLAIN}", general)
         values = [value for row in routine.results for value in row]
         chosen = entries(general) if name == "jacobian_parameters" else range(len(values))
         sources[name] = _source(model, routine, [values[i] for i in chosen])

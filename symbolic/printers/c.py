@@ -12,8 +12,8 @@ from ..model import Model
 from .definitions import INCLUDES, comment, definitions
 from .expressions import PlainCPrinter
 from .pairs import function_of, in_pairs
-from .python import STRAIGHT_ROWS, origin
-from .routines import STRAIGHT, Assignment, Routine, jacobians_of, values_of
+from .python import PLAIN_ROWS, origin
+from .routines import PLAIN, Assignment, Routine, jacobians_of, values_of
 
 #: Above lines that are not in the book's order.
 IN_PAIRS = "Two calls of a function that do not depend on each other are computed at a time"
@@ -37,7 +37,7 @@ def c_header(model: Model, routines: tuple[Routine, ...]) -> str:
         _enumeration(prefix, "FORCES", [(q.name, f"{q.description} [{q.unit}]") for q in model.outputs]),
         _enumeration(prefix, "QUANTITIES", [(name, "") for name in quantities.labels]),
         f"{comment('Matrices are written row by row, one row a force.')}\n{_prototypes(model, routines, '')}",
-        *_straight_prototypes(model, routines),
+        *_plain_prototypes(model, routines),
         f"{comment('Apply a routine to n rows of inputs, each giving n_results numbers.')}\n{_rows_prototype(model)};",
         "#endif",
     ]
@@ -57,9 +57,9 @@ def c_sources(model: Model, routines: tuple[Routine, ...]) -> dict[str, str]:
 
 def _source(model: Model, what: str, routines: tuple[Routine, ...], more: list[str]) -> str:
     parts = [_function(model, routine, routines) for routine in routines]
-    straight = [routine for routine in routines if routine.variant == STRAIGHT]
-    if straight:
-        parts += [_is_straight(model), *(_chooser(model, routine) for routine in straight)]
+    plain = [routine for routine in routines if routine.variant == PLAIN]
+    if plain:
+        parts += [_is_plain(model), *(_chooser(model, routine) for routine in plain)]
     functions = "\n\n".join([*parts, *more])
     parts = [heading(model, what), f'#include "{model.name}.h"', INCLUDES, definitions(functions), functions]
     return "\n\n".join(parts) + "\n"
@@ -91,9 +91,9 @@ def _prototypes(model: Model, routines: tuple[Routine, ...], variant: str) -> st
     return "\n".join(f"{_prototype(model, routine)};" for routine in routines if routine.variant == variant)
 
 
-def _straight_prototypes(model: Model, routines: tuple[Routine, ...]) -> list[str]:
-    prototypes = _prototypes(model, routines, STRAIGHT)
-    remark = comment(STRAIGHT_ROWS, "The routines above find out by themselves.")
+def _plain_prototypes(model: Model, routines: tuple[Routine, ...]) -> list[str]:
+    prototypes = _prototypes(model, routines, PLAIN)
+    remark = comment(PLAIN_ROWS, "The routines above find out by themselves.")
     return [f"{remark}\n{prototypes}"] if prototypes else []
 
 
@@ -101,24 +101,24 @@ def _prototype(model: Model, routine: Routine) -> str:
     return f"void {model.name}_{routine.full_name}({ARRAYS})"
 
 
-def _is_straight(model: Model) -> str:
+def _is_plain(model: Model) -> str:
     prefix = model.name.upper()
     zeros = [f"inputs[{prefix}_{name}] == 0.0" for _, name in model.on_demand]
-    zeros += [f"parameters[{prefix}_{option.parameter}] == 0.0" for option in model.straight_options]
+    zeros += [f"parameters[{prefix}_{option.parameter}] == 0.0" for option in model.plain_options]
     condition = "\n        && ".join(zeros)
     return (
-        f"{comment(STRAIGHT_ROWS)}\n"
-        "static inline int is_straight(const double inputs[], const double parameters[])\n"
+        f"{comment(PLAIN_ROWS)}\n"
+        "static inline int is_plain(const double inputs[], const double parameters[])\n"
         f"{{\n    return {condition};\n}}"
     )
 
 
-def _chooser(model: Model, straight: Routine) -> str:
-    """Print the routine that passes its row to the straight variant or to the general one."""
-    general, arguments = replace(straight, variant=""), "(inputs, parameters, results)"
+def _chooser(model: Model, plain: Routine) -> str:
+    """Print the routine that passes its row to the plain variant or to the general one."""
+    general, arguments = replace(plain, variant=""), "(inputs, parameters, results)"
     return (
         f"{_prototype(model, general)}\n{{\n"
-        f"    if (is_straight(inputs, parameters))\n        {model.name}_{straight.full_name}{arguments};\n"
+        f"    if (is_plain(inputs, parameters))\n        {model.name}_{plain.full_name}{arguments};\n"
         f"    else\n        {general.name}_general{arguments};\n}}"
     )
 
@@ -182,7 +182,7 @@ def _function(model: Model, routine: Routine, routines: tuple[Routine, ...]) -> 
     prefix = model.name.upper()
     inputs = routine.uses([quantity.name for quantity in model.inputs])
     parameters = parameters_read(model, routine)
-    is_general = replace(routine, variant=STRAIGHT).full_name in {
+    is_general = replace(routine, variant=PLAIN).full_name in {
         other.full_name for other in routines if other != routine
     }
     paired = routine.name == "forces" and not is_general
@@ -196,5 +196,5 @@ def _function(model: Model, routine: Routine, routines: tuple[Routine, ...]) -> 
     lines += [f"results[{i}] = {PRINTER.doprint(v)};" for i, v in enumerate(values) if not sparse or v != 0]
     body = "\n".join(f"    {line}" if line else "" for line in lines)
     head = f"static void {routine.name}_general({ARRAYS})" if is_general else _prototype(model, routine)
-    summary = comment(routine.summary, *([STRAIGHT_ROWS] if routine.variant == STRAIGHT else []))
+    summary = comment(routine.summary, *([PLAIN_ROWS] if routine.variant == PLAIN else []))
     return f"{summary}\n{head}\n{{\n{body}\n}}"

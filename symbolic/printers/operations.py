@@ -28,7 +28,7 @@ def rolling_radius_lines(model: Model) -> list[Equation]:
     Returns: none if the model has only the free radius.
     """
     radius, turning = model.quantity("rolling_radius"), model.quantity("wheel_speed")
-    lines = [line for line in model.lines((), straight=True) if line.symbol.name != turning]
+    lines = [line for line in model.lines((), plain=True) if line.symbol.name != turning]
     return reaching(lines, [radius])
 
 

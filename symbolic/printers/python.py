@@ -11,9 +11,9 @@ from textwrap import fill, indent
 from ...boundary.escaping import python_comment
 from ..model import Model
 from .expressions import NamespacePrinter
-from .routines import STRAIGHT, Routine, jacobians_of, values_of
+from .routines import PLAIN, Routine, jacobians_of, values_of
 
-STRAIGHT_ROWS = "Only for rows without turn slip (phit = 0) and with every option at its first value."
+PLAIN_ROWS = "Only for rows without turn slip (phit = 0) and with every option at its first value."
 #: Between the parts of a module.
 PARTED = "\n\n\n"
 #: Above the functions: `xp` of each is NumPy by default.
@@ -64,7 +64,7 @@ def _tables(model: Model, routines: tuple[Routine, ...]) -> str:
         "INPUTS": [quantity.name for quantity in model.inputs],
         "COEFFICIENTS": list(model.coefficients),
         "OPTIONS": [option.parameter for option in model.options],
-        "STRAIGHT_OPTIONS": [option.parameter for option in model.straight_options],
+        "PLAIN_OPTIONS": [option.parameter for option in model.plain_options],
         "QUANTITIES": list(by_name["quantities"].labels),
         "FORCES": list(by_name["forces"].labels),
     }
@@ -106,7 +106,7 @@ def _doc(routine: Routine) -> str:
         columns = "every coefficient" if len(routine.labels) > 8 else ", ".join(routine.labels)
         text = f"{text[:-1]}: a row for each force, a column for {columns}."
     text = python_comment(text)
-    return f"{text}\n\n{STRAIGHT_ROWS}\n" if routine.variant == STRAIGHT else text
+    return f"{text}\n\n{PLAIN_ROWS}\n" if routine.variant == PLAIN else text
 
 
 def _results(routine: Routine) -> str:

@@ -19,7 +19,7 @@ from .derivatives import ChainRule, is_short, split
 #: Headings in derivative routines, after the chapters.
 LOCAL, CARRIED = "Partial derivatives of each line", "Chain rule"
 #: The variant for rows without turn slip under default options.
-STRAIGHT = "straight"
+PLAIN = "plain"
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Routine:
 
     - `results`: one row for a vector, several for a matrix (row per output).
     - `labels`: what the results are called, in the same order; columns of a matrix.
-    - `variant`: "" if the routine is valid for every row, `STRAIGHT` if it is valid only for most rows.
+    - `variant`: "" if the routine is valid for every row, `PLAIN` if it is valid only for most rows.
     """
 
     name: str
@@ -63,21 +63,23 @@ class Routine:
 def routines(model: Model) -> tuple[Routine, ...]:
     """Return the routines of a model, all effects present.
 
-    Returns: quantities, forces, jacobian_inputs, jacobian_parameters; relaxation, where slips can lag; drives, where
-    there are states; if options and turn slip are in the lines, all but the first again, straight.
+    Returns: quantities, forces, jacobian_inputs, jacobian_parameters; relaxation, where slips can lag; state_lines,
+    where there are states; if options and turn slip are in the lines, all but the first again, plain.
 
     >>> from tirefmu.symbolic.models import model_named
     >>> [routine.name for routine in routines(model_named("mf96"))]
     ['quantities', 'forces', 'jacobian_inputs', 'jacobian_parameters']
     """
-    general, straight = model.lines(), model.lines(straight=True)
+    general, plain = model.lines(), model.lines(plain=True)
     printed = [_values("quantities", "Every named quantity of the model.", general, _named(model, general))]
     printed += _forces_and_derivatives(model, general)
     if model.states:
         summary = "Of each state: target, velocity of its path or flow; rate or reciprocal width; start."
-        printed.append(_values("drives", summary, general, [sp.Symbol(name, real=True) for name in model.drives]))
-    if [line.expression for line in general] != [line.expression for line in straight]:
-        printed += _forces_and_derivatives(model, straight, STRAIGHT)
+        printed.append(
+            _values("state_lines", summary, general, [sp.Symbol(name, real=True) for name in model.state_lines])
+        )
+    if [line.expression for line in general] != [line.expression for line in plain]:
+        printed += _forces_and_derivatives(model, plain, PLAIN)
     return tuple(printed)
 
 
@@ -123,7 +125,7 @@ def jacobians_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
 
 
 def values_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
-    """Return the routines that are not Jacobians: quantities, forces, relaxation lengths, drives of states."""
+    """Return the routines that are not Jacobians: quantities, forces, relaxation lengths, lines of states."""
     return tuple(routine for routine in routines if not routine.name.startswith("jacobian_"))
 
 

@@ -1,4 +1,4 @@
-"""A Dask cluster of two workers for all tests; its nannies replace workers that a test kills."""
+"""A Dask cluster of two workers for the tests of a file: an idle one takes time, too. Nannies replace dead workers."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import signal
 import pytest
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def cluster(tmp_path_factory):
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tirefmu.applications.batch.cluster import completed_on_cluster
-from tirefmu.applications.batch.execution import Lost, completed
+from tirefmu.applications.batch.execution import Lost, completed, completed_on_cluster
 from tirefmu.boundary.errors import FitError
 
 from .conftest import kill_a_busy_worker
@@ -59,6 +58,6 @@ def test_a_killed_worker_loses_nothing(cluster):
 
 def test_a_scheduler_that_does_not_answer_is_an_error(monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr("tirefmu.applications.batch.cluster.CONNECTION_TIMEOUT", 0.5)
+    monkeypatch.setattr("tirefmu.applications.batch.execution.CONNECTION_TIMEOUT", 0.5)
     with pytest.raises(FitError, match="no scheduler answers at tcp://127"):
         list(completed_on_cluster(eval, ["1"], "tcp://127.0.0.1:1"))

@@ -106,6 +106,7 @@ def test_resuming_computes_only_what_is_missing_lost_or_changed(jobs, batch):
         other.write_bytes(unchanged)
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_the_same_tires(jobs, batch, cluster, tmp_path):
     fit_many(jobs, tmp_path, scheduler=cluster.scheduler_address)
     assert (tmp_path / "front.tir").read_bytes() == (batch.folder / "front.tir").read_bytes()
@@ -178,6 +179,7 @@ def _interrupted(jobs, folder, handler):
     return subprocess.run(command, capture_output=True, text=True, start_new_session=True, check=False)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="no process groups with SIGINT")
 def test_a_batch_in_the_background_is_not_interrupted(jobs, tmp_path):
     _interrupted(jobs, tmp_path, "SIG_IGN")

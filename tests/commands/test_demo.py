@@ -14,6 +14,7 @@ from tirefmu.commands.demo import BENCH_TIRE, bench_tire
 from tirefmu.tires import published, read_tir
 
 
+@pytest.mark.slow
 def test_the_end_to_end_workflow(command, tmp_path, monkeypatch):
     """With fewer pixels in its second process, too."""
     coarse = (

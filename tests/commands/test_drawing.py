@@ -32,13 +32,13 @@ def generic(model, **values):
 
 
 def lines(panel):
-    """Return the drawn curves by their legend: x and y."""
-    return {series.label: series.points for series in panel.series if series.label}
+    """Return the drawn curves by their name: x and y."""
+    return {series.label: series.points for series in panel.series if series.label and series.kind == "line"}
 
 
-def crosses(panel):
+def points_of(panel):
     """Return the measured points, x and y."""
-    return np.hstack([series.points for series in panel.series if series.marker == "x"])
+    return np.hstack([series.points for series in panel.series if series.kind == "points"])
 
 
 @pytest.fixture(scope="module")
@@ -194,10 +194,10 @@ def test_measured_rows_are_crosses_on_the_curves(small, signs):
     points["Fx"] = small.evaluate(points)["Fx"]
     sketch = drawing.sketched(small, [110.0], signs, points)
     (panel,) = (panel for panel in drawing.pure(sketch).panels if panel.x == "α (deg)")
-    alpha, force = crosses(panel)
+    alpha, force = points_of(panel)
     assert sorted(alpha.round(6)) == [-10.0, 0.0, 10.0]
     assert force == pytest.approx(np.interp(alpha, *lines(panel)["110 N"]), rel=1e-3, abs=0.01)
-    assert crosses(drawing.combined(sketch).panels[0]).shape == (2, 3)
+    assert points_of(drawing.combined(sketch).panels[0]).shape == (2, 3)
 
 
 def test_crosses_are_at_the_pressure_of_the_curves(small):
@@ -236,6 +236,7 @@ def test_the_command_draws_at_the_loads_of_a_table(small, command, tmp_path, mon
     assert len(drawn["points"]) == 297
 
 
+@pytest.mark.slow
 def test_signs_are_those_of_the_table_and_of_the_figures(small, command, tmp_path, monkeypatch):
     """Rows in any convention are the same crosses; figures have the table's convention unless another is named."""
     drawn = {}

@@ -9,7 +9,7 @@ import shlex
 import click
 
 from tirefmu.commands.cli import cli
-from tirefmu.commands.command_help import EXAMPLES, SECTIONS
+from tirefmu.commands.command import SECTIONS, Command
 from tirefmu.measurements import read_recording
 from tirefmu.measurements.catalogue import effects
 from tirefmu.symbolic.added import library
@@ -48,20 +48,19 @@ def test_models_and_published_tires_are_listed(command):
 
 
 def test_every_command_has_examples_that_its_options_accept():
-    assert set(EXAMPLES) == set(cli.commands)
-    for name, lines in EXAMPLES.items():
-        assert f"tirefmu {lines[0]}" in cli.commands[name].get_help(cli.make_context("tirefmu", [name]))
-        for line in lines:
+    for name, command in cli.commands.items():
+        assert isinstance(command, Command)
+        assert f"tirefmu {command.examples[0]}" in command.get_help(cli.make_context("tirefmu", [name]))
+        for line in command.examples:
             first, *arguments = shlex.split(line)
             assert first == name
-            cli.commands[name].make_context(name, arguments)
+            command.make_context(name, arguments)
 
 
 def test_the_help_has_every_command_once_under_a_heading_with_a_whole_sentence():
-    listed = [name for names in SECTIONS.values() for name in names]
-    assert sorted(listed) == sorted(cli.commands)
+    assert {command.section for command in cli.commands.values()} == set(SECTIONS)
     shown = cli.get_help(click.Context(cli, terminal_width=80))
-    for name in listed:
+    for name in cli.commands:
         sentence = re.search(rf"^  {name}  +(.*)$", shown, re.MULTILINE)[1]
         assert sentence == sentence.removesuffix("...").removesuffix(".") + "."
 

@@ -128,6 +128,7 @@ def late(lag):
     )
 
 
+@pytest.mark.slow
 def test_a_fit_prints_the_diagnosis_of_its_residual(folder, command):
     data = folder / "bench data"
     data.mkdir()

@@ -106,6 +106,7 @@ def test_a_terminal_without_a_character_still_shows_the_line(monkeypatch, tmp_pa
     assert screen.getvalue().startswith(rb"Stra\xdfe \u65e5: ")
 
 
+@pytest.mark.slow
 def test_no_line_is_longer_than_the_limit(chain, command, bench_csv, published_fmu, tmp_path, monkeypatch):
     """Except for a command to enter: all tables and texts of the main commands, on a recording with few rows."""
     monkeypatch.chdir(tmp_path)
@@ -114,7 +115,7 @@ def test_no_line_is_longer_than_the_limit(chain, command, bench_csv, published_f
     folder, outcomes = chain
     shutil.copy(folder / "fitted.tir", "my.tir")
     # Figures take longer than all commands.
-    monkeypatch.setattr("tirefmu.applications.comparison.report.write_figures", lambda _, folder: folder.mkdir() or [])
+    monkeypatch.setattr("tirefmu.applications.comparison.figures.write_figures", lambda _, folder: folder.mkdir() or [])
     lines = [
         "inspect bench.csv --all", "info my.tir --all", "info trento_hoosier", "effects", "effects camber_thrust",
         "columns", "models", "lint my.tir --for carsim", "convert my.tir --for adams -o adams.tir",

@@ -12,10 +12,10 @@ import pytest
 
 from tests.hostile import HOSTILE, Skeleton
 from tirefmu.applications.comparison.comparison import compare
-from tirefmu.applications.comparison.figures import comparison_figures
-from tirefmu.applications.comparison.report import write_comparison
+from tirefmu.applications.comparison.figures import comparison_figures, write_comparison
 from tirefmu.applications.comparison.sweeps import sweeps
 from tirefmu.commands.cli import main
+from tirefmu.drawing.style import DASHED, SOLID
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, concatenate, kappa_sweeps, write_table
 from tirefmu.tires import published, read_tir
 
@@ -108,15 +108,16 @@ def test_curves_are_those_of_the_tires(old, new, bench, signs):
     given = comparison_figures(compare(old, new, names=("old", "new")), [bench], signs)
     figures = {figure.name: figure.panels for figure in given}
     found = sweeps(new, "alpha", [bench.with_signs(signs)])
-    for panel, tire in zip(figures["Fy_over_alpha"], (old, new), strict=True):
-        curves = [series for series in panel.series if series.kind == "line"]
+    lines = [series for series in figures["Fy_over_alpha"][0].series if series.kind == "line"]
+    for tire, dashes in ((old, DASHED), (new, SOLID)):
+        curves = [series for series in lines if series.dashes == dashes]
         assert len(curves) == len(LOADS)
         for series, sweep in zip(curves, found, strict=True):
             x, y = series.points
             table = sweep.rows.iloc[:1].assign(**sweep.held).loc[np.zeros(len(x), int) + sweep.rows.index[0]]
             expected = tire.evaluate(table.assign(alpha=np.radians(x)).drop(columns="t"), signs=signs)["Fy"]
             np.testing.assert_allclose(y, expected, rtol=1e-9)
-    slopes = figures["Fy_slope_over_alpha"][1].series
+    slopes = [series for series in figures["Fy_slope_over_alpha"][0].series if series.dashes == SOLID]
     curve = next(series for series in figures["stiffness_y_over_load"][0].series if series.label.startswith("new"))
     for series, sweep in zip(slopes, found, strict=True):
         steepest = series.points[1].max()  # positive at zero slip, in the unit of the stiffness
@@ -138,7 +139,7 @@ def test_one_figure_has_one_pressure_and_one_curve_for_each_load(new, bench):
 
 @pytest.mark.parametrize("text", HOSTILE)
 def test_texts_do_not_change_the_page(old, new, bench, tmp_path, monkeypatch, text):
-    monkeypatch.setattr("tirefmu.applications.comparison.report.comparison_figures", lambda *_: [])
+    monkeypatch.setattr("tirefmu.applications.comparison.figures.comparison_figures", lambda *_: [])
 
     def page(name):
         result = compare(old, new, [replace(bench, source=name)], names=(name, "second"))

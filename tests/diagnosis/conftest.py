@@ -10,10 +10,10 @@ import pytest
 
 from tirefmu.diagnosis.least_squares import LeastSquares
 from tirefmu.diagnosis.probing.effect_probing import Screen
-from tirefmu.diagnosis.recording import simulation
-from tirefmu.diagnosis.recording.disturbances import disturbances_of
-from tirefmu.diagnosis.recording.signals import signals_of
-from tirefmu.diagnosis.recording.simulation import Simulator
+from tirefmu.diagnosis.signals import simulation
+from tirefmu.diagnosis.signals.disturbances import disturbances_of
+from tirefmu.diagnosis.signals.signals import signals_of
+from tirefmu.diagnosis.signals.simulation import Simulator
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
 

@@ -12,13 +12,13 @@ from tirefmu.diagnosis.diagnose import diagnose
 from tirefmu.diagnosis.explanations.effect_evidence import _stretches, effect_evidence, joint_z
 from tirefmu.diagnosis.explanations.final import final_fits
 from tirefmu.diagnosis.probing.effect_probing import Screen
-from tirefmu.diagnosis.recording.simulation import Simulator
+from tirefmu.diagnosis.signals.simulation import Simulator
 from tirefmu.diagnosis.thresholds import STRETCHES
 from tirefmu.diagnosis.verdict import composition
 from tirefmu.diagnosis.verdict.adequacy import Adequacy, adequacies
 from tirefmu.diagnosis.verdict.delivery import density_gain, reasons_against
-from tirefmu.diagnosis.verdict.findings import Finding
-from tirefmu.diagnosis.verdict.fit_error import Residuals
+from tirefmu.diagnosis.verdict.findings import FoundEffect
+from tirefmu.diagnosis.verdict.fit_error import DeliveredResiduals
 from tirefmu.diagnosis.verdict.verdict import verdict_text
 from tirefmu.numerics.noise_floor import NoiseFloor
 
@@ -64,6 +64,7 @@ def test_a_channel_has_one_residual(worn):
         assert gap["floor_with_history"] <= gap["floor"] <= gap["after"]
 
 
+@pytest.mark.slow
 def test_the_reported_error_of_a_tire_that_is_not_delivered_is_that_of_the_baseline_tire(worn, monkeypatch):
     """Both tires are fitted with the same weights of the channels."""
     case, _ = worn
@@ -114,7 +115,7 @@ def compared(seed=0, fx=0.0, fy=0.0, of_fy=1.0):
     before = noise + np.array([[0.0], [of_fy]]) * np.sin(np.arange(6000) / 40.0)
     after = noise + np.stack([np.broadcast_to(one, 6000) for one in (fx, fy)])
     known = np.ones((2, 6000), dtype=bool)
-    return Residuals(np.arange(6000), before, after, known, block % 8 == 5, np.arange(6000), block)
+    return DeliveredResiduals(np.arange(6000), before, after, known, block % 8 == 5, np.arange(6000), block)
 
 
 def judged(residuals):
@@ -169,9 +170,22 @@ def test_a_residual_far_above_the_floor_is_inadequate():
 
 
 def test_a_coefficient_at_its_bound_is_in_the_verdict():
-    one = Finding("load_lag", ("Fy",), {}, 0.0, 0.5, 0.1, 0.87, at_bounds=("LLEN",))
+    one = FoundEffect("load_lag", ("Fy",), {}, 0.0, 0.5, 0.1, 0.87, at_bounds=("LLEN",))
     text = verdict_text([one], (), {}, (), (), {}, (), {"periodic": [], "derived_columns": [], "ignored_columns": []})
     assert text == "Missing: load_lag (probability 87 %; at its bound: LLEN)"
+
+
+def test_an_effect_that_is_more_probably_absent_is_not_called_missing():
+    findings = [
+        FoundEffect(name, ("Fy",), {}, 0.0, 0.5, 0.1, sure) for name, sure in (("load_lag", 0.87), ("conicity", 0.2))
+    ]
+    nothing = {"periodic": [], "derived_columns": [], "ignored_columns": []}
+    text = verdict_text(findings, (), {}, (), (), {}, (), nothing)
+    head, tail = text.split(". ")
+    assert "load_lag" in head
+    assert "conicity" not in head
+    assert "conicity (probability 20 %)" in tail
+    assert "Missing" not in verdict_text(findings[1:], (), {}, (), (), {}, (), nothing)
 
 
 # ------------------------------------------------------------------ evidence for an effect

@@ -13,15 +13,18 @@ from tirefmu.boundary.errors import DataError, TirefmuError, UnknownName
 from tirefmu.boundary.escaping import visible
 from tirefmu.diagnosis.diagnose import diagnose
 from tirefmu.diagnosis.explanations.answer import RankedExplanation
-from tirefmu.diagnosis.reporting import curves_figure, report
+from tirefmu.diagnosis.reporting import report
+from tirefmu.diagnosis.reporting.gain_figure import gain_figure
 from tirefmu.diagnosis.reporting.memory_figure import memory_figure
 from tirefmu.diagnosis.reporting.report import report_page
 from tirefmu.diagnosis.unexplained.formula_proposal import Unknown
 from tirefmu.diagnosis.verdict.adequacy import Adequacy
 from tirefmu.diagnosis.verdict.extrapolation import Extrapolation
-from tirefmu.diagnosis.verdict.findings import Finding, Interval
+from tirefmu.diagnosis.verdict.findings import CoefficientInterval, FoundEffect
 from tirefmu.diagnosis.verdict.result import Diagnosis
 from tirefmu.diagnosis.verdict.verdict import verdict_text
+from tirefmu.drawing import picture as drawn
+from tirefmu.drawing.figure import Figure, Panel
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.added import library
 
@@ -93,6 +96,7 @@ def test_the_probabilities_are_those_of_the_explanations(thrust, tmp_path):
     assert page.index("explanation of the recording") < page.index("<h2")
 
 
+@pytest.mark.slow
 def test_the_result_does_not_depend_on_the_signs_of_the_recording(thrust):
     case, diagnosis = thrust
     turned = case.table.assign(Fy=-case.table["Fy"], Mz=-case.table["Mz"])
@@ -156,7 +160,7 @@ def test_invalid_tables_and_tires_raise_an_error_with_the_parameter_name(tmp_pat
 def with_text(diagnosis, text):
     """Return a diagnosis and a simulation in which every text from files and users is this one."""
     unknown = Unknown((text,), text, False, None, text)
-    finding = replace(diagnosis.found[0], effect=text, coefficients={text: Interval(1.0, 0.0, 2.0)})
+    finding = replace(diagnosis.found[0], effect=text, coefficients={text: CoefficientInterval(1.0, 0.0, 2.0)})
     left = {**diagnosis.recording, "left_aside": {text: text}}
     changed = replace(
         diagnosis, verdict=text, found=(finding,), confounded_with={text: {text: 0.9}}, next_measurement=(text,),
@@ -172,6 +176,8 @@ def page_with_text(thrust, text):
     changed, simulated = with_text(diagnosis, text)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(report, "_maps", lambda *_: [])
+        patch.setattr(drawn, "png", lambda *_: b"")
+        patch.setattr(report, "gain_figure", lambda *_: Figure("gain", "gain", ((Panel("x", "y"),),)))
         return report_page(changed, Recording(case.table, case.signs, text), simulated, text)
 
 
@@ -214,7 +220,7 @@ def test_the_first_screen_has_the_next_measurement_the_picture_and_the_numbers(t
     first = page[page.index(diagnosis.verdict) : page.index("<h2")]
     answer, _, numbers_below = first.partition("<section")
     assert f"Next measurement: {escape('; '.join(diagnosis.next_measurement) or 'none')}" in answer
-    assert numbers_below.partition("<h3>")[2].startswith("Fy over slip")
+    assert numbers_below.partition("<h3>")[2].startswith("What each identified effect adds")
     for channel, one in diagnosis.gap["train"].items():
         (row,) = (text for text in first.split("<tr>") if text.startswith(f"<td>{channel} ("))
         numbers = [f"{one[key]:.4g}" for key in ("before", "after", "floor_with_history")]
@@ -235,16 +241,21 @@ def no_lines_coincide(figure):
             assert np.nanmax(np.abs(np.asarray(first) - np.asarray(second))) > 0.01 * (high - low)
 
 
+def test_the_gain_is_drawn_over_the_input_that_the_effect_acts_through(thrust):
+    """The side force that is missing without camber thrust grows with the inclination; with it nothing is missing."""
+    _, diagnosis = thrust
+    (panel,) = gain_figure(diagnosis).panels
+    assert panel.x == "γ (deg)"
+    assert panel.title.startswith("camber_thrust: F")
+    without, with_it = (series.points[1] for series in panel.series)
+    assert np.abs(with_it).max() < 0.2 * np.abs(without).max()
+    x = panel.series[0].points[0]
+    assert without[np.abs(x) < 0.5].max() < 0.5 * without.max()
+    assert gain_figure(replace(diagnosis, found=())) is None
+
+
 def test_no_panel_has_two_lines_that_coincide(thrust):
     _, diagnosis = thrust
-    lines = {}
-    for channel in diagnosis.time_course:
-        figure = curves_figure.curves_figure(diagnosis, channel)
-        no_lines_coincide(figure)
-        lines[channel] = {len(panel.series) for panel in figure.panels}
-    # Force and residual: before and after are one line in Fx, two in Fy, which camber thrust changes.
-    assert lines["Fx"] == {1, 2}
-    assert lines["Fy"] == {2, 3}
     maps = report._maps(diagnosis)
     assert len(maps) == 3
     for figure in maps:
@@ -259,21 +270,6 @@ def test_no_panel_has_two_lines_that_coincide(thrust):
     assert counts == [1, 2]  # without memory, and with it
 
 
-def test_a_block_with_several_conditions_is_drawn_at_one():
-    """The curve of a panel has one load, camber and other slip; its title states them."""
-    steps = np.linspace(-0.2, 0.2, 40)
-    parts = [(0.0, 900.0, 0.0), (0.0, 900.0, 0.0), (0.1, 900.0, 0.0), (0.0, 500.0, 0.0), (0.0, 900.0, 0.07)]
-    rows = pd.concat(
-        [pd.DataFrame({"alpha": steps, "kappa": k, "Fz": load, "gamma": camber}) for k, load, camber in parts],
-        ignore_index=True,
-    )
-    slip, drawn = curves_figure._swept(rows, ["alpha", "kappa"])
-    assert slip == "alpha"
-    np.testing.assert_array_equal(np.flatnonzero(drawn), np.arange(80))
-    texts = [curves_figure._level_text(rows["Fz"][mask], "Fz", 0) for mask in (drawn, drawn | True)]
-    assert texts == ["900 N", "500 to 900 N"]
-
-
 @pytest.mark.parametrize("text", HOSTILE)
 def test_the_json_is_valid_for_any_text(thrust, text, tmp_path):
     def refuse(constant):
@@ -284,7 +280,7 @@ def test_the_json_is_valid_for_any_text(thrust, text, tmp_path):
 
 
 def test_every_yes_or_no_of_the_json_is_true_or_false(thrust):
-    names = declared_flags(Diagnosis, RankedExplanation, Finding, Adequacy, Unknown, Extrapolation)
+    names = declared_flags(Diagnosis, RankedExplanation, FoundEffect, Adequacy, Unknown, Extrapolation)
     numbers = Adequacy("Fy", np.float64(20.0), np.float64(10.0), "", (), np.bool_(True))  # of NumPy, as computed
     unknown = Unknown(("T",), "", False)
     reported = replace(thrust[1], unknown=(unknown,), adequacy=(*thrust[1].adequacy, numbers)).to_json()
@@ -295,6 +291,7 @@ def test_every_yes_or_no_of_the_json_is_true_or_false(thrust):
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_what_nothing_explains_is_in_the_verdict():
     """Friction changes slowly with time: the bench cleaned its belt twice, and recorded nothing of it."""
     case = make_case(1)
@@ -346,7 +343,7 @@ def test_a_wave_far_below_the_noise_floor_is_not_in_the_verdict():
 
 
 def test_the_verdict_has_every_explanation_that_the_page_lists_as_confounded():
-    finding = Finding("relax_lat", ("Fy",), {}, 1e-9, 0.5, 0.01, 0.8)
+    finding = FoundEffect("relax_lat", ("Fy",), {}, 1e-9, 0.5, 0.01, 0.8)
     confounded = {"relax_lat": {"relax_load": 0.71, "relax_slip": 0.95}}
     recording = {"periodic": [], "derived_columns": [], "ignored_columns": []}
     text = verdict_text((finding,), (), confounded, (), (), {}, (), recording)
@@ -362,6 +359,7 @@ def test_no_effect_is_identified_without_a_missing_effect():
     assert diagnosis.detectable["temp_friction"]["Fy"] > 0.0
 
 
+@pytest.mark.slow
 def test_sensor_errors_are_reported_as_confounded_only():
     diagnosis = answer(make_case(21, ("plysteer",)))
     assert [one.effect for one in diagnosis.found] == ["plysteer"]

@@ -13,13 +13,14 @@ from tirefmu.diagnosis.explanations.compare import compared
 from tirefmu.diagnosis.explanations.discrepancy import effect_discrepancy, model_discrepancy, smooth_functions
 from tirefmu.diagnosis.explanations.evidence import NormalEquations, Projected
 from tirefmu.diagnosis.explanations.explanation import UNKNOWN, Explanation, Term
-from tirefmu.diagnosis.explanations.linearization import Linearization
+from tirefmu.diagnosis.explanations.gains import rivals_of
+from tirefmu.diagnosis.explanations.linearization import Addition, Linearization
 from tirefmu.diagnosis.explanations.refit import shared_problem
 from tirefmu.diagnosis.explanations.terms import unknown_terms
 from tirefmu.diagnosis.probing.baseline_fit import fit_baseline
 from tirefmu.diagnosis.probing.candidates import candidates_for
-from tirefmu.diagnosis.recording.signals import signals_of
-from tirefmu.diagnosis.recording.skew import between_rows
+from tirefmu.diagnosis.signals.signals import signals_of
+from tirefmu.diagnosis.signals.skew import between_rows
 from tirefmu.diagnosis.thresholds import EFFECT_ODDS, INEXACT_SHARE
 from tirefmu.diagnosis.verdict.verdict import percent
 from tirefmu.symbolic.detection import Form
@@ -91,6 +92,17 @@ def test_a_column_is_correlated_with_the_columns_that_reproduce_it(linear_proble
 
 
 # ------------------------------------------------------------------ the answer
+
+
+def test_an_effect_with_the_same_columns_is_tried_in_place_of_another_one():
+    rng = np.random.default_rng(0)
+    fixed, part, other = rng.standard_normal((3, 400, 1))
+    same = 3.0 * part + fixed  # all that differs is in the explanation already
+    rows = np.concatenate([fixed, part, same, other], axis=1)
+    normal = NormalEquations(rows.T @ rows, np.zeros(4), 0.0, np.ones(4), np.zeros(4))
+    additions = [Addition(name, np.zeros((1, 1, 1)), np.ones(1)) for name in ("part", "same", "other")]
+    assert rivals_of({"part"}, Projected.of(normal, [1, 1, 1]), additions) == ("same",)
+    assert rivals_of((), Projected.of(normal, [1, 1, 1]), additions) == ()
 
 
 def test_the_answer_is_a_distribution_over_explanations():
@@ -269,6 +281,7 @@ def test_a_misfit_counts_less_where_more_is_explained(sideways):
     assert squares == pytest.approx([squares[0], squares[0] / 2.0, squares[0] / 10.0], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_what_is_compared_does_not_depend_on_the_order_of_the_candidates(sideways):
     problem, solution, candidates = sideways
     reverse = dict(reversed(candidates.items()))

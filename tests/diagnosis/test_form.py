@@ -9,7 +9,7 @@ import pytest
 from tirefmu.diagnosis.diagnose import _start_model
 from tirefmu.diagnosis.explanations.form import FORM, form_effect, form_of
 from tirefmu.diagnosis.probing.baseline_fit import fit_baseline
-from tirefmu.diagnosis.recording.signals import signals_of
+from tirefmu.diagnosis.signals.signals import signals_of
 from tirefmu.diagnosis.verdict.improved_tire import tire_of
 from tirefmu.tires import tire_from
 
@@ -37,6 +37,7 @@ def test_an_exact_form_is_not_corrected(made):
     assert form_of(*made) is None
 
 
+@pytest.mark.slow
 def test_what_the_formula_errs_by_is_corrected_on_rows_that_no_fit_used(made):
     problem, solution, start = made
     wrong = distorted(problem, 0.08)

@@ -8,7 +8,7 @@ import pytest
 
 from tirefmu.diagnosis.explanations.final import balanced
 from tirefmu.diagnosis.least_squares import LeastSquares
-from tirefmu.diagnosis.recording.disturbances import reported_disturbances
+from tirefmu.diagnosis.signals.disturbances import reported_disturbances
 from tirefmu.diagnosis.thresholds import MAX_CROSS_TALK
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.models import model_named

@@ -11,9 +11,9 @@ import pytest
 
 from tirefmu.diagnosis import diagnose, write_report
 from tirefmu.diagnosis.probing.candidates import candidates_for, is_testable
-from tirefmu.diagnosis.recording.load_error import load_error_responses
-from tirefmu.diagnosis.recording.signals import FORMULA_SIGNS, signals_of
-from tirefmu.diagnosis.recording.simulation import Simulator
+from tirefmu.diagnosis.signals.disturbances import load_error_responses
+from tirefmu.diagnosis.signals.signals import FORMULA_SIGNS, signals_of
+from tirefmu.diagnosis.signals.simulation import Simulator
 from tirefmu.diagnosis.unexplained.features import features
 from tirefmu.measurements import Recording
 from tirefmu.measurements.turn_slip import with_turn_slip
@@ -110,6 +110,7 @@ def test_the_response_to_a_load_error_follows_the_direction_of_slip():
     assert np.mean((side * at_once)[falling] < 0.0) > 0.95
 
 
+@pytest.mark.slow
 def test_the_history_of_slip_is_identified_and_shown(tmp_path):
     table = recorded(tire_with("slip_history", **SLIP_HISTORY))
     result = diagnose(table, signs=FORMULA_SIGNS, effects=BASE, nominal=NOMINAL)
@@ -122,6 +123,7 @@ def test_the_history_of_slip_is_identified_and_shown(tmp_path):
     assert "<h2>Memory</h2>" in page
 
 
+@pytest.mark.slow
 def test_hysteresis_of_one_axis_leaves_the_other_one():
     """Both slips take turns; the brake force has no hysteresis."""
     table = program()

@@ -7,7 +7,7 @@ import pytest
 
 from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.diagnosis.probing.baseline_fit import reweighted
-from tirefmu.diagnosis.recording.measurement_artefacts import quantisation, ripple
+from tirefmu.diagnosis.signals.measurement_artefacts import quantisation, ripple
 from tirefmu.diagnosis.thresholds import MAX_CHANGE, OUTLIER
 from tirefmu.diagnosis.verdict.extrapolation import extrapolations, outside
 from tirefmu.diagnosis.verdict.fit_error import delivered_residuals, fit_errors, floors_of

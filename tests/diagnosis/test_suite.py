@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 from tirefmu.diagnosis.diagnose import diagnose
-from tirefmu.diagnosis.recording.signals import signals_of
+from tirefmu.diagnosis.signals.signals import signals_of
 from tirefmu.diagnosis.unexplained.features import features
 from tirefmu.diagnosis.verdict import composition
 from tirefmu.diagnosis.verdict.delivery import reasons_against

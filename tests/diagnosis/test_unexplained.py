@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tirefmu.diagnosis.probing.effect_probing import Screen
-from tirefmu.diagnosis.recording.simulation import Simulator
+from tirefmu.diagnosis.signals.simulation import Simulator
 from tirefmu.diagnosis.unexplained.features import (
     Feature,
     determined,
@@ -14,10 +14,8 @@ from tirefmu.diagnosis.unexplained.features import (
     features,
     locations_of,
 )
-from tirefmu.diagnosis.unexplained.formula_proposal import effect_of
+from tirefmu.diagnosis.unexplained.formula_proposal import Dictionary, UnexplainedStructure, effect_of
 from tirefmu.diagnosis.unexplained.past import STATES, _low_pass
-from tirefmu.diagnosis.unexplained.proposal import Dictionary
-from tirefmu.diagnosis.unexplained.structure import Structure
 from tirefmu.symbolic.added import library
 
 
@@ -138,7 +136,7 @@ def test_the_states_of_a_proposal_resemble_the_features(at_true_values):
     place = next(one for one in locations_of(simulator.symbolic_model) if one.name == "friction")
     past = [one for many in features(at_true_values.signals, simulator.tire) for one in many if not one.expressible]
     assert {state for one in past for state in one.states} == STATES.keys()
-    effect = effect_of(Structure(place, tuple(past), (size,) * len(past)))
+    effect = effect_of(UnexplainedStructure(place, tuple(past), (size,) * len(past)))
     tire = replace(simulator.tire, added=(*simulator.tire.added, effect))
     signals = at_true_values.signals.with_inputs_of(tire)
     assert signals.names == tire.inputs
@@ -165,7 +163,7 @@ def test_a_formula_has_its_variables_and_sizes(at_true_values):
     (place,) = [one for one in locations_of(simulator.symbolic_model) if one.name == "side force"]
     even, _ = features(at_true_values.signals, simulator.tire)
     (camber,) = [one for one in even if one.text == "10*absolute(gamma)"]
-    structure = Structure(place, (camber,), (0.25,))
+    structure = UnexplainedStructure(place, (camber,), (0.25,))
     assert structure.depends_on == ("Fz", "gamma")
     assert structure.formula.endswith("term: +0.25*10*absolute(gamma)")
     assert structure.formula_with([-0.5]).endswith("term: -0.5*10*absolute(gamma)")

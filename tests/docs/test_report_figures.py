@@ -11,7 +11,7 @@ import pytest
 
 from tirefmu.commands.cli import main
 from tirefmu.drawing import page, picture
-from tirefmu.drawing.style import CONTRAST, contrast
+from tirefmu.drawing.style import CONTRAST, DASHED, SOLID, contrast
 from tirefmu.tires.drawing import files
 
 PAGE = (Path(__file__).parents[2] / "docs" / "report_figures.md").read_text(encoding="utf-8")
@@ -58,7 +58,7 @@ def panel(figures, heading, start):
 
 
 def levels(panel):
-    """Return the curves with a label in the legend."""
+    """Return the curves with a name."""
     return [series for series in panel.series if series.kind == "line" and series.label]
 
 
@@ -111,36 +111,38 @@ def test_side_force_over_kappa_at_three_degrees_has_a_curve_for_each_camber(draw
     assert "R²" in found.title
 
 
-def test_old_and_new_parameters_have_the_same_axes(drawn):
+def test_old_and_new_parameters_are_drawn_over_each_other_with_their_difference(drawn):
     figures = drawn[0]["compare"]
-    old, new = (panel(figures, "Pure slip: Fy over alpha", name) for name in ("trento_hoosier", "my"))
-    (figure,) = [drawing for drawing in figures if old in drawing.panels]
-    assert figure.limits(old) == figure.limits(new)
-    assert [line.label for line in levels(old)] == [line.label for line in levels(new)]
+    (both, difference) = panels_of(figures, "Pure slip: Fy over alpha").values()
+    old, new = ([line for line in levels(both) if line.dashes == dashes] for dashes in (DASHED, SOLID))
+    assert [line.label for line in old] == [line.label for line in new] == [line.label for line in levels(difference)]
+    for first, second, third in zip(old, new, levels(difference), strict=True):
+        np.testing.assert_allclose(second.points[1] - first.points[1], third.points[1], atol=1e-9)
     (over_load,) = panels_of(figures, "Cornering stiffness over load").values()
     assert over_load.y == "cornering stiffness (N/deg)"
     assert all((line.points[1] > 0.0).all() for line in over_load.series)
 
 
-def test_the_small_tire_has_crosses_and_the_full_range_of_slip(drawn):
+def test_the_small_tire_has_points_and_the_full_range_of_slip(drawn):
     pure, combined = (drawing for drawing in drawn[0]["draw"] if hasattr(drawing, "title"))
     surfaces = [drawing for drawing in drawn[0]["draw"] if hasattr(drawing, "axes")]
     over_kappa = next(panel for panel in pure.panels if plain(panel.x) == "kappa (-)")
     assert over_kappa.x_limits == (-1.1, 1.1)
     for figure in (pure, combined):
-        crosses = [series for panel in figure.panels for series in panel.series if series.marker == "x"]
-        assert sum(series.points.shape[1] for series in crosses) > 20
+        points = [series for panel in figure.panels for series in panel.series if series.kind == "points"]
+        assert sum(series.points.shape[1] for series in points) > 20
     assert len(surfaces) == 3
     for figure in surfaces:
         solids = [ax for ax in figure.axes if ax.name == "3d"]
         assert len(solids) == 2
-        assert sum(len(line.get_xdata()) for ax in solids for line in ax.get_lines() if line.get_marker() == "x") > 20
+        assert sum(len(line.get_xdata()) for ax in solids for line in ax.get_lines() if line.get_marker() == "o") > 20
     assert [len(levels(panel)) for panel in combined.panels] == [9, 9, 9]  # -20 to 20 deg in steps of 5
 
 
-def test_levels_differ_in_more_than_color_and_are_readable(drawn):
+def test_levels_have_solid_lines_and_readable_names(drawn):
     for heading in ("Pure side force", "Forces at combined slip"):
         for found in panels_of(drawn[0]["fit"], heading).values():
             lines = levels(found)
-            assert len({line.dashes for line in lines}) == len(lines)
+            assert len({line.label for line in lines}) == len(lines)
+            assert all(line.dashes == SOLID for line in lines)
             assert all(contrast(line.color) >= CONTRAST for line in lines)

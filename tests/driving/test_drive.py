@@ -19,10 +19,10 @@ from tirefmu.applications.driving.dynamics.lagging import behind_lags
 from tirefmu.applications.driving.effects import effect_columns, factor_values, motion_of
 from tirefmu.applications.driving.estimate import estimated
 from tirefmu.applications.driving.factors import scaled_tires, withheld
+from tirefmu.applications.driving.figures import write_drive
 from tirefmu.applications.driving.inputs.car import Car
 from tirefmu.applications.driving.interval import interval_of
-from tirefmu.applications.driving.report import write_drive
-from tirefmu.applications.driving.rivals import Explanation, Rival, forces_of
+from tirefmu.applications.driving.rivals import DriveExplanation, Rival, forces_of
 from tirefmu.applications.driving.trust.contradiction import contradiction_of
 from tirefmu.applications.driving.trust.left_out import is_better
 from tirefmu.boundary.errors import DataError, TirefmuError
@@ -188,23 +188,27 @@ def relaxing(car):
 @pytest.mark.slow
 def test_a_relaxation_length_is_that_of_the_truth(relaxing):
     answer, length = relaxing
-    assert answer.verdict.effects[0].coefficients["SIGY"] == pytest.approx(length, rel=0.25)
+    likely = {finding.effect: finding.coefficients for finding in answer.verdict.effects}
+    assert likely["relax_lat"]["SIGY"] == pytest.approx(length, rel=0.25)
 
 
+@pytest.mark.slow
 def test_an_effect_is_a_name_only_if_it_is_certain_and_predicts(relaxing):
     answer, _ = relaxing
-    assert answer.verdict.effects[0].effect == "relax_lat"
+    # 14 s do not separate a relaxation from all other effects: it is a likely one, and need not be the name.
+    assert "relax_lat" in {finding.effect for finding in answer.verdict.effects}
     assert (answer.verdict.effect == "relax_lat") == (answer.verdict.lacking > 0.95)
     assert "axle: the drive disagrees most with its tire file" in " ".join(answer.verdict.lines)
 
 
+@pytest.mark.slow
 def test_a_drive_estimated_with_an_effect_has_it_in_its_tires(relaxing):
     answer, length = relaxing
     given = answer.grid, answer.estimate, answer.unknowns, answer.car
     factors = factor_values(answer.unknowns, answer.estimate.z)
     columns = effect_columns(motion_of(*given), answer.tires, factors)
     missing, u = next((missing, u) for missing, u, _ in columns if missing.name == "relax_lat")
-    base = Explanation(None, answer.grid, answer.estimate)
+    base = DriveExplanation(None, answer.grid, answer.estimate)
     interval = interval_of(
         answer.car, answer.tires, answer.unknowns, sampled=answer.grid.sampled, spins=CORNERS, step=answer.grid.step
     )
@@ -249,14 +253,15 @@ def test_a_wrong_car_is_no_finding_of_a_tire(tire):
     assert {finding.name for finding in verdict.car} <= {"ratio"}
 
 
-def test_a_signalbehind_lags_a_lag_is_that_of_the_differential_equation():
+def test_a_signal_behind_a_lag_is_that_of_the_differential_equation():
     step, t = 0.05, 0.05 * np.arange(200)
     omega, lag = 2 * np.pi * 1.2, 0.06
-    late = behind_lags(np.sin(omega * t)[None], np.full((1, len(t)), lag), step)[0][0] + np.sin(omega * t)
+    late = behind_lags(np.sin(omega * t)[None], np.full((1, len(t)), lag), step)[0] + np.sin(omega * t)
     exact = (np.sin(omega * t) - omega * lag * np.cos(omega * t)) / (1.0 + (omega * lag) ** 2)
     np.testing.assert_allclose(late[20:-5], exact[20:-5], atol=2e-3)
 
 
+@pytest.mark.slow
 def test_without_a_peak_friction_is_not_determined(car, tire):
     logs, _ = road.made_drives([SAME], ["sweep"], [False], seed=2, seconds=10.0)
     answer = tirefmu.drive(logs[0], vehicle=car, tire=tire)

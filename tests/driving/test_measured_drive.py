@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+import pytest
+
 import tirefmu
 from tirefmu.applications.driving.inputs.car import read_car
 
@@ -12,6 +14,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 import dart
 
 
+@pytest.mark.slow
 def test_friction_of_a_slippery_floor_is_lower_and_its_stiffness_is_not(data_folder):
     name, first = dart.SLIPPERY[0]
     log = dart.recorded(data_folder / "dart" / name, first)

@@ -69,3 +69,30 @@ def test_a_table_of_a_bench_is_no_log(tmp_path, monkeypatch, capsys):
     )
     main(["inspect", "bench.csv"])
     assert "the log of a drive" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("columns", "wrong"),
+    [("yaw_rate=Gyro Z,steer=-Steered Angle [deg]", ""), ("steer=Gyro Z [deg],yaw_rate=-Gyro Z [deg/s]", "sign")],
+)
+def test_what_the_user_names_is_proposed_as_named(tmp_path, monkeypatch, capsys, columns, wrong):
+    monkeypatch.chdir(tmp_path)
+    CASES["left"].to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv", "--columns", columns, "--json", "found.json"]) == 0
+    assert "the log of a drive" in capsys.readouterr().out
+    found = json.loads((tmp_path / "found.json").read_text(encoding="utf-8"))
+    for entry in columns.split(","):
+        name, _, text = entry.partition("=")
+        assert found["proposal"][name] == text
+    assert any(wrong in note for note in found["notes"]) or not wrong
+
+
+def test_a_column_that_a_log_lacks_is_named(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    CASES["left"].to_csv("log.csv", index=False)
+    for columns in ("yaw_rate=Gyro Y", "yawrate=Gyro Z"):
+        assert main(["inspect", "log.csv", "--columns", columns]) == 2
+    assert main(["inspect", "log.csv", "--units", "yaw_rate=deg/s"]) == 2
+    error = capsys.readouterr().err
+    assert "no column 'Gyro Y' (yaw_rate): did you mean Gyro Z" in error
+    assert "unknown channel 'yawrate': did you mean yaw_rate" in error

@@ -11,8 +11,7 @@ from hashlib import sha256
 import pytest
 
 from tests.hostile import HOSTILE, Skeleton
-from tirefmu.applications.explorer.explore import page_text
-from tirefmu.applications.explorer.fit_intervals import fit_intervals
+from tirefmu.applications.explorer.explore import fit_intervals, page_text
 from tirefmu.boundary.errors import TirefmuError, UnknownName
 from tirefmu.commands.cli import main
 from tirefmu.symbolic.added import AddedEffect

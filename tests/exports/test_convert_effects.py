@@ -19,9 +19,11 @@ from tirefmu.symbolic.added import library, read_effect
 from tirefmu.symbolic.models import MODELS, whole_library
 from tirefmu.tires import Tire, read_tir
 
-from ..relatives import slow_relatives
+from ..relatives import TESTED, is_slow
 from .conftest import FIALA
 
+#: Models that take long.
+LARGE = {name for name in MODELS if name == TESTED or is_slow(name)}
 #: Few operating conditions, for the laws without a fit.
 ROWS = pd.DataFrame({"kappa": [0.0, 0.05, -0.1, 0.0], "alpha": [0.08, 0.0, 0.05, -0.15], "gamma": 0.02, "Fz": 3000.0})
 
@@ -44,7 +46,7 @@ def with_effect(tire, effect):
     return replace(extended, values=given, effects={*tire.has, effect.name})
 
 
-@pytest.mark.parametrize("model", slow_relatives(MODELS))
+@pytest.mark.parametrize("model", [pytest.param(name, marks=[pytest.mark.slow] * (name in LARGE)) for name in MODELS])
 def test_a_tire_with_an_effect_converts_for_every_host(model, tire_of, tmp_path, monkeypatch):
     """The fits are replaced by their start: what is fitted is tested below."""
     monkeypatch.setattr(conversion, "_operating_range", lambda tire: ROWS)

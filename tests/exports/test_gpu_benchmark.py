@@ -8,11 +8,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from .conftest import tool
 
 SCRIPT = Path(__file__).parents[2] / "benchmarks" / "gpu.py"
 
 
+@pytest.mark.slow
 def test_every_library_that_is_installed_agrees_with_numpy(tmp_path):
     """The measurement reads the prepared folder only: it runs where nothing but NumPy and the libraries exist."""
     tool("cc")

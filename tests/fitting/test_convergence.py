@@ -9,8 +9,7 @@ import pytest
 
 from tirefmu.fitting.constraints.constraint_functions import ConstraintFunctions
 from tirefmu.fitting.constraints.physical import Constraint
-from tirefmu.fitting.problem.regularization import Ridge
-from tirefmu.fitting.problem.weighted_residuals import Problem
+from tirefmu.fitting.problem.weighted_residuals import Problem, Ridge
 from tirefmu.fitting.solvers.convergence import GaussNewton
 from tirefmu.fitting.solvers.ipopt import INTERRUPTED, SolverResult, solve
 

@@ -31,7 +31,7 @@ def fits():
 
 
 def errors(fits, group):
-    return {each.channel: each for each in fits[group][1].solution.discrepancies}
+    return {each.channel: each for each in fits[group][1].uncertainty.discrepancies}
 
 
 def test_noise_has_no_error_of_the_form(fits):

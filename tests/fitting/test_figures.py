@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tirefmu.boundary.errors import DataError, FitError
-from tirefmu.fitting.evidence.curves import compare
+from tirefmu.fitting.checks.curves import compare
 from tirefmu.fitting.reporting.figures import draw_figures, weighting_figure
 from tirefmu.fitting.reporting.load_figures import data_text, friction_over_load, largest_friction, stiffness_over_load
 from tirefmu.measurements import (

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.boundary.errors import FitError
+from tirefmu.boundary.errors import DataError, FitError
 from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, write_table
 from tirefmu.symbolic.models import model_named
@@ -162,14 +162,10 @@ def test_one_load_without_inclination_does_not_determine_their_coefficients(know
     assert result.tire.ranges.keys() == {"alpha"}  # constant inputs have no range
 
 
-def test_a_table_without_load_is_the_table_at_the_nominal_load(known, make):
-    recording = VirtualBench(known, Noise.none()).run(alpha_sweeps([700.0], sample_rate=20.0))
-    held = recording.table[["t", "alpha", "Fy"]].assign(Fz=700.0)
-    fits = [make.fit(Recording(table, recording.signs, "a")) for table in (held, held.drop(columns="Fz"))]
-    with_load, without = ([vars(one) for one in result.findings.stiffnesses] for result in fits)
-    assert with_load == without
-    assert len(without) == 1
-    assert fits[0].tire.values == fits[1].tire.values
+def test_a_table_without_load_is_refused_also_with_a_nominal_load(known, make):
+    table = VirtualBench(known, Noise.none()).run(alpha_sweeps([700.0], sample_rate=20.0)).table.drop(columns="Fz")
+    with pytest.raises(DataError, match=r"a: no load Fz: name its column \(--columns Fz=NAME\)"):
+        make.fit(Recording(table, "adapted-sae", "a"))
 
 
 def test_a_later_stage_preserves_values_that_it_does_not_determine(known, make, tmp_path):

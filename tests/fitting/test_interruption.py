@@ -7,11 +7,10 @@ import signal
 import threading
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from tirefmu.fitting.fit_run import FitRun
+from tirefmu.fitting import stage as solution_of_a_stage
 from tirefmu.fitting.solvers.interruption import Interruption
 
 
@@ -71,13 +70,13 @@ def test_an_interrupt_returns_the_best_values_so_far(recording, whole, make, how
 
 
 def test_an_interrupt_before_the_first_stage_has_no_result(recording, make, monkeypatch):
-    from tirefmu.fitting import fit_run
+    prepared = solution_of_a_stage.prepared_stages
 
-    def pressed_too_early(*arguments):
+    def pressed_too_early(setup):
         pressed()
-        return np.ones((1, 5))
+        return prepared(setup)
 
-    monkeypatch.setattr(fit_run, "emphasis", pressed_too_early)
+    monkeypatch.setattr(solution_of_a_stage, "prepared_stages", pressed_too_early)
     with pytest.raises(KeyboardInterrupt):
         make.fit(recording)
 
@@ -93,11 +92,11 @@ def test_an_exception_of_the_progress_callback_is_raised(recording, make):
 def test_a_fit_computes_with_one_thread_of_blas(recording, make, monkeypatch):
     threads = set()
 
-    def look(run, stage):
+    def look(stage, state, interruption):
         threads.update(each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas")
         raise InterruptedError
 
-    monkeypatch.setattr(FitRun, "_run", look)
+    monkeypatch.setattr(solution_of_a_stage, "solve_stage", look)
     with threadpool_limits(limits=2, user_api="blas"), pytest.raises(InterruptedError):
         make.fit(recording)
     assert threads <= {1}

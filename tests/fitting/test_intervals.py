@@ -25,8 +25,8 @@ def noisy(known, make):
 
 def test_the_error_is_the_spread_over_random_coefficients(noisy):
     """Tires with random coefficients from the covariance scatter by the standard error, without errors of the form."""
-    alone = replace(noisy, solution=replace(noisy.solution, discrepancies=()))
-    matrix, tire = noisy.solution.covariance, noisy.tire
+    alone = replace(noisy, uncertainty=replace(noisy.uncertainty, discrepancies=()))
+    matrix, tire = noisy.uncertainty.complete, noisy.tire
     random = np.random.default_rng(1).multivariate_normal(np.zeros(len(matrix)), 1e-6 * matrix.to_numpy(), 400)
     values = np.array([tire.values[name] for name in matrix.index])
     tires = [
@@ -56,7 +56,7 @@ def test_intervals_are_listed_in_the_json(noisy):
     for each in listed:
         assert each["lower"] < each["value"] < each["upper"]
     loads = [each["at"]["Fz"] for each in listed if each["quantity"] == "K_yalpha"]
-    assert loads == pytest.approx(noisy.solution.residuals.levels["Fz"])
+    assert loads == pytest.approx(noisy.residuals.levels["Fz"])
 
 
 def test_bands_are_drawn_and_reported(noisy, known, make, tmp_path):

@@ -13,7 +13,7 @@ import pytest
 from tirefmu.boundary.errors import FitError, TirefmuError, UnknownName
 from tirefmu.commands.demo import SEED, bench_tire
 from tirefmu.fitting import RECIPES, fit, load_recipe
-from tirefmu.fitting.problem.recipe import Freed
+from tirefmu.fitting.problem.recipe import FreeCoefficient
 from tirefmu.measurements import Noise, VirtualBench, trento_program
 from tirefmu.symbolic.models import MODELS
 
@@ -135,7 +135,7 @@ def test_a_user_defined_recipe(tmp_path):
     (stage,) = recipe.stages
     assert recipe.name == "own"
     assert stage.where == {"Fz": [(200.0, 100.0), (1000.0, 50.0)], "kappa": [(-0.015, 0.005)]}
-    assert stage.free == {"PDY1": Freed(2.0, 1.0, inf)}
+    assert stage.free == {"PDY1": FreeCoefficient(2.0, 1.0, inf)}
     assert (stage.channels, stage.rows, stage.weights) == (("Fy",), 100, "noise")
     table = pd.DataFrame({"Fz": [200.0, 200.0, 600.0, 980.0, 310.0], "kappa": [-0.012, 0.0, -0.015, -0.019, -0.015]})
     assert list(stage.select(table).index) == [0, 3]

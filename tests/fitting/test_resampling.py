@@ -19,7 +19,6 @@ from tirefmu.fitting.resampling.bootstrap import (
     sweeps_of,
 )
 from tirefmu.fitting.resampling.leverage import corrections, corrections_of
-from tirefmu.fitting.results.solved_stage import FitSolution
 from tirefmu.fitting.uncertainty.sandwich import sandwich
 from tirefmu.measurements import Noise
 
@@ -54,7 +53,7 @@ def test_the_replicates_have_the_covariance_of_sweeps_as_clusters(noisy, replica
     curvature = sandwich(problem, stage.x)[0] + stage.ridge * np.eye(len(stage.x))
     gradients = []
     for sweep in np.unique(tasks[0].sweeps):
-        weight = np.where(tasks[0].sweeps[stage.rows] == sweep, problem.rows.weight, 0.0)
+        weight = np.where(tasks[0].sweeps[stage.numbers] == sweep, problem.rows.weight, 0.0)
         own = replace(problem, rows=replace(problem.rows, weight=weight), targets=())
         gradients.append(own.derivatives(stage.x)[1])
     changes = np.linalg.solve(curvature, np.array(gradients).T) * problem.scale[:, None]
@@ -97,12 +96,13 @@ def test_deviations_are_those_of_fits_to_new_noise_if_multiplied_by_the_leverage
 
 
 def test_a_coefficient_at_a_bound_has_no_correction(replicated):
-    stage = replicated[0][0].stages[0]
+    task = replicated[0][0]
+    stage, determined = task.stages[0], task.determined[0]
     fixed = stage.problem.free.index("PKY1")
     lower = np.where(np.arange(len(stage.x)) == fixed, stage.x, stage.lower)
-    found = corrections(replace(stage, lower=lower), replicated[0][0].sweeps)
+    found = corrections(replace(stage, bounds=np.array([lower, stage.upper])), determined, task.sweeps)
     assert "PKY1" not in found
-    assert found.keys() == corrections(stage, replicated[0][0].sweeps).keys() - {"PKY1"}
+    assert found.keys() == corrections(stage, determined, task.sweeps).keys() - {"PKY1"}
 
 
 def test_expanded_percentiles_are_those_of_converged_replicates_in_the_signs_of_the_result(noisy, replicated):
@@ -116,7 +116,7 @@ def test_expanded_percentiles_are_those_of_converged_replicates_in_the_signs_of_
     interval = found.bootstrap.interval("PKY1")
     stage = tasks[0].stages[0]
     value = stage.x[free.index("PKY1")] * stage.problem.scale[free.index("PKY1")]
-    correction = corrections(stage, tasks[0].sweeps)["PKY1"]
+    correction = corrections(stage, tasks[0].determined[0], tasks[0].sweeps)["PKY1"]
     assert correction.expansion > correction.leverage > 1.0
     expected = value + correction.expansion * (np.percentile(column, [2.5, 97.5], method="weibull") - value)
     np.testing.assert_allclose([-interval.upper, -interval.lower], expected)
@@ -138,4 +138,4 @@ def test_a_bootstrap_needs_sweeps_and_replicates(noisy, known, make):
     with pytest.raises(FitError, match="the tables are not those of the fit"):
         replicate_tasks(result, [short], 100, 0)
     with pytest.raises(FitError, match="no stage of the fit used all of its rows"):
-        replicate_tasks(replace(result, solution=FitSolution()), [recording], 100, 0)
+        replicate_tasks(replace(result, run=replace(result.run, stages=())), [recording], 100, 0)

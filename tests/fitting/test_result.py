@@ -14,7 +14,7 @@ from hypothesis.extra.numpy import arrays
 
 from tirefmu.boundary.errors import FitError, UnknownName
 from tirefmu.fitting.constraints.verification import Margin
-from tirefmu.fitting.results.records import StageFit, quality
+from tirefmu.fitting.results.records import quality
 from tirefmu.fitting.uncertainty.sandwich import QUANTILE
 from tirefmu.tires import read_tir
 
@@ -61,7 +61,7 @@ def test_ok_requires_converged_stages_and_satisfied_constraints(side_fit):
     result, _ = side_fit
     assert result.ok
     assert result.status == "converged"
-    failed = StageFit("late", 10, 2, 300, False, "iteration limit", 1.0, 0.5)
+    failed = replace(result.stages[-1], name="late", converged=False, reason="iteration limit")
     late = replace(result, run=replace(result.run, stages=(*result.stages, failed)))
     assert not late.ok
     assert late.status == "not converged: stage 'late' ended: iteration limit"
@@ -181,7 +181,7 @@ def test_a_result_draws_the_fitted_rows_and_the_tire(side_fit):
     assert "stiffness" in result.plot("stiffness").get_suptitle().lower()
     with pytest.raises(UnknownName, match="did you mean stiffness"):
         result.plot("stifness")
-    empty = replace(result, solution=replace(result.solution, residuals=None))
+    empty = replace(result, residuals=None)
     assert "<img" not in empty._repr_html_()
     with pytest.raises(FitError, match="no fitted rows"):
         empty.plot()

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tirefmu.fitting.evidence.residuals import Residuals
-from tirefmu.fitting.evidence.undetermined import at_bounds
+from tirefmu.fitting.checks.residuals import Residuals
+from tirefmu.fitting.checks.undetermined import at_bounds
 
 
 @pytest.mark.parametrize(

@@ -8,17 +8,17 @@ from types import SimpleNamespace
 import pytest
 
 from tirefmu.fitting import fit
+from tirefmu.fitting.checks.characteristics import Characteristic
+from tirefmu.fitting.checks.clipping import Clipped
+from tirefmu.fitting.checks.continuity import Discontinuity
+from tirefmu.fitting.checks.diagnostics import Findings
+from tirefmu.fitting.checks.slip_stiffness import SlipStiffness
 from tirefmu.fitting.constraints.physical import chosen_constraints
 from tirefmu.fitting.constraints.verification import Margin
 from tirefmu.fitting.data.fit_data import ExcludedRows
-from tirefmu.fitting.evidence.characteristics import Characteristic
-from tirefmu.fitting.evidence.clipping import Clipped
-from tirefmu.fitting.evidence.continuity import Discontinuity
-from tirefmu.fitting.evidence.diagnostics import Findings
-from tirefmu.fitting.evidence.slip_stiffness import SlipStiffness
 from tirefmu.fitting.results.records import ChannelFit
-from tirefmu.fitting.results.solved_stage import FitSolution
 from tirefmu.fitting.results.verdict import verdict_of
+from tirefmu.fitting.uncertainty.sandwich import Uncertainty
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps
 
 
@@ -40,7 +40,7 @@ def judged(side_fit):
     good = {
         "ok": True, "status": "converged", "tire": result.tire, "coefficients": (),
         "channels": tuple(replace(result.channels[0], channel=name, recording="a.csv") for name in ("Fx", "Fy")),
-        "excluded_rows": (), "bounds": (), "solution": FitSolution(),
+        "excluded_rows": (), "bounds": (), "uncertainty": Uncertainty(), "residuals": None,
         "findings": Findings(stiffnesses=(stiffness(0.02),)),
     }  # fmt: skip
     names = [each.name for own in chosen_constraints(result.tire.model).values() for each in own]

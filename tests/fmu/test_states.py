@@ -65,7 +65,14 @@ def test_a_saved_state_contains_all_states(hosts, tires, name, fmi):
     host.free(saved)
 
 
-@pytest.mark.parametrize(("name", "fmi"), [case for case in CASES if "heated" not in case[0] and case[0] != "warm"])
+@pytest.mark.parametrize(
+    ("name", "fmi"),
+    [
+        pytest.param(*case, marks=[pytest.mark.slow] * (case[0] == "direct"))
+        for case in CASES
+        if "heated" not in case[0] and case[0] != "warm"
+    ],
+)
 def test_a_solver_agrees_with_the_exact_updates(fmus, tires, name, fmi):
     """Model Exchange with CVode, an event where a slip turns, against Co-Simulation, with inputs that jump."""
     tire, step, rng = tires[name], 0.01 if name in LAGGING else 0.1, np.random.default_rng(8)

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tirefmu.boundary.bounded_file import write_whole
 from tirefmu.boundary.errors import DataError
-from tirefmu.boundary.whole_file import write_whole
 from tirefmu.measurements import read_recording
 
 from .harmful import HARMFUL, READ

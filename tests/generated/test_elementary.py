@@ -44,7 +44,7 @@ def built(folder, flags):
     source.write_text(
         "\n".join([INCLUDES, "#define WIDE 1", definitions(functions, KERNEL), functions]), encoding="ascii"
     )
-    return ctypes.CDLL(str(shared_library("elementary", [source], flags=["-fvisibility=default", *flags])))
+    return ctypes.CDLL(str(shared_library("elementary", [source], flags=["-fvisibility=default", "-O2", *flags])))
 
 
 @pytest.fixture(scope="module", params=FLAGS, ids=["all", "native", "plain"])

@@ -49,7 +49,7 @@ def source():
 
 
 def built(name, path, flags, headers=()):
-    flags = ["-fvisibility=default", "-ffp-contract=off", *flags]
+    flags = ["-fvisibility=default", "-ffp-contract=off", "-O2", *flags]
     return ctypes.CDLL(str(shared_library(name, [path], headers=headers, flags=flags)))
 
 

@@ -3,16 +3,22 @@
 import pytest
 
 from tirefmu.boundary.errors import UnknownName
-from tirefmu.measurements.channels import CHANNELS, INPUTS, OUTPUTS, channel
 from tirefmu.measurements.column_names import intended_channel, unit_in_name
 from tirefmu.measurements.units import to_si
-from tirefmu.tires import TABLE_INPUTS, TABLE_OUTPUTS
+from tirefmu.tires import SIGNS, TABLE_INPUTS, TABLE_OUTPUTS
+from tirefmu.tires.channels import CHANNELS, INPUTS, OUTPUTS, channel
 
 
 def test_declarations_are_the_columns_of_the_contract():
-    assert set(INPUTS) == set(TABLE_INPUTS)
-    assert set(OUTPUTS) == set(TABLE_OUTPUTS)
-    assert tuple(CHANNELS) == INPUTS + OUTPUTS
+    assert tuple(CHANNELS) == INPUTS + OUTPUTS == TABLE_INPUTS + TABLE_OUTPUTS
+
+
+def test_every_channel_has_a_random_stream_of_its_own():
+    assert sorted(declared.stream for declared in CHANNELS.values()) == list(range(len(CHANNELS)))
+
+
+def test_what_changes_signs_is_a_convention_or_the_mirror():
+    assert {change for declared in CHANNELS.values() for change in declared.reversed_in} <= {*SIGNS[1:], "mirror"}
 
 
 @pytest.mark.parametrize("name", CHANNELS)

@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 
 from tirefmu.diagnosis.diagnose import with_library
-from tirefmu.diagnosis.recording.signals import signals_of
-from tirefmu.diagnosis.recording.simulation import Simulator
+from tirefmu.diagnosis.signals.signals import signals_of
+from tirefmu.diagnosis.signals.simulation import Simulator
 from tirefmu.fitting import fit
 from tirefmu.fmu.description.interface import interface
 from tirefmu.measurements import Recording
@@ -77,6 +77,7 @@ def test_the_measured_forces_determine_the_starts(recording):
     np.testing.assert_allclose(found, STARTS, atol=0.05)
 
 
+@pytest.mark.slow
 def test_a_fit_estimates_the_starts_and_the_coefficient(recording):
     fitted = fit([recording], start=tire(WARMMU=0.05)).tire
     assert fitted.values["WARMMU"] == pytest.approx(0.15, rel=0.1)

@@ -76,6 +76,7 @@ def test_pairs_of_a_diagnosis(tmp_path):
         pairs_of(tmp_path)
 
 
+@pytest.mark.slow
 def test_command_after_a_diagnosis(tmp_path, capsys):
     folder, bench = answer(tmp_path, {"conicity": ["load_friction"]}), tmp_path / "bench.toml"
     bench.write_text(example_text())
@@ -104,6 +105,7 @@ levels = 2
 """
 
 
+@pytest.mark.slow
 def test_the_documented_chain_ends_with_the_effect(tmp_path):
     """Load and pressure change together in the first recording, so that it does not tell their effects apart."""
     golden = read_tir("tests/golden/MagicFormula61_Parameters.tir")

@@ -46,6 +46,14 @@ def test_the_tables_are_shown_with_the_state_of_each_row(window):
     assert page.result("data")[0]["counts"] == {"fitted": rows}
 
 
+def test_the_example_is_added_as_a_table_that_can_be_fitted(window):
+    assert window.page.result("example") is None
+    table = window.page.result("data")[-1]
+    assert table["name"] == "example.csv"
+    assert set(table["counts"]) == {"fitted"}
+    assert "exists already" in window.page.edit("example")["error"]
+
+
 def test_a_table_that_cannot_be_read_has_its_error_and_can_be_removed(window):
     answer = window.client.post(f"/{TOKEN}/upload/bad.csv", content=b"alpha,Fz\nx,y\n", headers={"origin": ORIGIN})
     assert (answer.status_code, answer.text) == (200, "bad.csv")

@@ -74,8 +74,8 @@ def test_lines_stay_short(model):
 @pytest.mark.parametrize("effects", [None, [], ["camber_thrust"]])
 def test_the_lines_contain_no_switch(model, effects):
     effects = effects and [name for name in effects if name in model.effects]
-    for straight in (False, True):
-        assert not any(line.expression.has(Switch, Choice, Variant) for line in model.lines(effects, straight=straight))
+    for plain in (False, True):
+        assert not any(line.expression.has(Switch, Choice, Variant) for line in model.lines(effects, plain=plain))
 
 
 def test_inner_steps_reach_a_named_quantity(model):

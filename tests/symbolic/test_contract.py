@@ -190,6 +190,7 @@ def test_its_fmu_is_the_tire(tire, tmp_path, inputs):
         assert all(channel.r2 > 0.999 for channel in result.channels)
 
 
+@pytest.mark.slow
 def test_a_diagnosis_identifies_the_missing_effect(tire):
     nominal = {"Fz0": 1000.0, "R0": 0.3, "p0": 2e5}
     result = diagnose(bench(tire, 1200), signs="adapted-sae", model="toy", nominal=nominal)

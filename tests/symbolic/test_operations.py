@@ -105,13 +105,11 @@ def test_it_reaches_what_the_lines_reach(name):
 
 
 @pytest.mark.parametrize("name", ALL)
-def test_straight_rows_read_what_the_straight_lines_read(name):
+def test_plain_rows_read_what_the_plain_lines_read(name):
     model = MODELS[name]
-    lines = model.lines(straight=True)
+    lines = model.lines(plain=True)
     for quantity in model.outputs:
-        assert outside(model, model.structure.straight[quantity.name]) == outside(
-            model, read_by(lines, [quantity.name])
-        )
+        assert outside(model, model.structure.plain[quantity.name]) == outside(model, read_by(lines, [quantity.name]))
 
 
 def test_the_stored_text_contains_all_of_it():

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import json
 from base64 import b64decode
+from itertools import pairwise
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tests.hostile import HOSTILE
 from tirefmu.drawing.chart_data import MAX_POINTS, chart_data
-from tirefmu.drawing.figure import Cells, Figure, Panel, Series, band, in_rows
+from tirefmu.drawing.figure import LINE, Cells, Figure, Panel, Series, band, in_rows
 from tirefmu.drawing.picture import picture, png
 
 X = np.linspace(-1.0, 1.0, 7)
-LINE = Series("line", X, -300.0 * X, "#123456", "tire", (4.0, 2.0))
-PANEL = Panel("α (deg)", "Fy (N)", (Series("points", X, 200.0 * X, marker="^"), band(X, X, X + 5.0, "#123456"), LINE))
+TIRE = Series("line", X, -300.0 * X, "#123456", "tire", (4.0, 2.0))
+PANEL = Panel("α (deg)", "Fy (N)", (Series("points", X, 200.0 * X, marker="o"), band(X, X, X + 5.0, "#123456"), TIRE))
 
 
 def figure_of(*panels, columns=2):
@@ -42,6 +45,27 @@ def test_the_chart_and_the_picture_have_the_values_and_the_look():
         assert drawn.get_color() == series["color"]
     np.testing.assert_allclose(panel["limits"], [ax.get_xlim(), ax.get_ylim()])
     assert (ax.get_xlabel(), ax.get_ylabel()) == (panel["x"], panel["y"])
+
+
+def test_bands_are_drawn_on_request_only():
+    for bands in (False, True):
+        figure = Figure("any", "any", ((PANEL,),), bands=bands)
+        assert charts(figure)[0]["bands"] is bands
+        assert len(picture(figure).axes[0].patches) == bands
+
+
+@given(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=12))
+def test_names_are_beside_the_ends_of_their_lines_and_do_not_cover_one_another(ends):
+    lines = tuple(Series("line", [0.0, 1.0], [0.0, y], label=str(i)) for i, y in enumerate(ends))
+    panel = Panel("x", "y", lines, height=4.0)
+    names = figure_of(panel).names(panel)
+    heights = [height for _, _, height in names]
+    assert sorted(label for label, *_ in names) == sorted(line.label for line in lines)
+    assert all(0.0 <= height <= 1.0 for height in heights)
+    assert all(upper - lower > 0.999 * LINE / 4.0 for upper, lower in pairwise(heights))
+    if len(ends) == 1:
+        low, high = figure_of(panel).limits(panel)[1]
+        assert heights == pytest.approx([(ends[0] - low) / (high - low)])
 
 
 def test_panels_with_a_common_axis_have_its_limits():
@@ -87,7 +111,7 @@ def test_a_single_panel_of_a_row_is_as_wide_as_the_others_together():
 
 @pytest.mark.parametrize("text", HOSTILE)
 def test_a_text_is_drawn_literally_and_stays_inside_the_element(text):
-    panel = Panel(text, text, (Series("line", [0.0, 1.0], [0.0, 1.0], label=text),), text, text)
+    panel = Panel(text, text, (Series("line", [0.0, 1.0], [0.0, 1.0], label=text),), text)
     shown = chart_data(figure_of(panel))
     assert "<" not in shown
     ((decoded,),) = json.loads(shown)

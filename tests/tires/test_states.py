@@ -101,7 +101,7 @@ def test_a_step_with_strong_feedback_is_halved():
     """Friction falls so much with heat that an iteration over a long step finds no values."""
     tire = tire_with("heat_friction", lags=False, HMU=2.0, HTAU=1.0, HLOAD=0.0, HCOOL=0.0)
     coarse = pd.DataFrame({"t": 60.0 * np.arange(3), "alpha": [0.0, 0.2, 0.2], "Fz": 6000.0, "V": 30.0})
-    once, often = tire.evaluate(coarse, hold=True), tire.evaluate(split(coarse, 400), hold=True).iloc[::400]
+    once, often = tire.evaluate(coarse, hold=True), tire.evaluate(split(coarse, 100), hold=True).iloc[::100]
     np.testing.assert_allclose(once["tread_heat"], often["tread_heat"], rtol=BOUND["heat_friction"])
 
 
@@ -132,8 +132,8 @@ def smooth(n, end=3.0):
 def test_the_course_converges_to_the_differential_equations(name):
     """Without lagged slips, the lines state_derivative are the right sides of the differential equations."""
     tire = tire_with(name, lags=False, **({"TNMU": 0.005} if name == "two_nodes" else {}))
-    code, parameters, states = code_for(tire.symbolic_model, "numpy"), tire.parameters(), tire.states
-    fine = smooth(2401)
+    code, parameters, states = code_for(tire.symbolic_model, "c"), tire.parameters(), tire.states
+    fine = smooth(1201, end=1.5)
 
     def rates(t, x):
         row = {key: np.interp(t, fine["t"], fine[key]) for key in fine} | dict(zip(states, x, strict=True))
@@ -143,7 +143,7 @@ def test_the_course_converges_to_the_differential_equations(name):
 
     answer = tire.evaluate(fine)
     start = answer[list(states)].iloc[0].to_numpy(dtype=float)
-    exact = solve_ivp(rates, (0.0, 3.0), start, rtol=1e-5, atol=1e-7, max_step=0.05).y[:, -1]
+    exact = solve_ivp(rates, (0.0, 1.5), start, rtol=1e-5, atol=1e-7, max_step=0.05).y[:, -1]
     for column, value in zip(states, exact, strict=True):
         assert answer[column].iloc[-1] == pytest.approx(value, rel=3e-4, abs=1e-4), column
 

@@ -8,11 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ...symbolic.model import Model
+from .buffer_pool import RESULTS
 from .c_code import c_code
-from .interface import Code, all_straight, slices, straight_rows
+from .interface import Code, all_plain, plain_rows, slices
 from .kernel import ChosenDerivatives, Kernel
 from .normal_equations import Equations, EquationsKernel, WeightedRows, equations_by_chunks
-from .result_memory import RESULTS
 
 FloatArray = npt.NDArray[np.float64]
 #: Rows of which the derivatives by inputs, 35 numbers in MF6.1, fit into the second cache of a processor. With a
@@ -31,19 +31,9 @@ def batch_code(model: Model) -> Code:
 def forces_of_each(code: Code, inputs: FloatArray, population: FloatArray) -> FloatArray:
     """Return the forces of many tires of one model at the same rows.
 
-    Parameters
-    ----------
-    code : Code
-        Of the model, in any language.
-    inputs : ndarray, shape (n_inputs, n)
-        In the order of the model, SI, signs of the parameters.
-    population : ndarray, shape (n_tires, n_parameters)
-        They differ in coefficients, not in options.
-
-    Returns
-    -------
-    ndarray, shape (n_tires, n_forces, n)
-        N and N m.
+    `code`: of the model, in any language. `inputs`, shape (n_inputs, n): in the order of the model, SI, signs of the
+    parameters. `population`, shape (n_tires, n_parameters): they differ in coefficients, not in options. Returns shape
+    (n_tires, n_forces, n): N and N m.
     """
     if isinstance(code, _BatchCode):
         return code.forces_of_each(inputs, population)
@@ -55,21 +45,9 @@ def chosen_derivatives(
 ) -> FloatArray:
     """Return some derivatives of the forces by coefficients.
 
-    Parameters
-    ----------
-    code : Code
-        Of the model, in any language.
-    inputs : ndarray, shape (n_inputs, n)
-        In the order of the model, SI, signs of the parameters.
-    parameters : ndarray, shape (n_parameters,)
-        From `Tire.parameters`.
-    entries : ndarray of int, shape (n_chosen,)
-        Indices into `Code.entries`.
-
-    Returns
-    -------
-    ndarray, shape (n_chosen, n)
-        Those of the given entries, in SI units.
+    `code`: of the model, in any language. `inputs`, shape (n_inputs, n): in the order of the model, SI, signs of the
+    parameters. `parameters`, shape (n_parameters,): from `Tire.parameters`. `entries`, shape (n_chosen,): indices into
+    `Code.entries`. Returns shape (n_chosen, n): those of the given entries, in SI units.
     """
     if isinstance(code, _BatchCode):
         return code.chosen_derivatives(inputs, parameters, entries)
@@ -79,19 +57,8 @@ def chosen_derivatives(
 def normal_equations(code: Code, rows: WeightedRows, parameters: FloatArray) -> Equations:
     """Return the normal equations of weighted least squares in chosen coefficients, force by force.
 
-    Parameters
-    ----------
-    code : Code
-        Of the model, in any language.
-    rows : WeightedRows
-        Inputs, residual weights and channels.
-    parameters : ndarray, shape (n_parameters,)
-        From `Tire.parameters`.
-
-    Returns
-    -------
-    list of (ndarray of shape (n,), ndarray of shape (n, n))
-        Gradient J^T W r and matrix J^T W J of each force.
+    `code`: of the model, in any language. `rows`: inputs, residual weights and channels. `parameters`, shape
+    (n_parameters,): from `Tire.parameters`. Returns: gradient J^T W r and matrix J^T W J of each force.
     """
     if isinstance(code, _BatchCode):
         return code.normal_equations(rows, parameters)
@@ -109,9 +76,9 @@ class _BatchCode(Code):
         self._kernel("forces")  # raises CompilerError here rather than at the first use
 
     def forces_of_each(self, inputs: FloatArray, population: FloatArray) -> FloatArray:
-        straight = straight_rows(self._model, inputs, population[0])
+        plain = plain_rows(self._model, inputs, population[0])
         results, undone = self._kernel("forces").each(inputs, population)
-        undone |= ~straight
+        undone |= ~plain
         for i in np.flatnonzero(undone.any(axis=1)):
             results[i][:, undone[i]] = self._single.forces(inputs[:, undone[i]], population[i])
         return results
@@ -119,7 +86,7 @@ class _BatchCode(Code):
     def chosen_derivatives(
         self, inputs: FloatArray, parameters: FloatArray, entries: npt.NDArray[np.intp]
     ) -> FloatArray:
-        if not all_straight(self._model, inputs, parameters):
+        if not all_plain(self._model, inputs, parameters):
             return self.jacobian_entries(inputs, parameters)[entries]
         if self._chosen is None:
             self._chosen = ChosenDerivatives(self._model)
@@ -129,7 +96,7 @@ class _BatchCode(Code):
         return results
 
     def normal_equations(self, rows: WeightedRows, parameters: FloatArray) -> Equations:
-        if not all_straight(self._model, rows.inputs, parameters):
+        if not all_plain(self._model, rows.inputs, parameters):
             return equations_by_chunks(self, rows, parameters)
         if self._equations is None:
             self._equations = EquationsKernel(self._model)
@@ -142,11 +109,11 @@ class _BatchCode(Code):
     def quantities(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         return self._single.quantities(inputs, parameters)
 
-    def drives(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        return self._single.drives(inputs, parameters)
+    def state_lines(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return self._single.state_lines(inputs, parameters)
 
     def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        if not all_straight(self._model, inputs, parameters):
+        if not all_plain(self._model, inputs, parameters):
             return super().jacobian_inputs(inputs, parameters)
         n, forces, columns = inputs.shape[1], len(self._module.FORCES), len(self._module.INPUTS)
         matrices = RESULTS.empty((n, forces * columns))
@@ -166,7 +133,7 @@ class _BatchCode(Code):
     def jacobian_chunks(
         self, inputs: FloatArray, parameters: FloatArray, size: int
     ) -> Iterator[tuple[slice, FloatArray]]:
-        if not all_straight(self._model, inputs, parameters):
+        if not all_plain(self._model, inputs, parameters):
             yield from super().jacobian_chunks(inputs, parameters, size)
             return
         yield from self._chunks("jacobian_parameters", inputs, parameters, size)
@@ -174,7 +141,7 @@ class _BatchCode(Code):
     def _chunks(
         self, routine: str, inputs: FloatArray, parameters: FloatArray, size: int
     ) -> Iterator[tuple[slice, FloatArray]]:
-        """Yield the results of straight rows, shape (n_results, size), each in the same memory.
+        """Yield the results of plain rows, shape (n_results, size), each in the same memory.
 
         One buffer for all chunks: it stays in the processor's cache, and no new memory is allocated.
         """
@@ -204,14 +171,12 @@ class _BatchCode(Code):
         return self._kernels[routine]
 
     def _table(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        straight = (
-            None if all_straight(self._model, inputs, parameters) else straight_rows(self._model, inputs, parameters)
-        )
-        if straight is not None and not straight.any():
+        plain = None if all_plain(self._model, inputs, parameters) else plain_rows(self._model, inputs, parameters)
+        if plain is not None and not plain.any():
             return self._row_by_row(routine, inputs, parameters)
         results, undone = self._kernel(routine)(inputs, parameters)
-        if straight is not None:
-            undone |= ~straight
+        if plain is not None:
+            undone |= ~plain
         if np.count_nonzero(undone):
             results[:, undone] = self._row_by_row(routine, inputs[:, undone], parameters)
         return results

@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ...symbolic.model import Model
+from .buffer_pool import RESULTS
 from .compiler import CompilerError, instruction_set, loaded_library, processor
 from .interface import Code, slices
 from .printed import code_file
-from .result_memory import RESULTS
 
 FloatArray = npt.NDArray[np.float64]
 #: Rows that are transposed at a time: their inputs and forces fit into the second cache of a processor.
@@ -53,7 +53,7 @@ class _CCode(Code):
         self._sizes = {
             "forces": (len(metadata.FORCES),),
             "quantities": (len(metadata.QUANTITIES),),
-            "drives": (len(model.drives),),
+            "state_lines": (len(model.state_lines),),
             "jacobian_inputs": (len(metadata.FORCES), len(metadata.INPUTS)),
             "jacobian_parameters": (len(metadata.FORCES), len(metadata.COEFFICIENTS)),
         }

@@ -32,10 +32,10 @@ def casadi_code(model: Model) -> Code:
     return _CasadiCode(model)
 
 
-def casadi_expression(model: Model, routine: str, inputs: Any, parameters: Any, *, straight: bool = False) -> Any:
+def casadi_expression(model: Model, routine: str, inputs: Any, parameters: Any, *, plain: bool = False) -> Any:
     """Return the results of a routine as an expression, which CasADi can differentiate.
 
-    `routine`: "forces", "quantities", ... `inputs`, `parameters`: columns. `straight`: as for `numpy_routine`. Returns:
+    `routine`: "forces", "quantities", ... `inputs`, `parameters`: columns. `plain`: as for `numpy_routine`. Returns:
     a column; of a Jacobian a matrix with one row a force.
 
     >>> from tirefmu.symbolic.models import model_named
@@ -43,7 +43,7 @@ def casadi_expression(model: Model, routine: str, inputs: Any, parameters: Any, 
     >>> casadi_expression(model_named("mf96"), "forces", x, p).shape
     (3, 1)
     """
-    function = numpy_routine(model, routine, straight=straight)
+    function = numpy_routine(model, routine, plain=plain)
     results = function(ca.vertsplit(inputs), ca.vertsplit(parameters), ARRAYS)
     if routine.startswith("jacobian_"):
         return ca.vertcat(*(ca.horzcat(*row) for row in results))

@@ -60,7 +60,7 @@ def given_lines(
 ) -> GivenLines:
     """Return lines of a model, one object for each.
 
-    `routine`: the printed function that has them, "drives" or "relaxation". `results`: names of lines. `changing`:
+    `routine`: the printed function that has them, "state_lines" or "relaxation". `results`: names of lines. `changing`:
     coefficients; other lines that read these are computed as well, not given.
     """
     return GivenLines(model, routine, results, changing)

@@ -18,12 +18,9 @@ FloatArray = npt.NDArray[np.float64]
 class Code(ABC):
     """What a language's code offers: rows of inputs in, rows of results out.
 
-    Attributes
-    ----------
-    quantities_names : tuple of str
-        Names of the rows of `quantities`, in the letters of the book.
-    entries : ndarray of int, shape (2, n_entries)
-        Force and coefficient of each derivative by coefficients that is not 0 everywhere.
+    - `quantities_names`: names of the rows of `quantities`, in the letters of the book.
+    - `entries`, shape (2, n_entries): force and coefficient of each derivative by coefficients that is not 0
+      everywhere.
     """
 
     def __init__(self, model: Model) -> None:
@@ -41,9 +38,9 @@ class Code(ABC):
         """Return named quantities, shape (n_quantities, n), at inputs of shape (n_inputs, n)."""
         return self._table("quantities", inputs, parameters)
 
-    def drives(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        """Return the lines of `Model.drives`, shape (3 n_states, n): target, rate and start of each state."""
-        return self._table("drives", inputs, parameters)
+    def state_lines(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        """Return the lines of `Model.state_lines`, shape (3 n_states, n): target, rate and start of each state."""
+        return self._table("state_lines", inputs, parameters)
 
     def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         """Return derivatives of the forces by the inputs, shape (n, n_forces, n_inputs)."""
@@ -75,7 +72,7 @@ class Code(ABC):
         return np.ascontiguousarray(table.T).reshape(table.shape[1], len(self._module.FORCES), -1)
 
 
-def straight_rows(model: Model, inputs: FloatArray, parameters: FloatArray) -> npt.NDArray[np.bool_]:
+def plain_rows(model: Model, inputs: FloatArray, parameters: FloatArray) -> npt.NDArray[np.bool_]:
     """Return the rows in which no effect on demand acts and every option that matters has its first value.
 
     `inputs`, shape (n_inputs, n). `parameters`, shape (n_parameters,). Returns shape (n,).
@@ -88,8 +85,8 @@ def straight_rows(model: Model, inputs: FloatArray, parameters: FloatArray) -> n
     return np.asarray((inputs[requesting] == 0).all(axis=0), dtype=np.bool_)
 
 
-def all_straight(model: Model, inputs: FloatArray, parameters: FloatArray) -> bool:
-    """Return whether all rows are straight (`straight_rows`), faster than `straight_rows` itself."""
+def all_plain(model: Model, inputs: FloatArray, parameters: FloatArray) -> bool:
+    """Return whether all rows are plain (`plain_rows`), faster than `plain_rows` itself."""
     options, requesting = _deciding(model)
     # For a hundred rows, any() takes several times as long as count_nonzero().
     return not np.count_nonzero(parameters[options]) and not any(np.count_nonzero(inputs[i]) for i in requesting)
@@ -97,10 +94,10 @@ def all_straight(model: Model, inputs: FloatArray, parameters: FloatArray) -> bo
 
 @lru_cache(maxsize=64)
 def _deciding(model: Model) -> tuple[npt.NDArray[np.intp], list[int]]:
-    """Return the indices of the parameters and of the inputs that must be 0 in straight rows."""
+    """Return the indices of the parameters and of the inputs that must be 0 in plain rows."""
     module = numpy_module(model)  # has the names without a pass over the lines
     parameters, inputs = list(module.PARAMETERS), [quantity.name for quantity in model.inputs]
-    options = np.array([parameters.index(name) for name in module.STRAIGHT_OPTIONS], dtype=np.intp)
+    options = np.array([parameters.index(name) for name in module.PLAIN_OPTIONS], dtype=np.intp)
     return options, [inputs.index(name) for _, name in model.on_demand]
 
 

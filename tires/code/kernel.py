@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ...symbolic.model import Model
+from .buffer_pool import RESULTS
 from .compiler import CompilerError, instruction_set, loaded_library, processor
 from .printed import code_file
-from .result_memory import RESULTS
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]

@@ -34,18 +34,18 @@ def numpy_module(model: Model) -> ModuleType:
     return module
 
 
-def numpy_routine(model: Model, routine: str, *, straight: bool = False) -> Callable[..., Any]:
+def numpy_routine(model: Model, routine: str, *, plain: bool = False) -> Callable[..., Any]:
     """Return a printed function of a model; its Jacobians are in a separate module.
 
-    `routine`: "forces", "quantities", "drives", "relaxation", "jacobian_inputs" or "jacobian_parameters". `straight`:
-    the faster variant for rows without effects on demand, under default options, where there is one. The function takes
-    inputs, parameters and the library of arrays, NumPy by default. Raises `AttributeError` if the model lacks the
-    routine.
+    `routine`: "forces", "quantities", "state_lines", "relaxation", "jacobian_inputs" or "jacobian_parameters".
+    `plain`: the faster variant for rows without effects on demand, under default options, where there is one. The
+    function takes inputs, parameters and the library of arrays, NumPy by default. Raises `AttributeError` if the model
+    lacks the routine.
     """
     is_jacobian = routine.startswith("jacobian_")
     module = _module(model, f"{model.name}_jacobians") if is_jacobian else numpy_module(model)
     general: Callable[..., Any] = getattr(module, routine)
-    return getattr(module, f"{routine}_straight", general) if straight else general
+    return getattr(module, f"{routine}_plain", general) if plain else general
 
 
 @lru_cache(maxsize=128)

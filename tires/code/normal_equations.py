@@ -27,16 +27,10 @@ STEP, TILE = 264, 12
 class WeightedRows:
     """Rows of a least-squares problem.
 
-    Attributes
-    ----------
-    inputs : ndarray, shape (n_inputs, n)
-        In the order of the model, SI.
-    entries : sequence of ndarray of int
-        For each force, the derivatives to use: indices into `Code.entries`.
-    roots : ndarray, shape (n_forces, n)
-        Roots of the weights; 0 without weight, for any residual and derivatives.
-    residuals : ndarray, shape (n_forces, n)
-        Weighted residuals.
+    - `inputs`, shape (n_inputs, n): in the order of the model, SI.
+    - `entries`: for each force, the derivatives to use: indices into `Code.entries`.
+    - `roots`, shape (n_forces, n): roots of the weights; 0 without weight, for any residual and derivatives.
+    - `residuals`, shape (n_forces, n): weighted residuals.
     """
 
     inputs: FloatArray

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...symbolic.model import Model
-from .interface import Code, straight_rows
+from .interface import Code, plain_rows
 from .modules import numpy_routine
 
 FloatArray = npt.NDArray[np.float64]
@@ -33,8 +33,8 @@ class _NumpyCode(Code):
         return chosen
 
     def _table(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        straight = bool(straight_rows(self._model, inputs, parameters).all())
-        function = numpy_routine(self._model, routine, straight=straight)
+        plain = bool(plain_rows(self._model, inputs, parameters).all())
+        function = numpy_routine(self._model, routine, plain=plain)
         starts = range(0, inputs.shape[1], CHUNK) or range(1)
         return np.concatenate([_chunk(function, inputs[:, i : i + CHUNK], parameters) for i in starts], axis=1)
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from ...boundary.bounded_file import write_whole
 from ...boundary.errors import UnknownName, path_from, writing
 from ...boundary.named_options import named
-from ...boundary.whole_file import write_whole
 from ...drawing.picture import DPI, picture, rendered
 from ..tire_argument import TireLike, tire_from
 from .surface_figure import surfaces
@@ -45,7 +45,7 @@ def draw(
     suffix : {"png", "svg", "pdf"}
         Format of the files.
     points : pandas.DataFrame, optional
-        Measured rows in SI units and ISO signs, drawn as crosses.
+        Measured rows in SI units and ISO signs, drawn as points.
     kappa : sequence of float, optional
         Lowest and highest longitudinal slip of the figures; by default the range in which the tire is known, at most
         -1 to 1.

@@ -84,7 +84,7 @@ def surfaces(sketch: Sketch, load: float) -> MatplotlibFigure:
         _draw_solid(solid, kappa, alpha, force, norm, channel)
         rows = sketch.measured(load, channel)
         x, y = (rows[slip].to_numpy(dtype=float) * per_si(slip) for slip in ("kappa", "alpha"))
-        solid.plot(x, y, rows[channel].to_numpy(dtype=float), "kx", ms=4.0, mew=0.8, alpha=0.7, zorder=9)
+        solid.plot(x, y, rows[channel].to_numpy(dtype=float), "ko", ms=2.0, mew=0.0, alpha=0.7, zorder=9)
         flat = figure.add_subplot(2, len(shown), len(shown) + column)
         _draw_map(flat, kappa, alpha, force, norm)
         bar = figure.colorbar(ScalarMappable(norm, _COLORS), ax=flat, shrink=0.9, pad=0.02)

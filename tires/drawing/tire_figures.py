@@ -14,13 +14,13 @@ import pandas as pd
 
 from ...boundary.errors import TirefmuError, UnknownName
 from ...boundary.escaping import figure_text
-from ...drawing.figure import Figure, Panel, Series, curve, in_rows
+from ...drawing.figure import Figure, Panel, Series, curve, in_rows, measured
 from ...drawing.labels import axis_label, held_text, letter, level_text, note, per_si
-from ...drawing.style import BLACK, LIGHT_GRAY, level_styles, some_of
+from ...drawing.style import BLACK, LIGHT_GRAY, level_colors, some_of
 from ..definition import TireDefinition
 from ..evaluation import Conventions, evaluate
 from ..input_check import SignedTable, checked_inputs, checked_table
-from ..property_file.names import not_measured
+from ..property_file.names import not_measured, unmeasured_outputs
 from ..signs import REVERSED, SIGNS, convert_signs
 
 FloatArray = npt.NDArray[np.float64]
@@ -39,8 +39,8 @@ NEAR_LOAD, NEAR_ZERO = 0.1, {"gamma": radians(0.5), "alpha": radians(0.5), "kapp
 MAX_LOADS, MIN_LOAD_SHARE = 5, 0.05
 #: Measured rows are drawn within this distance of the pressure of the curves, Pa.
 NEAR_PRESSURE = 3000.0
-#: Crosses of a curve, because more would cover it.
-MAX_CROSSES = 400
+#: Points of a curve, because more would cover it.
+MAX_POINTS = 400
 _POINTS = 301  # of a curve
 
 
@@ -58,10 +58,10 @@ def sketched(
     """
     if signs not in SIGNS:
         raise UnknownName("sign convention", signs, SIGNS)
-    measured = None if points is None else convert_signs(points, "iso", signs)
+    rows = None if points is None else convert_signs(points, "iso", signs)
     default = default_loads(tire) if points is None else (measured_loads(points) or default_loads(tire))
     given = default if loads is None else _checked(tire, loads)
-    return Sketch(tire, signs, given, measured, None if kappa is None else _checked_range(kappa))
+    return Sketch(tire, signs, given, rows, None if kappa is None else _checked_range(kappa))
 
 
 def default_loads(tire: TireDefinition) -> tuple[float, ...]:
@@ -177,17 +177,17 @@ class Sketch:
             rows = rows[rows[name].abs() <= NEAR_ZERO[name]] if name in rows else rows
         if "p" in self.tire.inputs and "p" in rows:  # the pressure of the curves
             rows = rows[(rows["p"] - self.tire.nominal("p")).abs() <= NEAR_PRESSURE]
-        return some_of(rows.dropna(subset=["kappa", "alpha", *channels]), MAX_CROSSES)
+        return some_of(rows.dropna(subset=["kappa", "alpha", *channels]), MAX_POINTS)
 
-    def footnotes(self, crosses: str = "at any slip") -> list[str]:
-        """Return the common notes of all figures: the rows drawn as crosses, and the loads beyond the range."""
+    def footnotes(self, slips: str = "at any slip") -> list[str]:
+        """Return the common notes of all figures: the rows drawn as points, and the loads beyond the range."""
         held = [f"p = {self.tire.nominal('p') / 1000.0:.0f} kPa"] if "p" in self.tire.inputs else []
         notes = [f"model {self.tire.model}", ", ".join(["γ = 0", *held])]
         if self.points is not None:
             drawn = any(len(self.measured(load)) for load in self.loads)
             near = f"measured upright within {NEAR_LOAD:.0%} of the load"
             near += f" and {NEAR_PRESSURE / 1000.0:g} kPa of the pressure" * bool(held)
-            notes.append(f"crosses: {near}, {crosses}" if drawn else f"no row was {near}")
+            notes.append(f"points: {near}, {slips}" if drawn else f"no row was {near}")
         for slip, (first, last) in self._requested.items():
             low, high = self.tire.ranges.get(slip, (first, last))
             if first < low or last > high:
@@ -198,7 +198,7 @@ class Sketch:
             notes.append(f"{', '.join(beyond)} N: outside {low:g} to {high:g} N, for which the tire is known")
         unmeasured = not_measured(self.tire)
         if unmeasured:
-            notes.append(f"not measured, extrapolated: {figure_text(', '.join(unmeasured))}")
+            notes.append(f"not measured (dotted): {figure_text(', '.join(unmeasured))}")
         return notes
 
     def angles(self) -> FloatArray:
@@ -229,12 +229,6 @@ def _checked_range(kappa: Sequence[float]) -> tuple[float, float]:
     return float(kappa[0]), float(kappa[1])
 
 
-def crosses(rows: pd.DataFrame, x: str, y: str, color: str = BLACK) -> Series:
-    """Return measured rows as crosses."""
-    scales = [per_si(name) for name in (x, y)]
-    return Series("points", rows[x] * scales[0], rows[y] * scales[1], color, marker="x", size=4.0, opacity=0.7)
-
-
 def pure(sketch: Sketch) -> Figure:
     """Fx over kappa, Fy and Mz over alpha, one curve for each load."""
     shown = [(channel, slip) for channel, slip in PURE if channel in sketch.channels]
@@ -250,12 +244,13 @@ def _pure_panel(sketch: Sketch, channel: str, slip: str) -> Panel:
     kappa, alpha = (grid, 0.0) if slip == "kappa" else (0.0, grid)
     x = grid * per_si(slip)
     series = []
-    for load, style in zip(sketch.loads, level_styles(len(sketch.loads), "Fz"), strict=True):
-        series.append(curve(x, sketch.over(load, kappa, alpha)[channel], style, level_text("Fz", load)))
-        series.append(crosses(sketch.measured(load, channel, zero=other), slip, channel, style.color))
+    for load, color in zip(sketch.loads, level_colors(len(sketch.loads), "Fz"), strict=True):
+        forces, is_measured = sketch.over(load, kappa, alpha), channel not in unmeasured_outputs(sketch.tire)
+        series.append(measured(sketch.measured(load, channel, zero=other), slip, channel, color))
+        series.append(curve(x, forces[channel], color, level_text("Fz", load), is_measured=is_measured))
     return Panel(
         axis_label(slip), axis_label(channel), tuple(series), f"{channel} over {letter(slip)} at {letter(other)} = 0",
-        f"load {letter('Fz', sketch.signs)}", (0.0,), (0.0,), x_limits=(x[0], x[-1]), width=4.9, height=4.0,
+        (0.0,), (0.0,), x_limits=(x[0], x[-1]), width=4.9, height=4.0,
     )  # fmt: skip
 
 
@@ -279,11 +274,11 @@ def _combined_panel(sketch: Sketch, load: float) -> Panel:
     angles, kappa = sketch.angles(), sketch.grid("kappa", _POINTS)
     across = [sketch.over(load, slip, sketch.grid("alpha", _POINTS)) for slip in _marked(sketch)]
     series = [Series("line", forces["Fx"], forces["Fy"], LIGHT_GRAY, size=0.8) for forces in across]
-    for angle, style in zip(angles, level_styles(len(angles), "alpha"), strict=True):
+    for angle, color in zip(angles, level_colors(len(angles), "alpha"), strict=True):
         along = sketch.over(load, kappa, angle)
-        series.append(curve(along["Fx"], along["Fy"], style, level_text("alpha", angle)))
-    series.append(crosses(sketch.measured(load, "Fx", "Fy"), "Fx", "Fy"))
+        series.append(curve(along["Fx"], along["Fy"], color, level_text("alpha", angle)))
+    series.append(measured(sketch.measured(load, "Fx", "Fy"), "Fx", "Fy", BLACK))
     return Panel(
-        axis_label("Fx"), axis_label("Fy"), tuple(series), held_text(sketch.signs, {"Fz": load}),
-        f"slip angle {letter('alpha')}", (0.0,), (0.0,), width=4.9, height=4.8, equal=True,
+        axis_label("Fx"), axis_label("Fy"), tuple(series), f"{held_text(sketch.signs, {'Fz': load})}, per slip angle",
+        (0.0,), (0.0,), width=4.9, height=4.8, equal=True,
     )  # fmt: skip

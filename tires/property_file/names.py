@@ -212,6 +212,18 @@ def not_measured(tire: TireDefinition) -> dict[str, str]:
     return {_subject(text): text for text in (unquoted(value) for _, _, value in entries)}
 
 
+def unmeasured_outputs(tire: TireDefinition) -> frozenset[str]:
+    """Return the outputs that the data of the fit of a tire did not show at all.
+
+    >>> from dataclasses import replace
+    >>> from tirefmu.tires import published
+    >>> tire, sentence = published("trento_hoosier"), "Fx, Mx are not determined: not measured"
+    >>> sorted(unmeasured_outputs(replace(tire, other_entries=not_measured_lines([sentence], []))))
+    ['Fx', 'Mx']
+    """
+    return frozenset(name for subject in not_measured(tire) for name in subject.split(", ")) & frozenset(tire.outputs)
+
+
 def unmeasured_coefficients(tire: TireDefinition) -> frozenset[str]:
     """Return the coefficients that the data of the fit of a tire did not determine."""
     texts = [text for section, key, text in tire.other_entries if (section, key) == (NOT_MEASURED, COEFFICIENTS)]

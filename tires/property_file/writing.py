@@ -6,9 +6,9 @@ import json
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from ...boundary.bounded_file import write_whole
 from ...boundary.errors import TirError, path_from, writing
 from ...boundary.escaping import visible
-from ...boundary.whole_file import write_whole
 from ...symbolic.added import effect_text, packaged_library
 from ..definition import RANGES, TireDefinition
 from .names import (

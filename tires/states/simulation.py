@@ -117,8 +117,8 @@ class StateSimulation:
             self._drive(rows, driven)
         return rows
 
-    def acting_with_linear_drives(self, guess: Mapping[str, FloatArray], tolerance: float) -> FloatArray:
-        """Return the same with drives by forces that are linear between rows, which is faster and less exact.
+    def acting_with_linear_forces(self, guess: Mapping[str, FloatArray], tolerance: float) -> FloatArray:
+        """Return the same for forces that are linear between rows, which is faster and less exact.
 
         `guess`, shape (n,): time histories of states from which the iteration starts; default: 0. `tolerance`: the
         iteration ends when no value changes by more than this share of the largest one. Returns shape (n_inputs, n).
@@ -178,7 +178,7 @@ class StateSimulation:
         return self.driving({}) if self.driving else self._lines(self.rows)
 
     def _lines(self, rows: FloatArray) -> dict[str, FloatArray]:
-        return dict(zip(self.symbolic_model.drives, self.code.drives(rows, self.parameters), strict=True))
+        return dict(zip(self.symbolic_model.state_lines, self.code.state_lines(rows, self.parameters), strict=True))
 
     def _of(self, state: State) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return target, rate and start of a state at the given inputs."""
@@ -400,7 +400,7 @@ def equilibrium(
         return rows
     moving = np.arange(rows.shape[1])  # the rows that have not converged
     for i in range(2 * MAX_ITERATIONS):
-        lines = dict(zip(model.drives, code.drives(rows[:, moving], parameters), strict=True))
+        lines = dict(zip(model.state_lines, code.state_lines(rows[:, moving], parameters), strict=True))
         at = np.ix_(np.array(indices), moving)
         before = rows[at]
         after = before.copy()

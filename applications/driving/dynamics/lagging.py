@@ -1,7 +1,7 @@
 """What lags within the car add to the motion of a moment: load transfer behind acceleration, forces behind slip angles.
 
 A lag follows from the motion before, which one interval does not have. It is computed from the estimated motion in each
-round; an interval has its derivatives by the time constants, and the relaxation of slip angles to the first order.
+round; an interval has its derivatives by the time constants.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ..evaluation import curvature_of
 from ..inputs.car import Car
 from ..inputs.grid import Grid
 from ..inputs.unknowns import AXLES
-from ..interval import BODY, SUSPENSION, Interval, nominal_length
+from ..interval import BODY, SUSPENSION, Interval
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -56,32 +56,36 @@ def with_lags(grid: Grid, interval: Interval, states: FloatArray, car: Car, entr
     middle, rate = _motion(grid, states)
     acceleration = np.stack([rate[0] - middle[1] * middle[2], rate[1] + middle[0] * middle[2]])
     slip, V, Fz, _ = wheel_motion(grid, states, car, entries)
-    lengths = np.concatenate(
-        [np.interp(Fz[2 * i : 2 * i + 2], *interval.lengths[axle]) for i, axle in enumerate(AXLES)]
-    )
-    nominal = np.array([[nominal_length(interval.lengths[axle])] for axle in AXLES for _ in "lr"])
-    times = np.broadcast_to([[entries["pitch_lag"]], [entries["roll_lag"]]], acceleration.shape)
-    constants = np.concatenate([times, (1 + CHANGE) * times, entries["relaxation"] * lengths / V])
-    inputs = np.concatenate([acceleration, acceleration, slip])
-    behind, slopes = (np.empty_like(inputs) for _ in "12")
+    laws = [interval.relaxations[axle] for axle in AXLES]
+    lateral = np.concatenate([law.at(Fz[2 * i : 2 * i + 2]) for i, law in enumerate(laws)]) / V
+    stretch = [
+        entries["relaxation"] * entries[f"LKY_{axle}"] ** law.power for axle, law in zip(AXLES, laws, strict=True)
+    ]
+    constants = np.array([entries["pitch_lag"], entries["roll_lag"], *np.repeat(stretch, 2)])[:, None]
+    times = constants * np.concatenate([np.ones_like(acceleration), lateral])
+    inputs = np.concatenate([acceleration, slip])
+    behind, changed = (np.empty_like(inputs) for _ in "12")
     for number in np.unique(grid.segment):
         rows = grid.segment == number
-        behind[:, rows], slopes[:, rows] = behind_lags(inputs[:, rows], constants[:, rows], grid.step)
-    by_time = (behind[2:4] - behind[:2]) / np.maximum(CHANGE * times, 1e-9)
-    beyond = behind[4:] + entries["relaxation"] * nominal / V * slopes[4:]
-    used = (*grid.used[:2], entries["pitch_lag"], entries["roll_lag"])
-    return replace(grid, behind=np.concatenate([behind[:2], by_time, beyond]), used=used)
+        both = np.concatenate([times[:, rows], (1 + CHANGE) * times[:, rows]])
+        behind[:, rows], changed[:, rows] = np.split(behind_lags(inputs[:, rows], both, grid.step), 2)
+    by_time = (changed - behind) / np.maximum(CHANGE * constants, 1e-9)
+    parts = behind[:2], by_time[:2], behind[2:], by_time[2:]
+    used = (*grid.used[:3], entries["pitch_lag"], entries["roll_lag"], *stretch)
+    return replace(grid, behind=np.concatenate(parts), used=used)
 
 
-def behind_lags(inputs: FloatArray, constants: FloatArray, step: float) -> tuple[FloatArray, FloatArray]:
-    """Return what first-order lags add to inputs at even times, and the slopes of the inputs, shape (n_inputs, n) each.
+def behind_lags(inputs: FloatArray, constants: FloatArray, step: float) -> FloatArray:
+    """Return what first-order lags add to inputs at even times, shape (n_constants, n).
 
-    `constants`: time constants, s. The inputs are splines; they begin as if their first slope had lasted.
+    `constants`: time constants, s, which go through the inputs once or more. The inputs are splines; they begin as if
+    their first slope had lasted.
     """
     at = np.arange(inputs.shape[1]) * step
     curve = CubicSpline(at, inputs, axis=1)
     fine = np.arange((len(at) - 1) * PARTS + 1) * step / PARTS
-    values, times = curve(fine), np.stack([np.interp(fine, at, row) for row in constants])
+    times = CubicSpline(at, constants, axis=1)(fine)
+    values = np.tile(curve(fine), (len(constants) // len(inputs), 1))
     slopes = np.diff(values, append=values[:, -1:]) / (step / PARTS)
     kept = np.exp(-step / PARTS / np.maximum(times, 1e-9))
     rest = values - slopes * times
@@ -90,4 +94,4 @@ def behind_lags(inputs: FloatArray, constants: FloatArray, step: float) -> tuple
     result[:, 0] = rest[:, 0]
     for k in range(len(fine) - 1):
         result[:, k + 1] = kept[:, k] * result[:, k] + steady[:, k]
-    return (result - values)[:, ::PARTS], curve(at, 1)
+    return np.asarray((result - values)[:, ::PARTS])

@@ -31,7 +31,7 @@ def clock_problem(t: FloatArray, header: str) -> str:
     steps = np.diff(t)
     if (steps < 0.0).any():
         row = int(np.flatnonzero(steps < 0.0)[0])
-        return f"time decreases at sample {row + 2}: {t[row]:.10g} to {t[row + 1]:.10g} s"
+        return f"time decreases at sample {row + 2}: {t[row]:.10g} to {t[row + 1]:.10g} s: cut the log there"
     forward = steps[steps > 0.0]
     if len(forward) < (1.0 - MAX_REPEATED) * len(steps):
         return (

@@ -29,8 +29,8 @@ LARGEST_SLIP = 0.2
 SHORTEST_CHAIN, LONGEST_GAP = 1.0, 0.25
 #: Time at both ends of a log within which a delayed steering is unknown, s.
 MARGIN = 0.2
-#: Times over which the steering and the spins are averaged, s: their noise is not a motion.
-STEERING_WINDOW, SPIN_WINDOW = 0.02, 0.1
+#: Time over which the steering is averaged, s: its noise is not a motion.
+STEERING_WINDOW = 0.02
 #: The channels of a grid, in the order of the residuals of the estimate.
 MEASURED = (
     "yaw_rate", "ax", "ay", "speed", "beta", "vy", "x", "y", "heading", "rim_front", "rim_rear", "speed_rate",
@@ -56,10 +56,13 @@ class Grid:
     - `steer`, shape (2, n): angle of the front wheels, without offset: a line over the interval with the mean of the
       channel, at both ends.
     - `steer_slopes`, shape (4, n): its derivatives by delay and lag, at both ends.
-    - `rims`, shape (4, n): spin times rolling radius of each of `CORNERS`, m/s; 0 if not logged.
-    - `behind`, shape (8, n): what lags add to longitudinal and lateral acceleration, m/s^2, its derivatives by the
-      lags, and what relaxation adds to the slip angle of each wheel beyond the first order, rad (`with_lags`).
-    - `used`: delay and lag of the steering, lag of pitch and of roll with which these were computed, s.
+    - `rims`, shape (4, n): spin times rolling radius of each of `CORNERS`, m/s; 0 if not logged. `rim_slopes`, shape
+      (4, n): their derivatives by the delay of the wheel speeds.
+    - `behind`, shape (12, n): what lags add to longitudinal and lateral acceleration, m/s^2, and its derivatives by the
+      lags; what relaxation adds to the slip angle of each wheel, rad, and its derivatives by the relative length
+      (`with_lags`).
+    - `used`: delay and lag of the steering, delay of the wheel speeds, lag of pitch and of roll, s, and the relative
+      relaxation lengths of both axles with which these were computed.
     """
 
     step: float
@@ -71,8 +74,9 @@ class Grid:
     steer: FloatArray
     steer_slopes: FloatArray
     rims: FloatArray
+    rim_slopes: FloatArray
     behind: FloatArray
-    used: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    used: tuple[float, ...] = 7 * (0.0,)
 
     @property
     def n_nodes(self) -> int:
@@ -90,9 +94,8 @@ class Grid:
         left = np.arange(len(rows)) + np.cumsum(fresh) - 1
         nodes = np.empty(left[-1] + 2, dtype=np.intp)
         nodes[left], nodes[left + 1] = self.left[rows], self.right[rows]
-        columns = {
-            name: getattr(self, name)[:, rows] for name in ("means", "noise", "steer", "steer_slopes", "rims", "behind")
-        }
+        names = "means", "noise", "steer", "steer_slopes", "rims", "rim_slopes", "behind"
+        columns = {name: getattr(self, name)[:, rows] for name in names}
         return replace(self, t=self.t[rows], left=left, right=left + 1, **columns), nodes
 
     @property
@@ -155,7 +158,7 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
     usable = (v > max(SLOWEST, SLOW_SHARE * fast)) & (middle > start + MARGIN) & (middle < end - MARGIN)
     for name in ("steer", "yaw_rate" if "yaw_rate" in channels else "heading"):
         usable &= _near_samples(channels[name][0], middle)
-    rims = _rims(log, car, middle)
+    rims = _rims(log, car, middle, step)
     usable &= (np.abs(np.where(rims, rims, v) / v - 1.0) < LARGEST_SLIP).all(axis=0)
     usable = _long_runs(usable, round(SHORTEST_CHAIN / step))
     if not usable.any():
@@ -181,13 +184,13 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
     row = MEASURED.index("ax")
     change = np.gradient(means[row]) if len(chosen) > 1 else 0.0 * means[row]
     noise[row] = np.hypot(noise[row], EDGE_ERROR * np.nan_to_num(change))
-    empty = np.zeros((8, len(chosen)))
-    grid = Grid(step, middle[chosen], left, left + 1, means, noise, empty[:2], empty[:4], rims[:, chosen], empty)
-    return with_steering(grid, log, car, car.values)
+    empty = np.zeros((12, len(chosen)))
+    grid = Grid(step, middle[chosen], left, left + 1, means, noise, empty[:2], empty[:4], empty[:4], empty[:4], empty)
+    return with_delays(grid, log, car, car.values)
 
 
-def with_steering(grid: Grid, log: Log, car: Car, entries: Mapping[str, float]) -> Grid:
-    """Return a grid with the steering angle at the delay and the lag of entries of the car."""
+def with_delays(grid: Grid, log: Log, car: Car, entries: Mapping[str, float]) -> Grid:
+    """Return a grid with steering and wheel speeds at the delays and the lag of entries of the car."""
     t, angle = _wheel_angle(log, car)
     delay, lag = entries["delay"], max(entries["lag"], 0.0)
     ends = grid.t + np.array([[-0.5], [0.5]]) * grid.step
@@ -200,8 +203,10 @@ def with_steering(grid: Grid, log: Log, car: Car, entries: Mapping[str, float]) 
     change = grid.step / 4
     by_delay = (at(delay + change, lag) - at(delay - change, lag)) / (2 * change)
     by_lag = (at(delay, lag * 1.05) - at(delay, lag * 0.95)) / (0.1 * lag) if lag else np.zeros_like(by_delay)
-    slopes, used = np.concatenate([by_delay, by_lag]), (delay, lag, *grid.used[2:])
-    return replace(grid, steer=at(delay, lag), steer_slopes=slopes, used=used)
+    slopes, late = np.concatenate([by_delay, by_lag]), entries["wheel_delay"]
+    before, rims, after = (_rims(log, car, grid.t + late + more, grid.step) for more in (-change, 0.0, change))
+    rim_slopes, used = (after - before) / (2 * change), (delay, lag, late, *grid.used[3:])
+    return replace(grid, steer=at(delay, lag), steer_slopes=slopes, rims=rims, rim_slopes=rim_slopes, used=used)
 
 
 def _wheel_angle(log: Log, car: Car) -> tuple[FloatArray, FloatArray]:
@@ -220,12 +225,12 @@ def _step(log: Log, car: Car) -> float:
     return step
 
 
-def _rims(log: Log, car: Car, middle: FloatArray) -> FloatArray:
-    """Return the speeds of the rims, shape (4, n)."""
+def _rims(log: Log, car: Car, middle: FloatArray, width: float) -> FloatArray:
+    """Return the mean speeds of the rims over windows around given times, shape (4, n)."""
     rims = np.zeros((len(CORNERS), len(middle)))
     for corner in spinning(log, car):
         samples = log.channels[f"omega_{corner}"]
-        rims[CORNERS.index(corner)] = _radius(car, corner) * _windowed(*samples, middle, SPIN_WINDOW)
+        rims[CORNERS.index(corner)] = _radius(car, corner) * _windowed(*samples, middle, width)
     return rims
 
 

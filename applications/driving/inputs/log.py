@@ -13,7 +13,7 @@ import pandas as pd
 from ....boundary.errors import DataError, WrongType
 from ....boundary.escaping import quoted
 from ....measurements.files.columns.content import Content, frame_columns
-from ....measurements.files.columns.resolution import Choice, choices, ignored_columns
+from ....measurements.files.columns.resolution import ColumnChoice, choices, ignored_columns
 from ....measurements.files.reading import read_content
 from .clock import clock_problem
 from .log_channels import LOG_CHANNELS, WHEEL_SPEEDS
@@ -99,7 +99,7 @@ def read_log(log: LogLike, columns: Mapping[str, str] | None = None) -> Log:
     return Log(source, moved, ignored_columns(content, chosen), units)
 
 
-def samples_of(content: Content, chosen: Mapping[str, Choice], source: str) -> dict[str, Samples]:
+def samples_of(content: Content, chosen: Mapping[str, ColumnChoice], source: str) -> dict[str, Samples]:
     """Return the times and the values of channels in SI units, without samples that have no value.
 
     Raises `DataError` if a channel has no times, is not numeric or beyond any plausible value, or time decreases.
@@ -135,7 +135,7 @@ def _check_size(values: FloatArray, name: str, place: str) -> None:
         )
 
 
-def _check(channels: Mapping[str, Samples], chosen: Mapping[str, Choice], content: Content, source: str) -> None:
+def _check(channels: Mapping[str, Samples], chosen: Mapping[str, ColumnChoice], content: Content, source: str) -> None:
     """Raise if what an estimate needs is missing."""
     if "t" not in chosen and all(column.times is None for column in content.columns):
         raise DataError(f"{source}: no channel t (time, s){_hint('t', content)}")
@@ -163,4 +163,5 @@ def _check(channels: Mapping[str, Samples], chosen: Mapping[str, Choice], conten
 def _hint(name: str, content: Content) -> str:
     similar = nearest_column(name, content)
     meant = f"is it {quoted(similar)}? " if similar else ""
-    return f": {meant}Name its column in [columns] of the car file or by --columns {name}=HEADER"
+    ignored = f" (not read: {'; '.join(content.ignored)})" if content.ignored else ""
+    return f": {meant}Name its column in [columns] of the car file or by --columns {name}=HEADER{ignored}"

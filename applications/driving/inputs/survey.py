@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ....boundary.errors import TirefmuError
+from ....boundary.errors import TirefmuError, UnknownName
 from ....boundary.escaping import toml_string
-from ....measurements.channels import OUTPUTS
 from ....measurements.column_names import intended_channel
 from ....measurements.files.columns.cells import numbers
 from ....measurements.files.columns.content import Column, Content, is_unit, name_and_unit
 from ....measurements.files.columns.resolution import choices
+from ....measurements.interpretation import NOT_READ
 from ....measurements.units import GRAVITY, to_si, unit_named
+from ....tires.channels import CHANNELS, OUTPUTS
 from .car_entries import example_text
 from .clock import TRIED, clock_problem
 from .log_channels import LOG_CHANNELS, TURNED, VERTICAL
@@ -80,8 +81,13 @@ class Survey:
         return "\n".join([*lines, self.section, ""])
 
 
-def is_drive_log(content: Content) -> bool:
-    """Return whether a file is the log of a drive: no force of a tire, and two channels of a drive at least."""
+def is_drive_log(content: Content, named: Collection[str] = ()) -> bool:
+    """Return whether a file is the log of a drive: no force of a tire, and two channels of a drive at least.
+
+    `named`: channels that the user names; one that only a drive has decides.
+    """
+    if set(named) & (LOG_CHANNELS.keys() - CHANNELS.keys()):
+        return True
     names = [name_and_unit(column.header)[0] for column in content.columns]
     if content.format in ("ttc", "tydex") or any(
         name in OUTPUTS or intended_channel(name) in OUTPUTS for name in names
@@ -119,10 +125,20 @@ def nearest_column(name: str, content: Content) -> str:
     return next((column.header for column in content.columns if nearest_channel(column) == name), "")
 
 
-def survey(content: Content, source: str) -> Survey:
-    """Return what a log contains; raises `DataError` if the column of time is not one."""
+def survey(content: Content, source: str, columns: Mapping[str, str] | None = None) -> Survey:
+    """Return what a log contains.
+
+    `columns`: by channel, the column that the user names, as for `read_log`. Raises `DataError` if a named column does
+    not exist, or the column of time is not one, and `UnknownName` for an unknown channel.
+    """
+    columns = {name: text for name, text in (columns or {}).items() if text != NOT_READ}
+    for name in columns:
+        if name not in LOG_CHANNELS:
+            raise UnknownName("channel", name, LOG_CHANNELS)
+    wanted = choices(content, {name: LOG_CHANNELS[name] for name in columns}, source, columns)
+    named = {id(choice.column): name for name, choice in wanted.items()}
     notes: list[str] = []
-    clock, clock_text = _clock(content, source)
+    clock, clock_text = _clock(content, source, columns.get("t", ""))
     rows: list[SurveyedColumn] = []
     values: dict[str, tuple[Column, FloatArray, FloatArray | None]] = {}
     best: dict[str, tuple[int, int]] = {}
@@ -131,7 +147,7 @@ def survey(content: Content, source: str) -> Survey:
         data = _numbers(column, content, source)
         if data is None or (times is not None and len(data) != len(times)):
             continue
-        rank, near = _nearest(column)
+        rank, near = (-2, named[id(column)]) if id(column) in named else _nearest(column)
         rows.append(_surveyed(column, data, times, near))
         present = data[np.isfinite(data)]
         fit = rank + (len(present) == 0 or np.ptp(present) == 0.0), -len(present)
@@ -146,8 +162,8 @@ def survey(content: Content, source: str) -> Survey:
         if name in values:
             column, data, _ = values[name]
             sign = "-" if down and name in TURNED else ""
-            proposal[name] = f"{sign}{_text(column, name, data)}"
-    notes += _agreed(proposal, values)
+            proposal[name] = columns.get(name) or f"{sign}{_text(column, name, data)}"
+    notes += _agreed(proposal, values, columns)
     changed = {name: text for name, text in proposal.items() if text != name}
     return Survey(tuple(rows), changed, tuple(notes))
 
@@ -170,11 +186,16 @@ def _numbers(column: Column, content: Content, source: str) -> FloatArray | None
         return None
 
 
-def _clock(content: Content, source: str) -> tuple[FloatArray | None, str]:
-    """Return the times in s and how the car file names their column; nothing if each channel has its own."""
+def _clock(content: Content, source: str, named: str) -> tuple[FloatArray | None, str]:
+    """Return the times in s and how the car file names their column; nothing if each channel has its own.
+
+    `named`: the column that the user names; empty without one.
+    """
     if any(column.times is not None for column in content.columns):
         return None, ""
-    header = next((column.header for column in content.columns if column.meant == "t" or "t" in column.names), "")
+    header = named or next(
+        (column.header for column in content.columns if column.meant == "t" or "t" in column.names), ""
+    )
     header = header or nearest_column("t", content)
     if not header:
         return None, ""
@@ -211,16 +232,20 @@ def _text(column: Column, name: str, values: FloatArray) -> str:
     return f"{header} [{unit}]" if size > most and name != "heading" else header
 
 
-def _agreed(proposal: dict[str, str], values: dict[str, tuple[Column, FloatArray, Any]]) -> Sequence[str]:
+def _agreed(
+    proposal: dict[str, str], values: dict[str, tuple[Column, FloatArray, Any]], named: Collection[str]
+) -> Sequence[str]:
     """Exchange ax and ay, and turn signs, so that steering, yaw rate and lateral acceleration agree.
 
     In a turn of a car that moves forward all three have one sign: the one that differs from the two others is turned.
+    What the user names stays as it is.
     """
     if "yaw_rate" not in values:
         return ["no yaw rate: signs are not compared"]
     notes = []
     common = {name: _correlation(values["yaw_rate"], values[name]) for name in ("steer", "ax", "ay") if name in values}
-    if abs(common.get("ax", 0.0)) > STRONG and abs(common.get("ay", 1.0)) < CLEAR:
+    swapped = abs(common.get("ax", 0.0)) > STRONG and abs(common.get("ay", 1.0)) < CLEAR
+    if swapped and not {"ax", "ay"} & set(named):
         proposal["ax"], proposal["ay"] = proposal["ay"], proposal["ax"]
         common["ax"], common["ay"] = common["ay"], common["ax"]
         notes.append("ax follows the yaw rate and ay does not: they are exchanged")
@@ -229,8 +254,9 @@ def _agreed(proposal: dict[str, str], values: dict[str, tuple[Column, FloatArray
              if abs(common.get(name, 0.0)) > CLEAR}  # fmt: skip
     wrong = [name for name, sign in agree.items() if sign < 0.0]
     for name in ["yaw_rate"] if len(wrong) == 2 else wrong:
-        proposal[name] = proposal[name][1:] if signs[name] < 0.0 else f"-{proposal[name]}"
-        notes.append(f"{name} has the other sign than the rest: it is turned")
+        if name not in named:
+            proposal[name] = proposal[name][1:] if signs[name] < 0.0 else f"-{proposal[name]}"
+        notes.append(f"{name} has the other sign than the rest{'' if name in named else ': it is turned'}")
     return notes
 
 

@@ -23,8 +23,9 @@ AXLES = ("front", "rear")
 FACTORS = ("LMUY", "LKY")
 #: Prior probability that a factor changed. Judgement: who compares a drive expects other tires as likely as not.
 CHANGED = 0.5
-#: Prior standard deviation of the logarithm of a factor: it hardly matters for what a drive determines.
-FACTOR_SPREAD = 0.5
+#: Prior standard deviation of the logarithm of a factor that changed (it hardly matters for what a drive determines),
+#: and of one that did not. Judgement: side forces of a repeated bench measurement scatter by 1 to 2 %.
+FACTOR_SPREAD, SAME_SPREAD = 0.5, 0.02
 #: What has no influence without these channels.
 NEEDS: dict[str, tuple[str, ...]] = {
     "ax_offset": ("ax",), "ay_offset": ("ay",), "roll_gradient": ("ay",), "x": ("ay", "ax"),
@@ -55,9 +56,11 @@ class Unknowns:
         return len(self.car) + len(self.factors)
 
     def car_values(self, car: Car, z: FloatArray) -> dict[str, float]:
-        """Return all entries of the car, and `cg_to_rear`."""
+        """Return all entries of the car, `cg_to_rear`, and factors under such names as `LKY_front`."""
         entries = {**car.values, **{name: float(self.entry(i, z[i], np.exp)) for i, name in enumerate(self.car)}}
-        return {**entries, "cg_to_rear": entries["wheelbase"] - entries["cg_to_front"]}
+        places = {f"{name}_{axle}": self.factor(axle, name) for axle, name in self.factors}
+        factors = {name: float(np.exp(self.spread[i] * z[i])) for name, i in places.items()}
+        return {**entries, **factors, "cg_to_rear": entries["wheelbase"] - entries["cg_to_front"]}
 
     def entry(self, i: int, z: Any, exp: Any) -> Any:
         """Return an entry of the car for its deviation; `exp`: the exponential of NumPy or CasADi."""

@@ -29,6 +29,8 @@ IntArray = npt.NDArray[np.intp]
 PARTS, FEWEST = 10, 3
 #: One-sided probability of a gain by chance at which it is none. Convention.
 CHANCE = 0.025
+#: Standard deviations by which an entry of the car may explain what a factor that is fixed would. Convention.
+MOST = 2.0
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,8 @@ class Parts:
         if places:
             block = np.linalg.inv(self.covariance[:, places][:, :, places]) @ self.z[:, places, None]
             z = self.z - (self.covariance[:, :, places] @ block)[:, :, 0]
+            most = np.maximum(np.abs(self.z), MOST)
+            z = np.clip(z, -most, most)
             z[:, places] = 0.0
         of_pieces = z[self.number].T
         factors = {

@@ -12,6 +12,10 @@ class DataTab {
     this.opened = new Set();
     this.chart = new TimeChart(find("time-chart"), (first, last) => this.setRows(first, last));
     find("upload").addEventListener("change", (event) => this.upload([...event.target.files]));
+    find("example").addEventListener("click", () => {
+      studio.say("measuring the example");
+      studio.edit("example", {});
+    });
     const drop = find("drop");
     for (const [name, over] of [["dragover", true], ["dragleave", false], ["drop", false]]) {
       document.addEventListener(name, (event) => {
@@ -44,6 +48,7 @@ class DataTab {
     const { sections } = this.studio.state;
     fillChoice(find("signs"), SIGNS, sections.data?.signs ?? "");
     this.tables = sections.data?.tables?.length ? await this.studio.call("data") : [];
+    find("first-steps").hidden = this.tables.length > 0;
     find("tables").replaceChildren(...this.tables.map((table, i) => this.tableCard(table, i)));
     const usable = this.tables.map((table, i) => [String(i), table.name]).filter(([i]) => !this.tables[i].error);
     find("history").hidden = !usable.length;

@@ -1,10 +1,8 @@
 "use strict";
 
-const LOSSES = ["squares", "huber", "cauchy"].map((name) => [name, name]);
-const ROWS = [["condition", "equal by condition"], ["equal", "equal"], ["independent", "by effective sample size"], ["load", "relative to the load"]];
 /** Nominal values: factor of the unit of the field. */
 const NOMINAL = { Fz0: 1, R0: 1, p0: 1000 };
-const CHOICES = { model: "mf61", recipe: "", loss: "squares", rows: "condition", start: "" };
+const CHOICES = { model: "mf61", recipe: "", start: "" };
 
 /** The fit: its options, its curves and residuals over the measured rows, sliders for its coefficients. */
 class FitTab {
@@ -13,9 +11,7 @@ class FitTab {
     this.charts = new CurveCharts(find("charts"));
     this.measured = null;
     this.now = null;
-    for (const [id, standard] of Object.entries(CHOICES)) {
-      find(id).addEventListener("change", (event) => studio.set("fit", id, event.target.value === standard ? null : event.target.value || null));
-    }
+    for (const [id, standard] of Object.entries(CHOICES)) this.listen(find(id), standard);
     for (const id of Object.keys(NOMINAL)) find(id).addEventListener("change", () => this.setNominal());
     find("run-fit").addEventListener("click", () => studio.run(["fit"]));
     find("condition").addEventListener("change", () => this.showCondition());
@@ -27,6 +23,23 @@ class FitTab {
     find("start-from").addEventListener("click", () => studio.edit("start_from", this.content()));
     for (const id of ["search", "changed-only"]) {
       find(id).addEventListener("input", () => this.panel?.filter(find("search").value, find("changed-only").checked));
+    }
+  }
+
+  /** Set the key of the project file that a choice stands for; the default is no key. */
+  listen(choice, standard) {
+    choice.addEventListener("change", () => this.studio.set("fit", choice.id, choice.value === standard ? null : choice.value || null));
+  }
+
+  /** Show the options of a fit that have choices, before the nominal values. */
+  showOptions(options, fit) {
+    for (const { name, label, choices, default: standard } of options) {
+      if (!document.getElementById(name)) {
+        const choice = element("select", { id: name });
+        this.listen(choice, standard);
+        find("Fz0").parentElement.before(element("p", {}, element("label", { for: name }, label), " ", choice));
+      }
+      fillChoice(find(name), choices, fit[name] ?? standard);
     }
   }
 
@@ -43,8 +56,7 @@ class FitTab {
     const choices = await this.studio.call("choices");
     fillChoice(find("model"), Object.entries(choices.models).map(([name, title]) => [name, `${name}: ${title}`]), fit.model ?? CHOICES.model);
     fillChoice(find("recipe"), [["", "of the model"], ...choices.recipes.map((name) => [name, name])], fit.recipe ?? "");
-    fillChoice(find("loss"), LOSSES, fit.loss ?? CHOICES.loss);
-    fillChoice(find("rows"), ROWS, fit.rows ?? CHOICES.rows);
+    this.showOptions(choices.options, fit);
     const starts = [["", "generic"], ["features", "read from the data"], ...(fit.start && fit.start !== "features" ? [[fit.start, fit.start]] : [])];
     fillChoice(find("start"), starts, fit.start ?? "");
     for (const [id, scale] of Object.entries(NOMINAL)) find(id).value = fit.nominal?.[id] === undefined ? "" : fit.nominal[id] / scale;

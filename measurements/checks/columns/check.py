@@ -6,12 +6,12 @@ import numpy as np
 
 from ....boundary.errors import DataError
 from ....numerics.ties import graded
+from ....tires.channels import OUTPUTS
 from ....tires.signs import REVERSED
-from ...channels import OUTPUTS
 from ...column_names import check_names
 from ...recording import Recording, once
 from .defects import defects, lost_signs, unmoved_slips
-from .explanation import Reading, Readings, explanation
+from .explanation import Readings, TableReading, explanation
 from .traits import NOTABLE, SIZES
 
 #: Facts in one message; the strongest ones.
@@ -130,7 +130,7 @@ def _advice(result: Readings, signs: str) -> str:
     return f"{', or '.join(texts)}; the table does not tell which{decides}"
 
 
-def _thrust(candidate: Reading) -> str:
+def _thrust(candidate: TableReading) -> str:
     """Return the camber thrust of a reading with other signs, if the camber acts."""
     traits = candidate.traits
     if candidate.hypothesis.interpretation.units or not np.isfinite(traits.thrust):

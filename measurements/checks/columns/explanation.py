@@ -21,7 +21,7 @@ MAX_FAULTS = 3
 
 
 @dataclass(frozen=True)
-class Reading:
+class TableReading:
     """A reading of a table with its traits. `score`: graded minus logarithm of its probability, but a constant."""
 
     hypothesis: Hypothesis
@@ -38,27 +38,18 @@ class Readings:
     direction of the camber thrust excludes.
     """
 
-    claimed: Reading
-    better: tuple[Reading, ...] = ()
-    mirrored: tuple[Reading, ...] = ()
+    claimed: TableReading
+    better: tuple[TableReading, ...] = ()
+    mirrored: tuple[TableReading, ...] = ()
 
 
 @once
 def explanation(recording: Recording) -> Readings:
     """Return the best readings of a recording compared with the claimed one.
 
-    Parameters
-    ----------
-    recording : Recording
-        In the signs and units that its file or caller states.
+    `recording`: in the signs and units that its file or caller states. Returns: without better readings if none is
+    clearly better.
 
-    Returns
-    -------
-    Explanation
-        Without better readings if none is clearly better.
-
-    Examples
-    --------
     >>> import numpy as np, pandas as pd
     >>> alpha = np.linspace(-0.2, 0.2, 200)
     >>> table = pd.DataFrame({"alpha": alpha, "Fz": 900.0 / 4.448, "Fy": -1300.0 * np.tanh(14.0 * alpha)})
@@ -67,7 +58,7 @@ def explanation(recording: Recording) -> Readings:
     """
     claim = Hypothesis(recording.signs)
     traits = _traits(recording)
-    claimed = Reading(claim, traits, graded(traits.penalty))
+    claimed = TableReading(claim, traits, graded(traits.penalty))
     # No reading is better than certain: a claim of a small penalty stands, without the search.
     if claimed.score < CLEARLY + CONVENTION_COST:
         return Readings(claimed)
@@ -98,7 +89,7 @@ def explanation(recording: Recording) -> Readings:
     return Readings(claimed, tuple(better), tuple(others[:1]))
 
 
-def _differ_in_thrust(candidate: Reading, best: Reading) -> bool:
+def _differ_in_thrust(candidate: TableReading, best: TableReading) -> bool:
     """Return whether two readings have the same contradictions but for the direction of the camber thrust."""
     mine, other = candidate.traits.contradictions, best.traits.contradictions
     units = {**candidate.hypothesis.interpretation.units, **best.hypothesis.interpretation.units}
@@ -109,7 +100,7 @@ def _traits(recording: Recording) -> Traits:
     return traits_of(SampledRows.of(recording.with_signs("iso").table))
 
 
-def _scored(recording: Recording, readings: Sequence[Hypothesis], claimed: Reading) -> list[Reading]:
+def _scored(recording: Recording, readings: Sequence[Hypothesis], claimed: TableReading) -> list[TableReading]:
     """Return the readings with their scores, the best one first."""
     sample = SampledRows.thinned(recording)
     candidates = []
@@ -119,17 +110,17 @@ def _scored(recording: Recording, readings: Sequence[Hypothesis], claimed: Readi
         present = traits.sizes.keys() | ({"C_x", "C_y"} if "C_xy" in traits.sizes else set())
         vanished = claimed.traits.sizes.keys() - present - ONE_SIDED
         score = traits.penalty + hypothesis.cost + VANISHED * len(vanished)
-        candidates.append(Reading(hypothesis, traits, graded(score)))
+        candidates.append(TableReading(hypothesis, traits, graded(score)))
     return sorted(candidates, key=_score)
 
 
-def _score(candidate: Reading) -> float:
+def _score(candidate: TableReading) -> float:
     return candidate.score
 
 
-def _distinct(candidates: Iterable[Reading]) -> list[Reading]:
+def _distinct(candidates: Iterable[TableReading]) -> list[TableReading]:
     """Return the candidates without those that do the same in another order, or do more than a better one."""
-    kept: list[Reading] = []
+    kept: list[TableReading] = []
     for candidate in candidates:
         changes = _changes(candidate)
         if not any(_changes(other) <= changes for other in kept):
@@ -137,7 +128,7 @@ def _distinct(candidates: Iterable[Reading]) -> list[Reading]:
     return kept
 
 
-def _changes(candidate: Reading) -> set[tuple[str, str, str]]:
+def _changes(candidate: TableReading) -> set[tuple[str, str, str]]:
     hypothesis = candidate.hypothesis
     parts = {("columns", *item) for item in hypothesis.interpretation.columns.items()}
     parts |= {("units", *item) for item in hypothesis.interpretation.units.items()}

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from ....boundary.errors import UnknownName
+from ....tires.channels import CHANNELS
 from ....tires.signs import SIGNS
-from ...channels import CHANNELS
 from ...interpretation import Interpretation
 from ...recording import Recording
 from ...units import UNITS_OF_TABLES, unit_of

@@ -7,24 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from ....boundary.errors import DataError
-from ....boundary.typed_numbers import MAX_WRONG_LOADS, SMALLEST_PRESSURE
 from ....numerics.arrays import FloatArray
 from ....numerics.ties import graded
-from ...channels import CHANNELS
+from ....tires.channels import CHANNELS
+from ....tires.input_check import MAX_WRONG_LOADS, SMALLEST_PRESSURE
 from ...recording import Recording
 from ...thresholds import BACKWARD_SLIP, LARGEST_BAR, LARGEST_PSI, MAX_BACKWARD_ROWS, RATIO_TOLERANCE, SMALLEST_LOAD
 from ...units import to_si
-
-#: The probable unit of values beyond the limits of a channel.
-_PROBABLE_UNITS = {
-    "kappa": ("%", "in percent"),
-    "alpha": ("deg", "in degrees"),
-    "gamma": ("deg", "in degrees"),
-    "V": ("km/h", "in km/h"),
-    "T": ("K", "in kelvin"),
-    "T_ambient": ("deg C", "in deg C"),
-    "T_road": ("deg C", "in deg C"),
-}
 
 #: Degrees of a radian.
 DEGREES = 180.0 / np.pi
@@ -69,9 +58,9 @@ def _problems(recording: Recording) -> Iterator[str]:
         outside = values[(values < low) | (values > high)]
         if len(outside):
             worst = outside[np.argmax(graded(np.abs(outside)))]
-            if _PROBABLE_UNITS.get(name, ("",))[0] == "deg" and (mixed := _two_angle_units(name, values, low, high)):
+            if channel.wrong_unit[0] == "deg" and (mixed := _two_angle_units(name, values, low, high)):
                 yield mixed
-            unit, guess = _PROBABLE_UNITS.get(name, ("", "in another unit"))
+            unit, guess = channel.wrong_unit
             if unit and not low <= to_si(worst, unit, channel.quantity) <= high:
                 unit, guess = "", "in another unit"
             hint = f"declare it: '{name} [{unit}]'" if unit else "check the unit"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...channels import CHANNELS
+from ....tires.channels import CHANNELS
 from ...recording import Recording
 from .explanation import explanation
 from .traits import SIZES, Traits
@@ -50,18 +50,8 @@ class ColumnMeaning:
 def column_meanings(recording: Recording) -> list[ColumnMeaning]:
     """Return what each column was taken for, and the inputs that have no column.
 
-    Parameters
-    ----------
-    recording : Recording
-        With the signs and units that its file or caller states.
+    `recording`: with the signs and units that its file or caller states. Returns: in the order of the contract.
 
-    Returns
-    -------
-    list of ColumnMeaning
-        In the order of the contract.
-
-    Examples
-    --------
     >>> import pandas as pd
     >>> alpha = np.linspace(-0.2, 0.2, 99)
     >>> sweep = pd.DataFrame({"alpha": alpha, "Fz": 900.0, "Fy": -1300.0 * np.tanh(14.0 * alpha)})

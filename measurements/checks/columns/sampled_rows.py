@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from ....numerics.arrays import BoolArray, FloatArray
-from ...channels import CHANNELS
+from ....tires.channels import CONTROLLED_INPUTS, OUTPUTS
 from ...recording import Recording
 from ...thresholds import (
     FAR_SLIP,
@@ -27,7 +27,7 @@ from ...thresholds import (
 #: Shares of the largest slip: up to which a change from row to row is noise; over which a memory fades.
 HELD_SHARE, FADING_SHARE = 1e-3, 0.1
 #: The channels that are read.
-_READ = tuple(name for name in CHANNELS if name not in ("t", "T", "T_ambient", "T_road", "phit"))
+_READ = tuple(name for name in (*CONTROLLED_INPUTS, *OUTPUTS) if name != "phit")
 
 
 @dataclass(frozen=True, eq=False)

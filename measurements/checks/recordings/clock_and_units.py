@@ -9,7 +9,7 @@ import numpy as np
 
 from ....numerics.arrays import FloatArray, IndexArray
 from ....numerics.ties import graded
-from ...channels import CHANNELS, CONTROLLED_INPUTS
+from ....tires.channels import CHANNELS, CONTROLLED_INPUTS
 from ...operating_conditions.levels import held_levels
 from ...operating_conditions.phases import SLIP_INPUTS
 from ...recording import Recording
@@ -23,7 +23,7 @@ from ...thresholds import (
     RATIO_TOLERANCE,
 )
 from ...units import PSI, to_si
-from .finding import Finding
+from .finding import DataFinding
 
 #: s: a median step of a clock that no bench has, and steps that benches have.
 LONGEST_CLOCK_STEP, CLOCK_STEPS = 60.0, (1e-4, 1.0)
@@ -35,17 +35,17 @@ RATIOS: Mapping[str, Mapping[float, str]] = {
 }
 
 
-def clock_and_units(recording: Recording) -> Iterator[Finding]:
+def clock_and_units(recording: Recording) -> Iterator[DataFinding]:
     """Yield findings on the clock, on channels in two units, on assumed units, and on a speed that may be in km/h."""
     yield from _clock_unit(recording)
     yield from _clock_jumps(recording)
     yield from _mixed_units(recording)
     yield from _unlabelled_speed(recording)
     if (units := recording.about.get("units", "")).startswith("assumed"):
-        yield Finding("unit", f"{recording.source}: units {units}", command="others: --units Fz=N,alpha=deg,...")
+        yield DataFinding("unit", f"{recording.source}: units {units}", command="others: --units Fz=N,alpha=deg,...")
 
 
-def _clock_unit(recording: Recording) -> Iterator[Finding]:
+def _clock_unit(recording: Recording) -> Iterator[DataFinding]:
     """Yield a finding if the steps of the clock are longer than those of a bench, and another unit makes them usual."""
     if "t" not in recording.table or "t" in recording.about.get("declared", "").split():
         return
@@ -53,13 +53,13 @@ def _clock_unit(recording: Recording) -> Iterator[Finding]:
     step = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
     units = [unit for unit in ("ms", "us", "ns") if CLOCK_STEPS[0] <= step * to_si(1.0, unit) <= CLOCK_STEPS[1]]
     if step > LONGEST_CLOCK_STEP and units:
-        yield Finding(
+        yield DataFinding(
             "clock", f"{recording.source}: t steps by {step:.4g} s: in {' or '.join(units)}?", serious=True,
             command=f"--units t={units[0]}, or the header 't [{units[0]}]'",
         )  # fmt: skip
 
 
-def _clock_jumps(recording: Recording) -> Iterator[Finding]:
+def _clock_jumps(recording: Recording) -> Iterator[DataFinding]:
     """Yield findings on jumps of the clock: backwards, repeated times, gaps within a sweep.
 
     A gap between two sweeps is not a finding: a bench may log each sweep separately.
@@ -71,7 +71,7 @@ def _clock_jumps(recording: Recording) -> Iterator[Finding]:
     if len(backward) > MAX_BACKWARD_STEPS * len(steps):
         return  # `coverage_notes`
     if repeated:
-        yield Finding("clock", f"{recording.source}: t repeats in {repeated} of {len(steps)} steps")
+        yield DataFinding("clock", f"{recording.source}: t repeats in {repeated} of {len(steps)} steps")
     if len(backward):
         yield _jump(recording, "back", steps, backward)
     forward = steps[steps > 0.0]
@@ -99,22 +99,22 @@ def _same_sweep(recording: Recording, row: int) -> bool:
     return False
 
 
-def _jump(recording: Recording, direction: str, steps: FloatArray, at: IndexArray) -> Finding:
+def _jump(recording: Recording, direction: str, steps: FloatArray, at: IndexArray) -> DataFinding:
     largest = at[np.argmax(graded(np.abs(steps[at])))]
     times = "1 time" if len(at) == 1 else f"{len(at)} times"
     size = abs(float(steps[largest]))
     most = f"most by {size:.3g} s at row {largest + 2}"
-    return Finding("clock", f"{recording.source}: t jumps {direction} {times}, {most}: each part is a segment")
+    return DataFinding("clock", f"{recording.source}: t jumps {direction} {times}, {most}: each part is a segment")
 
 
-def _mixed_units(recording: Recording) -> Iterator[Finding]:
+def _mixed_units(recording: Recording) -> Iterator[DataFinding]:
     """Yield a finding if a held input has values in two units: levels whose ratio is that of two units."""
     for name, ratios in RATIOS.items():
         levels = np.abs(held_levels(recording.table[name])) if name in recording.table else np.empty(0)
         for (ratio, units), low, high in product(ratios.items(), levels, levels):
             if low > 0.0 and abs(high / low / ratio - 1.0) < RATIO_TOLERANCE:
                 unit = CHANNELS[name].unit
-                yield Finding(
+                yield DataFinding(
                     "unit",
                     f"{recording.source}: mixed units? {name} is {low:.4g} {unit} in some rows and {high:.4g} {unit} "
                     f"in others, the ratio of {units}",
@@ -122,13 +122,13 @@ def _mixed_units(recording: Recording) -> Iterator[Finding]:
                 )
 
 
-def _unlabelled_speed(recording: Recording) -> Iterator[Finding]:
+def _unlabelled_speed(recording: Recording) -> Iterator[DataFinding]:
     """Yield a finding if a speed without a declared unit is high for m/s."""
     if "V" not in recording.table or "V" in recording.about.get("declared", "").split():
         return
     speed = float(recording.table["V"].abs().median())
     if speed > FAST:
-        yield Finding(
+        yield DataFinding(
             "unit",
             f"{recording.source}: V is about {speed:.3g} m/s ({3.6 * speed:.3g} km/h) and declares no unit: in km/h?",
             command="declare it: 'V [km/h]' or 'V [m/s]'",

@@ -26,7 +26,7 @@ SHAPE, CURVATURE = 1.4, -0.5
 
 
 @dataclass(frozen=True)
-class Coverage:
+class ChannelCoverage:
     """Whether data determine a characteristic of a channel.
 
     - `characteristic`: "peak friction", "slip stiffness", "combined slip", or "influence of load", "influence of
@@ -86,10 +86,10 @@ def lacking_peak(channel: str, share: float, flat: float | None = None) -> str:
     return f"the slope of {channel} at the end of the data is {flat:.0%} of that at zero slip"
 
 
-def coverage_texts(coverage: Iterable[Coverage]) -> list[str]:
+def coverage_texts(coverage: Iterable[ChannelCoverage]) -> list[str]:
     """Return a sentence for each reason, with the channels that have it in common.
 
-    >>> coverage_texts([Coverage("influence of load", name, False, "one load") for name in ("Fx", "Fy")])
+    >>> coverage_texts([ChannelCoverage("influence of load", name, False, "one load") for name in ("Fx", "Fy")])
     ['the influence of load on Fx, Fy is not determined: one load']
     """
     by_reason: dict[tuple[str, bool, str], list[str]] = {}

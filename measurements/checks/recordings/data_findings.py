@@ -10,13 +10,13 @@ from ...thresholds import MAX_REPEATED_ROWS, SERIOUS_REPEATED_ROWS
 from ..columns.check import column_notes
 from ..rows.coverage import coverage_notes
 from .clock_and_units import clock_and_units
-from .finding import Finding
+from .finding import DataFinding
 from .one_recording import findings_of, row_keys
 from .stiffness_between_files import stiffness_between_files
 from .two_tires import two_tires
 
 
-def data_findings(recordings: Sequence[Recording]) -> list[Finding]:
+def data_findings(recordings: Sequence[Recording]) -> list[DataFinding]:
     """Return what recordings of one tire lack or contradict.
 
     Parameters
@@ -26,7 +26,7 @@ def data_findings(recordings: Sequence[Recording]) -> list[Finding]:
 
     Returns
     -------
-    list of Finding
+    list of DataFinding
         The serious ones first, each group in the order of the recordings.
 
     Examples
@@ -36,25 +36,25 @@ def data_findings(recordings: Sequence[Recording]) -> list[Finding]:
     >>> print(*data_findings([Recording(rows, "iso", "a.csv")])[:1])
     a.csv: NO COLUMN alpha (slip angle): Fy cannot be fitted, and every row counts as alpha = 0
     """
-    findings = [Finding("two tires", note, serious=True) for note in two_tires(recordings)]
+    findings = [DataFinding("two tires", note, serious=True) for note in two_tires(recordings)]
     findings += _repeated_files(recordings)
     findings += stiffness_between_files(recordings)
     for recording in recordings:
-        findings += [Finding("columns", note, serious=True) for note in column_notes(recording)]
-        findings += [Finding("coverage", note) for note in coverage_notes(recording)]
+        findings += [DataFinding("columns", note, serious=True) for note in column_notes(recording)]
+        findings += [DataFinding("coverage", note) for note in coverage_notes(recording)]
         findings += findings_of(recording, alone=len(recordings) == 1)
         findings += clock_and_units(recording)
     return sorted(findings, key=lambda finding: not finding.serious)
 
 
-def _repeated_files(recordings: Sequence[Recording]) -> Iterator[Finding]:
+def _repeated_files(recordings: Sequence[Recording]) -> Iterator[DataFinding]:
     """Yield a finding for each pair of recordings with common rows: a file that was given twice."""
     keys = [set(row_keys(recording)) for recording in recordings] if len(recordings) > 1 else []
     for (recording, first), (other, second) in combinations(zip(recordings, keys, strict=False), 2):
         common = len(first & second)
         if common > MAX_REPEATED_ROWS * min(len(first), len(second)):
             same = "is given twice" if first == second else f"shares {common} rows with {other.source}"
-            yield Finding(
+            yield DataFinding(
                 "repeated rows",
                 f"{recording.source} {same}: these rows have twice the weight",
                 serious=common > SERIOUS_REPEATED_ROWS * min(len(first), len(second)),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Finding:
+class DataFinding:
     """What a recording lacks or contradicts.
 
     Parameters
@@ -25,7 +25,7 @@ class Finding:
 
     Examples
     --------
-    >>> print(Finding("repeated rows", "a.csv: 5 of 90 rows occur twice", command='--where "sample <= 85"'))
+    >>> print(DataFinding("repeated rows", "a.csv: 5 of 90 rows occur twice", command='--where "sample <= 85"'))
     a.csv: 5 of 90 rows occur twice (--where "sample <= 85")
     """
 
@@ -40,7 +40,7 @@ class Finding:
         return f"{self.text} ({self.command})" if self.command else self.text
 
 
-def verdict_on(findings: Sequence[Finding]) -> str:
+def verdict_on(findings: Sequence[DataFinding]) -> str:
     """Return what findings mean for a fit, in one line, such as "ready for a fit, with 1 note"."""
     if any(finding.serious for finding in findings):
         return "a fit of these data would be misleading"

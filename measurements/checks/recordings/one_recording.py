@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from scipy.ndimage import median_filter
 
-from ...channels import CHANNELS, OUTPUTS
+from ....tires.channels import CHANNELS, OUTPUTS
 from ...operating_conditions.levels import held_levels
 from ...operating_conditions.time_series import sample_interval
 from ...recording import Recording, once
@@ -23,7 +23,7 @@ from ...thresholds import (
     SHORTEST_REPETITION,
     TEMPERATURE_WINDOW,
 )
-from .finding import Finding
+from .finding import DataFinding
 
 #: The outputs that a slip causes.
 _CAUSED = {"alpha": ("Fy", "Mz"), "kappa": ("Fx",)}
@@ -35,7 +35,7 @@ SLOW_INPUTS = {"p": (1e-3, "kPa"), "V": (1.0, "m/s")}
 MAX_POINTS = 2000
 
 
-def findings_of(recording: Recording, *, alone: bool) -> Iterator[Finding]:
+def findings_of(recording: Recording, *, alone: bool) -> Iterator[DataFinding]:
     """Yield what a recording lacks or contradicts in its columns, rows and order.
 
     `alone`: whether it is the only recording; otherwise a suggested selection applies to its file only.
@@ -49,14 +49,14 @@ def findings_of(recording: Recording, *, alone: bool) -> Iterator[Finding]:
     yield from _confounded_with_order(recording)
 
 
-def _missing_slips(recording: Recording) -> Iterator[Finding]:
+def _missing_slips(recording: Recording) -> Iterator[DataFinding]:
     """Yield a finding for each slip without a column, if an output was measured that it causes."""
     table = recording.table
     for slip, outputs in _CAUSED.items():
         measured = [name for name in outputs if name in table and table[name].notna().any()]
         if slip not in table and measured:
             meaning = "slip angle" if slip == "alpha" else "longitudinal slip"
-            yield Finding(
+            yield DataFinding(
                 "missing slip",
                 f"{recording.source}: NO COLUMN {slip} ({meaning}): {' and '.join(measured)} cannot be fitted, "
                 f"and every row counts as {slip} = 0",
@@ -64,31 +64,31 @@ def _missing_slips(recording: Recording) -> Iterator[Finding]:
             )
 
 
-def _assumed_camber(recording: Recording) -> Iterator[Finding]:
+def _assumed_camber(recording: Recording) -> Iterator[DataFinding]:
     """Yield a finding if an output that camber changes was measured, but no camber; no sensor records exactly 0."""
     table = recording.table
     measured = [name for name in _CAUSED["alpha"] if name in table and table[name].notna().any()]
     if measured and ("gamma" not in table or not table["gamma"].any()):
         state = "gamma is exactly 0 in every row" if "gamma" in table else "no column gamma: 0 deg assumed"
-        yield Finding(
+        yield DataFinding(
             "assumed camber",
             f"{recording.source}: {state}; if the tire was cambered, "
             f"{' and '.join(measured)} would be wrong by the effect of camber",
         )
 
 
-def _unread_channels(recording: Recording) -> Iterator[Finding]:
+def _unread_channels(recording: Recording) -> Iterator[DataFinding]:
     """Yield a finding if a table has columns that are not channels."""
     names = [name for name in map(str, recording.table) if name not in CHANNELS]
     if names:
         more = f" and {len(names) - MAX_NAMES} more" if len(names) > MAX_NAMES else ""
-        yield Finding(
+        yield DataFinding(
             "unread columns",
             f"{recording.source}: columns that are no channels are not fitted: {', '.join(names[:MAX_NAMES])}{more}",
         )
 
 
-def incomplete_rows(recording: Recording) -> Iterator[Finding]:
+def incomplete_rows(recording: Recording) -> Iterator[DataFinding]:
     """Yield a finding if rows were excluded because an input is NaN.
 
     Parameters
@@ -98,13 +98,15 @@ def incomplete_rows(recording: Recording) -> Iterator[Finding]:
 
     Yields
     ------
-    Finding
+    DataFinding
     """
     if text := recording.about.get("incomplete"):
-        yield Finding("incomplete rows", f"{recording.source}: {text}: excluded, and rows are numbered without them")
+        yield DataFinding(
+            "incomplete rows", f"{recording.source}: {text}: excluded, and rows are numbered without them"
+        )
 
 
-def _repeated_rows(recording: Recording) -> Iterator[Finding]:
+def _repeated_rows(recording: Recording) -> Iterator[DataFinding]:
     """Yield a finding if a stretch of rows repeats an earlier one in every channel but time.
 
     Without noise, single rows may be equal, and a return sweep may repeat the first one.
@@ -118,7 +120,7 @@ def _repeated_rows(recording: Recording) -> Iterator[Finding]:
     stretches = [(start - (start > 0 and repeated[start - 1]), stop) for start, stop in stretches]
     rows = sum(stop - start for start, stop in stretches)
     if rows > MAX_REPEATED_ROWS * len(recording):
-        yield Finding(
+        yield DataFinding(
             "repeated rows",
             f"{recording.source}: {rows} of {len(recording)} rows repeat earlier rows in every channel but t, the "
             f"first at row {stretches[0][0] + 1}",
@@ -139,7 +141,7 @@ def row_keys(recording: Recording) -> pd.Series:
     return pd.util.hash_pandas_object(table[names] + 0.0, index=False)  # + 0.0: no -0
 
 
-def _warm_up(recording: Recording, *, alone: bool) -> Iterator[Finding]:
+def _warm_up(recording: Recording, *, alone: bool) -> Iterator[DataFinding]:
     """Yield a finding if the tread warms during the first part of a recording.
 
     The running median over sweeps is compared with the later temperatures. `exclude_rows` excludes a warm-up only if
@@ -160,7 +162,7 @@ def _warm_up(recording: Recording, *, alone: bool) -> Iterator[Finding]:
     clock = recording.table["t"].to_numpy(dtype=np.float64) if "t" in recording.table else None
     crop = f"sample > {end}" if clock is None else f"t >= {clock[end]:.6g} s"
     text = f'file != "{recording.source}" or {crop}'
-    yield Finding(
+    yield DataFinding(
         "warm-up",
         f"{recording.source}: warm-up: the tread is at {smooth[0]:.0f} deg C at the start, within {COOL_TREAD:g} K of "
         f"the later {later:.0f} deg C only after {end} of {len(recording)} rows",
@@ -168,7 +170,7 @@ def _warm_up(recording: Recording, *, alone: bool) -> Iterator[Finding]:
     )
 
 
-def _confounded_with_order(recording: Recording) -> Iterator[Finding]:
+def _confounded_with_order(recording: Recording) -> Iterator[DataFinding]:
     """Yield a finding for pressure and speed if each level was run once, one after another."""
     for name, (scale, unit) in SLOW_INPUTS.items():
         if name not in recording.table:
@@ -183,7 +185,7 @@ def _confounded_with_order(recording: Recording) -> Iterator[Finding]:
         order = [int(level) for level, _ in groupby(distance.argmin(axis=1)[near])]
         if len(order) == len(levels):
             texts = ", ".join(f"{levels[level] * scale:.3g}" for level in order)
-            yield Finding(
+            yield DataFinding(
                 "run order",
                 f"{recording.source}: the levels of {name} were run one after another ({texts} {unit}): its "
                 f"effect is confounded with wear, temperature and drift of the run",

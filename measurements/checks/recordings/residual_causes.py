@@ -8,17 +8,17 @@ import numpy as np
 import pandas as pd
 
 from ....numerics.arrays import FloatArray
-from ...channels import OUTPUTS
+from ....tires.channels import OUTPUTS
 from ...operating_conditions.time_series import segments_of
 from ...recording import Recording
 from ...thresholds import MIN_EXPLAINED, MIN_TEMPERATURE_RANGE
-from .finding import Finding
+from .finding import DataFinding
 
 #: Effects that a diagnosis tests for each output.
 _LAG_EFFECT = {"Fx": "relax_lon", "Fy": "relax_lat", "Mz": "relax_lat"}
 
 
-def residual_findings(recordings: Sequence[Recording], predicted: Sequence[pd.DataFrame]) -> list[Finding]:
+def residual_findings(recordings: Sequence[Recording], predicted: Sequence[pd.DataFrame]) -> list[DataFinding]:
     """Return what the residuals of a tire show about temperature and lag.
 
     One linear regression of the residual on F (T - mean T), whose coefficient is a relative change of the force per
@@ -33,7 +33,7 @@ def residual_findings(recordings: Sequence[Recording], predicted: Sequence[pd.Da
 
     Returns
     -------
-    list of Finding
+    list of DataFinding
         One for each recording, channel and cause.
 
     Examples
@@ -45,7 +45,7 @@ def residual_findings(recordings: Sequence[Recording], predicted: Sequence[pd.Da
     >>> print(*residual_findings([Recording(late, "iso", "a.csv")], [force]))  # doctest: +ELLIPSIS
     a.csv: the residual of Fy is like a lag of 50 ms (... % of its mean square)
     """
-    findings: list[Finding] = []
+    findings: list[DataFinding] = []
     for recording, forces in zip(recordings, predicted, strict=True):
         for name in OUTPUTS:
             if name in recording.table and name in forces:
@@ -53,7 +53,7 @@ def residual_findings(recordings: Sequence[Recording], predicted: Sequence[pd.Da
     return findings
 
 
-def _causes(recording: Recording, name: str, force: FloatArray) -> Iterator[Finding]:
+def _causes(recording: Recording, name: str, force: FloatArray) -> Iterator[DataFinding]:
     residual = recording.table[name].to_numpy(dtype=np.float64) - force
     causes: dict[str, FloatArray] = {}
     if "T" in recording.table:
@@ -66,14 +66,14 @@ def _causes(recording: Recording, name: str, force: FloatArray) -> Iterator[Find
     for kind, (coefficient, share) in _explained(residual, causes).items():
         percent = f"{100.0 * share:.0f} % of its mean square"
         if share > MIN_EXPLAINED and kind == "temperature":
-            yield Finding(
+            yield DataFinding(
                 kind,
                 f"{recording.source}: the residual of {name} follows the tread temperature, or an input that changes "
                 f"with it, like {100.0 * coefficient:+.2f} % of {name} per K ({percent})",
                 effects=("temp_friction", "temp_stiffness"),
             )
         if share > MIN_EXPLAINED and kind == "lag" and coefficient > 0.0:
-            yield Finding(
+            yield DataFinding(
                 kind,
                 f"{recording.source}: the residual of {name} is like a lag of {1e3 * coefficient:.0f} ms ({percent})",
                 effects=(_LAG_EFFECT[name],),

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from ....numerics.ties import graded
-from ...channels import CHANNELS
+from ....tires.channels import CHANNELS
 from ...operating_conditions.levels import held_levels
 from ...recording import Recording
 from ...thresholds import (
@@ -28,13 +28,13 @@ from ...thresholds import (
     SHIFT_DIFFERENCE,
     STIFFNESS_DIFFERENCE,
 )
-from .finding import Finding
+from .finding import DataFinding
 
 #: The smallest relative error of a slope, for data without noise.
 RELATIVE_ROUNDING = 1e-12
 
 
-def stiffness_between_files(recordings: Sequence[Recording]) -> Iterator[Finding]:
+def stiffness_between_files(recordings: Sequence[Recording]) -> Iterator[DataFinding]:
     """Yield a finding for each pair of recordings whose cornering stiffness differs at equal conditions.
 
     It compares the slope of Fy/Fz between two slip angles that both recordings have, at free rolling and at equal load,
@@ -50,7 +50,7 @@ def stiffness_between_files(recordings: Sequence[Recording]) -> Iterator[Finding
             if (a := _line(_at(table, condition), angles)) and (b := _line(_at(other, condition), angles))
         ]
         if differences and (text := _significant(differences, angles)):
-            yield Finding(
+            yield DataFinding(
                 "stiffness between files",
                 f"{second.source} differs from {first.source} at equal conditions: {text}",
                 command="fit each file alone and compare K_yalpha, or crop with --where",

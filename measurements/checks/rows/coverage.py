@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...channels import CHANNELS, CONTROLLED_INPUTS, OUTPUTS
+from ....tires.channels import CHANNELS, CONTROLLED_INPUTS, OUTPUTS
 from ...operating_conditions.levels import level_tolerance, levels
 from ...recording import Recording, once
 from ...thresholds import FEW_ROWS, MAX_BACKWARD_STEPS
@@ -112,10 +112,7 @@ def coverage_notes(recording: Recording) -> list[str]:
             notes.append(f"{source}: {slips[0]} {_constancy(by_name, slips[0])}: {output} shows no slip curve")
     load = by_name.get("Fz")
     if load is None and len(recording):
-        notes.append(
-            f"{source}: no column Fz: every row is evaluated at the nominal load, "
-            "which a fit requires (--nominal Fz0=...)"
-        )
+        notes.append(f"{source}: no column Fz: a fit requires the load")
     if load is not None and not _varies(load):
         median = float(np.abs(table["Fz"]).median())
         notes.append(f"{source}: only one load ({median:.4g} N): the influence of load cannot be determined")

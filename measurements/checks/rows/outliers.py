@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from ....numerics.arrays import BoolArray, FloatArray
-from ...channels import CHANNELS
+from ....tires.channels import CHANNELS
 from ...operating_conditions.time_series import Segment, segments_of
 from ...recording import Recording
 from ...thresholds import (

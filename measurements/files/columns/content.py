@@ -21,6 +21,8 @@ MAX_LISTED = 8
 _HEADER = re.compile(r"(?P<name>.*\S)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\))")
 
 _INDEX = re.compile(r"\S\[\d+\]$")
+#: A unit at another place of a header.
+_ELSEWHERE = re.compile(r"\[(?P<square>[^\[\]]*[^\[\]\d]+)\]|\{(?P<curly>[^{}]*[^{}\d]+)\}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,15 +97,23 @@ class Content:
 def name_and_unit(header: str) -> tuple[str, str | None]:
     """Return the name of a header, and the unit in brackets behind it.
 
-    Round brackets declare a unit only if it is a known one; a number without a blank before its bracket is an index.
+    Round brackets declare a unit only if it is a known one, and so do others at another place; a number without a blank
+    before its bracket is an index.
 
     >>> name_and_unit("alpha [deg]"), name_and_unit("V (km/h)"), name_and_unit("W (IMU)"), name_and_unit("gyro[2]")
     (('alpha', 'deg'), ('V', 'km/h'), ('W (IMU)', None), ('gyro[2]', None))
+    >>> name_and_unit("[km/h] V"), name_and_unit("V [km/h] CAN1"), name_and_unit("p {kPa}")
+    (('V', 'km/h'), ('V CAN1', 'km/h'), ('p', 'kPa'))
     """
     header = header.strip()
     match = _HEADER.fullmatch(header) if len(header) <= LONGEST_HEADER else None
     if match is None or (match["square"] is None and not is_unit(match["round"])) or _INDEX.search(header):
-        return header, None
+        units = [unit for unit in _ELSEWHERE.finditer(header[:LONGEST_HEADER]) if is_unit(unit[0][1:-1])]
+        if len(units) != 1 or _INDEX.search(header):
+            return header, None
+        (unit,) = units
+        name = " ".join(f"{header[: unit.start()]} {header[unit.end() :]}".split())
+        return (name, unit[0][1:-1].strip()) if name else (header, None)
     return match["name"], (match["square"] if match["square"] is not None else match["round"]).strip()
 
 

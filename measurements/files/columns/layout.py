@@ -37,7 +37,7 @@ def layout(rows: Sequence[Sequence[Any]]) -> Layout:
     """
     rows = rows[:SAMPLED]
     width = _common_width(rows)
-    wide = [number for number, row in enumerate(rows) if _width(row) >= width]
+    wide = [number for number, row in enumerate(rows) if _width(row) >= width and _filled(row)]
     numeric = [_is_numeric(row) for row in rows]
     start = next(
         (n for n in wide if n and numeric[n] and (n + 1 >= len(rows) or numeric[n + 1] or n + 1 not in wide)), None

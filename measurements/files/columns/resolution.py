@@ -35,7 +35,7 @@ class Declared(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Choice:
+class ColumnChoice:
     """The column of a channel.
 
     - `name`, `quantity`: of the channel.
@@ -73,7 +73,7 @@ def choices(
     source: str,
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
-) -> dict[str, Choice]:
+) -> dict[str, ColumnChoice]:
     """Return the column of each channel that a file has.
 
     `declarations`: by name. `columns`: by channel, what the user names: ``HEADER``, ``-HEADER``, ``HEADER [unit]``,
@@ -86,7 +86,7 @@ def choices(
     for name in (*columns, *units):
         if name not in declarations:
             raise UnknownName("channel", name, declarations)
-    chosen: dict[str, Choice] = {}
+    chosen: dict[str, ColumnChoice] = {}
     for name, declared in declarations.items():
         wanted = columns.get(name)
         if wanted == NOT_READ:
@@ -108,7 +108,7 @@ def choices(
             text_of_unit = unit or column.declared_unit
             if wanted is not None and not unit and not column.unit and not is_unit(text_of_unit):
                 text_of_unit = ""  # the brackets of a header that is named whole may be an index
-            chosen[name] = Choice(
+            chosen[name] = ColumnChoice(
                 name,
                 declared.quantity,
                 column,
@@ -173,7 +173,7 @@ def _in_si(values: FloatArray, unit: str, quantity: str, place: str) -> FloatArr
         raise DataError(f"{place}: {error}") from None
 
 
-def common_clock(chosen: Mapping[str, Choice], source: str) -> FloatArray | None:
+def common_clock(chosen: Mapping[str, ColumnChoice], source: str) -> FloatArray | None:
     """Return the times that all chosen columns share; None if they have none of their own.
 
     Raises `DataError` if they have different ones: the rows of a table belong together.
@@ -191,7 +191,7 @@ def common_clock(chosen: Mapping[str, Choice], source: str) -> FloatArray | None
     return times
 
 
-def ignored_columns(content: Content, chosen: Mapping[str, Choice]) -> str:
+def ignored_columns(content: Content, chosen: Mapping[str, ColumnChoice]) -> str:
     """Return what of a file is not read, in one line; empty if all of it is."""
     used = {id(choice.column) for choice in chosen.values()}
     others = sorted(column.header for column in content.columns if id(column) not in used and column.header.strip())

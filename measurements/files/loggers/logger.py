@@ -34,6 +34,8 @@ def _read(format_name: str, path: Path) -> Content:
         Column(name, samples if invalid is None else masked(samples, invalid), unit, "", group, times, axis)
         for name, unit, group, times, samples, invalid, axis in channels
     )
+    if not any(len(column.cells) for column in columns):
+        raise DataError(f"{path}: no numbers{f': it has {listed(others)}' if others else ''}")
     ignored = (f"channels without numbers {listed(others)}",) if others else ()
     return Content(columns, format=format_name, ignored=ignored, down=format_name in DOWN)
 

@@ -10,7 +10,7 @@ from ....boundary.errors import UnknownName
 from ....boundary.plugins import loaded, plugins
 
 if TYPE_CHECKING:
-    from .program import Program
+    from .program import PrintedProgram
 
 #: The languages of other packages: entry points of the group ``tirefmu.languages``.
 _INSTALLED = {entry.name: entry for entry in plugins("languages")}
@@ -30,14 +30,14 @@ LANGUAGES = {name: entry.value for name, entry in _INSTALLED.items()} | {
 }
 
 
-def printer(language: str) -> Callable[[Program], dict[str, str]]:
+def printer(language: str) -> Callable[[PrintedProgram], dict[str, str]]:
     """Return the function that prints a program in a language: files by name.
 
     Raises `UnknownName` if there is none; the message offers the nearest.
     """
     if language not in LANGUAGES:
         raise UnknownName("language", language, LANGUAGES)
-    files: Callable[[Program], dict[str, str]]
+    files: Callable[[PrintedProgram], dict[str, str]]
     if ":" in LANGUAGES[language]:
         files = loaded(_INSTALLED[language])
     else:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from ..expressions import CasadiPrinter
-from .program import Program
+from .program import PrintedProgram
 from .python_arrays import python_layout
 from .rendering import render
 
 LAYOUT = python_layout(CasadiPrinter())
 
 
-def files(program: Program) -> dict[str, str]:
+def files(program: PrintedProgram) -> dict[str, str]:
     """Return the module, its self-test and their data: text by file name."""
     templates = {"{}.py": "casadi.py", "{}_selftest.py": "python_selftest.py"}
     pairs = [f'"{routine.name}": _{routine.name}' for routine in program.routines]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ....boundary.escaping import c_comment
 from .expressions import JavaScriptPrinter
 from .layout import Layout
-from .program import Program
+from .program import PrintedProgram
 from .rendering import render
 
 LAYOUT = Layout(JavaScriptPrinter(), "const {name} = {value};", "// {}", c_comment, "  ")
@@ -16,7 +16,7 @@ TEMPLATES = {
 }
 
 
-def files(program: Program) -> dict[str, str]:
+def files(program: PrintedProgram) -> dict[str, str]:
     """Return the module, its type declarations, its self-test and their data: text by file name."""
     argument = ", coefficients" if program.placement == "file" else ""
     return render(program, LAYOUT, TEMPLATES, argument=argument, first_lines=LAYOUT.head(program.header[:2]))

@@ -10,7 +10,7 @@ from sympy.printing.latex import LatexPrinter
 
 from ....boundary.escaping import latex_text, line_comment
 from .layout import Layout
-from .program import Program
+from .program import PrintedProgram
 from .rendering import render
 
 LAYOUT = Layout(LatexPrinter(), "", "% {}", line_comment)
@@ -68,7 +68,7 @@ def _greek(word: str) -> str:
     return text.strip()
 
 
-def files(program: Program) -> dict[str, str]:
+def files(program: PrintedProgram) -> dict[str, str]:
     """Return the document and the rows of the self-test: text by file name."""
     declared = program.model.coefficients
     sections = groupby(program.coefficients, lambda name: declared[name].section)

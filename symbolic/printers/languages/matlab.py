@@ -14,7 +14,7 @@ from ....boundary.escaping import line_comment
 from ..routines import Routine, chosen_routines
 from .expressions import MatlabPrinter
 from .layout import Layout
-from .program import Program
+from .program import PrintedProgram
 from .rendering import function_of, render
 
 LAYOUT = Layout(MatlabPrinter(), "{name} = {value};", "% {}", line_comment, continued=" ...")
@@ -22,7 +22,7 @@ LAYOUT = Layout(MatlabPrinter(), "{name} = {value};", "% {}", line_comment, cont
 COEFFICIENTS = "c"
 
 
-def files(program: Program) -> dict[str, str]:
+def files(program: PrintedProgram) -> dict[str, str]:
     """Return the functions, the self-test and their data: text by file name."""
     path = f"'{program.values_file}'" if program.placement == "file" else ""
     arguments = ["inputs", *([f"{program.name}_coefficients({path})"] if program.coefficients else [])]
@@ -39,11 +39,11 @@ def files(program: Program) -> dict[str, str]:
     return {name: text for files in functions for name, text in files.items()}
 
 
-def _outputs(program: Program) -> list[str]:
+def _outputs(program: PrintedProgram) -> list[str]:
     return [quantity.name for quantity in program.outputs]
 
 
-def _printed(program: Program) -> list[Routine]:
+def _printed(program: PrintedProgram) -> list[Routine]:
     """Return the routines of the program; those of each force and of the slip stiffnesses are added to `forces`."""
     routines = list(program.routines)
     if not any(routine.name == "forces" for routine in routines):
@@ -57,7 +57,7 @@ def _printed(program: Program) -> list[Routine]:
     return [*routines, replace(stiffness, name="stiffness", summary="Derivatives of the forces by kappa and alpha.")]
 
 
-def _function(program: Program, routine: Routine, arguments: list[str]) -> dict[str, str]:
+def _function(program: PrintedProgram, routine: Routine, arguments: list[str]) -> dict[str, str]:
     """Return the file of a function, which reads inputs and coefficients from their structures."""
     members = {key: f"inputs.{key}" for key in program.input_names}
     members |= {key: f"{COEFFICIENTS}.{key}" for key in program.coefficients}

@@ -13,7 +13,7 @@ from ...declarations import Quantity
 from ..states import ENDINGS
 from .expressions import ModelicaPrinter
 from .layout import Layout
-from .program import Program
+from .program import PrintedProgram
 from .rendering import Function, PrintedValue, functions_of, render
 
 LAYOUT = Layout(ModelicaPrinter(), "{name} := {value};", "// {}", c_comment, indent="  ")
@@ -29,7 +29,7 @@ TYPES = {
 ACTING = {"kappa": ("kappa_lagged", "kappa_lagged"), "alpha": ("tan_alpha_lagged", "atan(tan_alpha_lagged)")}
 
 
-def files(program: Program) -> dict[str, str]:
+def files(program: PrintedProgram) -> dict[str, str]:
     """Return the package and its self-test: text by file name.
 
     Raises `TirefmuError` if the coefficients are in a file: Modelica reads none without an external library.
@@ -50,11 +50,11 @@ def files(program: Program) -> dict[str, str]:
     return {name: text for name, text in rendered.items() if name.endswith(".mo")}
 
 
-def _arguments(program: Program, values: Sequence[str]) -> list[str]:
+def _arguments(program: PrintedProgram, values: Sequence[str]) -> list[str]:
     return [*values, *(["coefficients"] if program.coefficients else [])]
 
 
-def _derivatives(program: Program, printed: Mapping[str, Function]) -> list[tuple[str, list[str]]]:
+def _derivatives(program: PrintedProgram, printed: Mapping[str, Function]) -> list[tuple[str, list[str]]]:
     """Return the terms of the time derivative of each force, by the chain rule."""
     if "jacobian_inputs" not in printed:
         return []
@@ -66,7 +66,7 @@ def _derivatives(program: Program, printed: Mapping[str, Function]) -> list[tupl
     ]  # fmt: skip
 
 
-def _wheel(program: Program, printed: Mapping[str, Function]) -> dict[str, Any]:
+def _wheel(program: PrintedProgram, printed: Mapping[str, Function]) -> dict[str, Any]:
     """Return the parts of the block: inputs of the wheel, states that it integrates, arguments of the forces."""
     rates = printed["states"].labels if "states" in printed else ()
     states = [label.removesuffix(f"_{ENDINGS[0]}") for label in rates[:: len(ENDINGS)]]
@@ -80,7 +80,7 @@ def _wheel(program: Program, printed: Mapping[str, Function]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _rows(program: Program, functions: Sequence[Function]) -> dict[str, Any]:
+def _rows(program: PrintedProgram, functions: Sequence[Function]) -> dict[str, Any]:
     """Return the tables of the self-test, and the results of each function and their differences."""
     _, sizes, *rows = ([*map(float, line.split())] for line in program.check.splitlines())
     n, values, terms = len(program.inputs), {}, {}

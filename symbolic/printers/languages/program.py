@@ -44,33 +44,20 @@ class PrintoutSelection:
 
 
 @dataclass(frozen=True)
-class Program:
+class PrintedProgram:
     """A printout before any language.
 
-    Attributes
-    ----------
-    name : str
-        Identifier: prefix of files, functions, modules.
-    model : Model
-        The model of the tire, with its added effects.
-    placement : str
-        Where the values of coefficients are: of `PLACEMENTS`.
-    inputs, outputs : tuple of Quantity
-        The lagged slips are the last inputs if the states are printed.
-    nominal : mapping of str to float
-        The value of an absent input.
-    coefficients : mapping of str to float
-        Those that the functions read; none if the values are in the lines.
-    lines : tuple of Equation
-        What the functions compute.
-    routines : tuple of Routine
-        What is printed, in order.
-    effects : tuple of str
-        The effects that the tire has.
-    header : tuple of str
-        Lines of the comment at the head of each file, unescaped.
-    check : str
-        The text of the self-test's file.
+    - `name`: identifier: prefix of files, functions, modules.
+    - `model`: the model of the tire, with its added effects.
+    - `placement`: where the values of coefficients are: of `PLACEMENTS`.
+    - `inputs`, `outputs`: the lagged slips are the last inputs if the states are printed.
+    - `nominal`: the value of an absent input.
+    - `coefficients`: those that the functions read; none if the values are in the lines.
+    - `lines`: what the functions compute.
+    - `routines`: what is printed, in order.
+    - `effects`: the effects that the tire has.
+    - `header`: lines of the comment at the head of each file, unescaped.
+    - `check`: the text of the self-test's file.
     """
 
     name: str
@@ -116,7 +103,7 @@ def program(
     values: Mapping[str, float],
     nominal: Mapping[str, float],
     selection: PrintoutSelection,
-) -> Program:
+) -> PrintedProgram:
     """Return the printout of a tire, without header and self-test.
 
     `name`: any text; it becomes an identifier. `effects`: the effects that the tire has. Lines of other effects are not
@@ -154,7 +141,7 @@ def program(
         quantities,
         rates,
     )
-    return Program(
+    return PrintedProgram(
         identifier(name), model, selection.placement, inputs, tuple(outputs),
         {**nominal, **{quantity.name: 0.0 for quantity in inputs if quantity.name not in nominal}}, coefficients,
         lines, routines, tuple(name for name in model.effects if name in effects),

@@ -16,7 +16,7 @@ from ....boundary.escaping import python_comment
 from ..expressions import ArrayPrinter, NumpyPrinter
 from ..routines import chosen_routines
 from .layout import Layout
-from .program import Program
+from .program import PrintedProgram
 from .rendering import Function, function_of, render
 
 #: Names of the private functions of the equations.
@@ -53,11 +53,11 @@ def python_layout(printer: ArrayPrinter) -> Layout:
     return Layout(printer, "{name} = {value}", "# {}", python_comment, continued=" \\")
 
 
-def printer_for(library: str) -> Callable[[Program], dict[str, str]]:
+def printer_for(library: str) -> Callable[[PrintedProgram], dict[str, str]]:
     """Return the function that prints a program for a library of `MODULES`."""
     layout = python_layout(_Printer(MODULES[library]))
 
-    def files(program: Program) -> dict[str, str]:
+    def files(program: PrintedProgram) -> dict[str, str]:
         equations = _equations(program, layout, differentiates=library != "numpy")
         return render(
             program, layout, {"{}.py": "python.py", "{}_selftest.py": "python_selftest.py"}, library=library,
@@ -68,7 +68,7 @@ def printer_for(library: str) -> Callable[[Program], dict[str, str]]:
     return files
 
 
-def _equations(program: Program, layout: Layout, differentiates: bool) -> list[Function]:
+def _equations(program: PrintedProgram, layout: Layout, differentiates: bool) -> list[Function]:
     """Return the functions of lists of inputs and of the vector of coefficients, with those that derivatives need."""
     printed = {routine.name: routine for routine in program.routines}
     needed = sorted(printed, key=lambda name: name != "forces")

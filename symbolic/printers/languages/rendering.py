@@ -20,7 +20,7 @@ from ...functions import SMALLEST_SQUARE
 from ..definitions import IEEE_ONLY
 from ..routines import Routine
 from .layout import Layout, wrapped
-from .program import TOLERANCE, Program
+from .program import TOLERANCE, PrintedProgram
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Function(Routine):
     - `first`: index of its first result among those of all functions.
     """
 
-    program: Program = field(kw_only=True)
+    program: PrintedProgram = field(kw_only=True)
     layout: Layout = field(kw_only=True)
     first: int = 0
 
@@ -104,12 +104,12 @@ class PrintedValue:
         return f"{self.description} [{self.unit}]"
 
 
-def function_of(routine: Routine, program: Program, layout: Layout, first: int = 0) -> Function:
+def function_of(routine: Routine, program: PrintedProgram, layout: Layout, first: int = 0) -> Function:
     """Return a routine of a program in a language."""
     return Function(**vars(routine), program=program, layout=layout, first=first)
 
 
-def functions_of(program: Program, layout: Layout) -> list[Function]:
+def functions_of(program: PrintedProgram, layout: Layout) -> list[Function]:
     """Return the functions of a program in a language."""
     begins = accumulate((sum(map(len, routine.results)) for routine in program.routines), initial=0)
     placed = zip(program.routines, begins, strict=False)
@@ -117,7 +117,7 @@ def functions_of(program: Program, layout: Layout) -> list[Function]:
 
 
 def render(
-    program: Program,
+    program: PrintedProgram,
     layout: Layout,
     templates: Mapping[str, str],
     filters: Mapping[str, Any] | None = None,
@@ -156,7 +156,7 @@ def _wrapped(items: Iterable[str], width: int = 100) -> str:
     return "\n".join(line.rstrip() for line in wrapped(list(items), width))
 
 
-def variables(program: Program, layout: Layout) -> dict[str, Any]:
+def variables(program: PrintedProgram, layout: Layout) -> dict[str, Any]:
     """Return the variables that every template has."""
     declared, functions = program.model.coefficients, functions_of(program, layout)
     inputs = [PrintedValue(q.name, q.unit, q.description, program.nominal[q.name]) for q in program.inputs]

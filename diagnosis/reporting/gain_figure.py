@@ -1,0 +1,85 @@
+"""Figure of what identified effects improve: the force that is missing without each, over the input it acts through."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from ...drawing.figure import Figure, Panel, Series, in_rows
+from ...drawing.labels import axis_label, drawn_unit, per_si
+from ...drawing.residual_panels import INPUTS, bins
+from ...drawing.style import BLUE, DASHED, RED
+from ...numerics.arrays import FloatArray
+from ...numerics.ties import graded
+from ...tires.evaluation import Conventions, evaluate
+from ...tires.signs import convert_signs
+from ...tires.tire import Tire
+from ..verdict.findings import FoundEffect
+from ..verdict.result import Diagnosis
+
+
+def gain_figure(diagnosis: Diagnosis) -> Figure | None:
+    """Return a panel for each identified effect: the mean residual in its direction, without and with it.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+
+    Returns
+    -------
+    Figure or None
+        None if the improved tire has none of the identified effects.
+    """
+    panels = [_panel(diagnosis, finding) for finding in diagnosis.found if finding.effect in diagnosis.tire.has]
+    note = (
+        "measured minus computed, positive in the direction in which the effect acts, mean of rows with similar input "
+        "weighted by the effect's force; the offset of the recording is removed"
+    )
+    return Figure("diagnosis_gain", "What each identified effect adds", in_rows(panels), note) if panels else None
+
+
+def _panel(diagnosis: Diagnosis, finding: FoundEffect) -> Panel:
+    tire, rows = diagnosis.tire, diagnosis.rows
+    without = replace(tire, effects=tire.has - {finding.effect})
+    error = diagnosis.gap["train"]
+    channel = min(finding.channels, key=lambda name: graded(error[name]["after"] / max(error[name]["before"], 1e-300)))
+    response = _force(tire, diagnosis, channel) - _force(without, diagnosis, channel)
+    measured = _measured(diagnosis, channel)
+    through = _input(diagnosis, finding.effect)
+    x = rows[through].to_numpy(dtype=np.float64) * per_si(through)
+    finite = np.isfinite(x) & np.isfinite(measured) & np.isfinite(response)
+    parts = [part for part in bins(x, finite) if np.abs(response[part]).any()]
+    lines = []
+    for shown, label, color, dashes in ((without, "without", RED, DASHED), (tire, "with", BLUE, ())):
+        lacking = (measured - _force(shown, diagnosis, channel)) * response
+        means = [lacking[part].sum() / np.abs(response[part]).sum() for part in parts]
+        centers = [float(np.median(x[part])) for part in parts]
+        lines.append(Series("line", centers, means, color, label, dashes, marker="o"))
+    y = f"{channel} that is missing ({drawn_unit(channel)})"
+    signs = diagnosis.recording_signs
+    return Panel(axis_label(through, signs), y, tuple(lines), f"{finding.effect}: {channel}", across=(0.0,))
+
+
+def _input(diagnosis: Diagnosis, effect: str) -> str:
+    """Return the recorded input that an effect requires; otherwise the slip that varies most."""
+    detection = diagnosis.tire.symbolic_model.detections.get(effect)
+    required = [name for name in detection.requires if name in INPUTS] if detection else []
+    rows = diagnosis.rows
+    slips = sorted((name for name in INPUTS[:2] if name in rows), key=lambda name: -graded(np.ptp(rows[name])))
+    return next(name for name in (*required, *slips) if name in rows)
+
+
+def _force(tire: Tire, diagnosis: Diagnosis, channel: str) -> FloatArray:
+    inputs = [name for name in diagnosis.rows if name == "t" or name in tire.inputs]
+    forces = evaluate(tire, diagnosis.rows[inputs], Conventions(diagnosis.recording_signs))
+    return np.asarray(forces[channel], dtype=np.float64)
+
+
+def _measured(diagnosis: Diagnosis, channel: str) -> FloatArray:
+    """Return the measured force without the offset of the recording, in the signs of the recording."""
+    offset = diagnosis.recording["removed"][channel]["offset"]
+    signs = diagnosis.signs, diagnosis.recording_signs
+    converted = float(convert_signs(pd.DataFrame({channel: [offset]}), *signs)[channel].iloc[0])
+    return np.asarray(diagnosis.rows[channel], dtype=np.float64) - converted

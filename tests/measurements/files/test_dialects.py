@@ -1,0 +1,110 @@
+"""Files as other programs save them: encodings, separators, places of units, blank rows, clocks, nested structs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.applications.driving.inputs.log import read_log
+from tirefmu.boundary.errors import DataError
+from tirefmu.measurements import read_recording
+
+T = np.arange(200) * 0.05
+STEER = 0.1 * np.sin(2.0 * T)
+LOG = pd.DataFrame({"t": T, "steer": STEER, "speed": 15.0, "yaw_rate": 0.5 * STEER, "ay": 7.0 * STEER})
+
+
+def rows(table: pd.DataFrame, separator: str = ",") -> list[str]:
+    return [separator.join(map(repr, row)) for row in table.to_numpy().tolist()]
+
+
+def assert_is_the_log(log) -> None:
+    for name in ("steer", "speed", "yaw_rate", "ay"):
+        t, values = log.channels[name]
+        np.testing.assert_allclose(t, T, atol=1e-9)
+        np.testing.assert_allclose(values, LOG[name], rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1", "cp1252", "utf-16"])
+@pytest.mark.parametrize("blank", ["", ",,,,", '"","","","",""'])
+def test_a_text_of_any_encoding_with_blank_rows(tmp_path, encoding, blank):
+    table = LOG.assign(steer=np.degrees(LOG["steer"]), yaw_rate=np.degrees(LOG["yaw_rate"]))
+    lines = ['"Format","MoTeC CSV File"', "", ",".join(table), "s,°,m/s,°/s,m/s²", blank, *rows(table)]
+    (tmp_path / "a.csv").write_bytes("\n".join(lines).encode(encoding))
+    assert_is_the_log(read_log(tmp_path / "a.csv"))
+
+
+@pytest.mark.parametrize("pattern", ["{0} [{1}]", "{0} ({1})", "{0} {{{1}}}", "[{1}] {0}", "CAN1 [{1}] {0}"])
+def test_a_unit_is_found_wherever_a_header_has_it(pattern):
+    headers = {name: pattern.format(name, unit) for name, unit in (("speed", "km/h"), ("steer", "deg"))}
+    table = LOG.assign(speed=3.6 * LOG["speed"], steer=np.degrees(LOG["steer"])).rename(columns=headers)
+    columns = headers if pattern.startswith("CAN1") else None
+    assert_is_the_log(read_log(table, columns))
+
+
+BENCH = pd.DataFrame({"ET": T, "SA": np.degrees(STEER), "IA": 0.0, "P": 12.0, "FZ": -200.0, "FY": 1500.0 * STEER})
+UNITS = ["sec", "deg", "deg", "psi", "lb", "lb"]
+
+
+@pytest.mark.parametrize("separator", ["\t", " ", ",", ";", ", "])
+@pytest.mark.parametrize("quoted", [False, True])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_a_bench_file_that_another_program_saved(tmp_path, separator, quoted, encoding):
+    cells = [list(BENCH), UNITS, *([repr(cell) for cell in row] for row in BENCH.to_numpy().tolist())]
+    text = "\n".join(separator.join(f'"{cell}"' if quoted else cell for cell in row) for row in cells)
+    (tmp_path / "run.dat").write_bytes(f'"Round 8"\r\n{text}\n'.encode(encoding))
+    recording = read_recording(tmp_path / "run.dat")
+    assert recording.signs == "sae"
+    np.testing.assert_allclose(recording.table["Fz"], -200.0 * 4.4482216152605)
+    np.testing.assert_allclose(recording.table["alpha"], STEER, atol=1e-12)
+
+
+def test_a_decimal_comma_is_refused_with_the_remedy(tmp_path):
+    cells = [list(BENCH), UNITS, *([f"{cell:.4f}".replace(".", ",") for cell in row] for row in BENCH.to_numpy())]
+    (tmp_path / "run.dat").write_text("Round 8\n" + "\n".join(map(";".join, cells)), encoding="utf-8")
+    with pytest.raises(DataError, match=r"line 4: channel ET: '0,0000' is not a number: a decimal comma\? write 0\."):
+        read_recording(tmp_path / "run.dat")
+
+
+@pytest.mark.parametrize("start", [0.0, 3600.0])
+def test_seconds_in_single_precision_are_a_clock(start):
+    t = np.arange(60_000) * 0.01
+    steer = 0.1 * np.sin(t)
+    table = pd.DataFrame({"t": (start + t).astype("f4"), "steer": steer, "speed": 9.0, "yaw_rate": steer, "ay": steer})
+    np.testing.assert_allclose(read_log(table).channels["steer"][0], t, atol=5e-4)
+    with pytest.raises(
+        DataError, match="times in single precision, or rounded: export them with more digits or from 0"
+    ):
+        read_log(table.assign(t=(1.7e9 + t).astype("f4")))
+
+
+@pytest.mark.parametrize("step", [-0.5, -1e-3])
+def test_a_clock_that_begins_again_is_named(step):
+    table = LOG.assign(t=np.where(T < 5.0, T, T + step - 0.05))
+    with pytest.raises(DataError, match=r"time decreases at sample 101: 4\.95 to .* s: cut the log there"):
+        read_log(table)
+
+
+def test_structs_of_matlab_have_their_own_times(tmp_path):
+    from scipy.io import savemat
+
+    slow = T[::2]
+    imu = {"time": T, "yaw_rate": LOG["yaw_rate"].to_numpy(), "ay": LOG["ay"].to_numpy()}
+    ecu = {"time": slow, "steer": 0.1 * np.sin(2.0 * slow), "speed": np.full(len(slow), 15.0)}
+    savemat(tmp_path / "a.mat", {"car": {"imu": imu, "ecu": ecu}})
+    log = read_log(tmp_path / "a.mat")
+    np.testing.assert_allclose(log.channels["steer"][0], slow)
+    np.testing.assert_allclose(log.channels["ay"][0], T)
+    np.testing.assert_allclose(log.values("yaw_rate"), LOG["yaw_rate"])
+    assert not log.ignored
+    log = read_log(tmp_path / "a.mat", {"yaw_rate": "-car.imu/yaw_rate"})
+    np.testing.assert_allclose(log.values("yaw_rate"), -LOG["yaw_rate"])
+
+
+def test_what_a_log_has_instead_is_named(tmp_path):
+    from scipy.io import savemat
+
+    savemat(tmp_path / "a.mat", {"log": [{"steer": STEER}, {"steer": STEER}]})
+    with pytest.raises(DataError, match=r"no channel t .*\(not read: variables log\)"):
+        read_log(tmp_path / "a.mat")
