@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import subprocess
 import sys
 import tempfile
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import tirefmu
@@ -34,7 +34,10 @@ BEGIN, END = "<!-- host table: begin -->\n", "<!-- host table: end -->\n"
 
 @dataclass(frozen=True)
 class Program:
-    """A program: its script, its package, and what it can run; a trap that a user must know."""
+    """A program: its script, its package, and what it can run; a trap that a user must know.
+
+    `python` is a variable of the environment: the Python of a package that cannot be installed beside tirefmu.
+    """
 
     script: str
     package: str
@@ -42,6 +45,7 @@ class Program:
     versions: tuple[int, ...]
     kinds: tuple[str, ...]
     trap: str
+    python: str = ""
 
 
 BOTH = ("CoSimulation", "ModelExchange")
@@ -58,23 +62,35 @@ PROGRAMS = (
             "a port without connection is 0, also the load, the speed and the rotation matrix: connect every input;"
             " Model Exchange runs with `wheel` inputs: it needs states, and sets every input to 0 first, which hub"
             " inputs refuse"),
+    Program("in_fmuloader.py", "fmuloader", "fmuloader", (2, 3), BOTH[:1],
+            "the bare C interface: it reads no model description, and start values are those of the FMU"),
+    Program("in_cofmupy.py", "cofmupy", "CoFMuPy", (2, 3), BOTH[:1],
+            "an input without a value in the configuration is 0, also the load and the speed; it needs fmpy 0.3.20,"
+            " and so a Python of its own: its path is in TIREFMU_COFMUPY", "TIREFMU_COFMUPY"),
     Program("in_casadi.py", "casadi", "CasADi (DaeBuilder)", (2, 3), BOTH[1:],
             "parameters keep their values: set them with `DaeBuilder.set` before `create`; it refuses arrays"),
 )  # fmt: skip
 
 
+def interpreter(program: Program) -> str:
+    """Return the Python that runs a program; empty if there is none."""
+    return os.environ.get(program.python, "") if program.python else sys.executable
+
+
 def installed(program: Program) -> str:
     """Return the version of a program; empty if it is not installed."""
-    try:
-        return version(program.package)
-    except PackageNotFoundError:
+    question = f"from importlib.metadata import version; print(version({program.package!r}))"
+    if not interpreter(program):
         return ""
+    return subprocess.run(
+        [interpreter(program), "-c", question], capture_output=True, text=True, check=False
+    ).stdout.strip()
 
 
 def error_of(program: Program, path: Path, inputs: str, kind: str) -> float:
     """Return the largest error of the forces in a program; infinite if it did not run."""
     script = Path(__file__).parent / "hosts" / program.script
-    command = [sys.executable, script, path, kind, json.dumps(INPUTS[inputs]), OUTPUTS[inputs]]
+    command = [interpreter(program), script, path, kind, json.dumps(INPUTS[inputs]), OUTPUTS[inputs]]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
     answers = [line for line in done.stdout.splitlines() if line.startswith("{")]
     if done.returncode or not answers:

@@ -50,14 +50,13 @@ static void find_bounds(State *state, double reference)
     model_quantities(contact->inputs, model_parameters(state), found);
     for (i = 0; i < N_SLIPS; i++) {
         const double given = fabs(contact->sliding[i] / reference);
-        double bound;
+        double slope, bound;
 
         contact->friction[i] = fabs(found[friction[i]]) * load;
         contact->stiffness[i] = fabs(found[stiffness[i]]);
-        bound = 3.0 * contact->friction[i] / (contact->stiffness[i] * near);
+        slope = contact->stiffness[i] > 0.0 ? contact->stiffness[i] : HUGE_VAL; /* no load: 0, not 0/0 */
+        bound = 3.0 * contact->friction[i] / (slope * near);
         contact->bounds[i] = bound > given ? bound : given;
-        if (!(contact->stiffness[i] > 0.0))
-            contact->bounds[i] = given;
     }
 }
 

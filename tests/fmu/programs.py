@@ -87,3 +87,17 @@ def random_steps(
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     names = ("median", "high", "longest", "allocations before", "allocations", "largest force")
     return dict(zip(names, map(float, done.stdout.split()), strict=True))
+
+
+#: Limits of slips and load.
+SLIPS = {"kappa": (-1.0, 1.0), "alpha": (-1.2, 1.2), "gamma": (-0.1, 0.1), "Fz": (-500.0, 9000.0), "V": (-10.0, 50.0)}
+
+
+def moving_inputs(tire: Tire, listed: dict[str, tuple[int, str]]) -> list[str]:
+    """Return the inputs of other_processor.c with their limits: beyond what a tire knows, and in reverse."""
+    size = {"r_z": tire.values["UNLOADED_RADIUS"]}
+    return [
+        f"{listed[name][0]}:{low * size.get(name, 1.0)!r}:{high * size.get(name, 1.0)!r}"
+        for name, (low, high) in (LIMITS | SLIPS).items()
+        if listed.get(name, (0, ""))[1] == "input"
+    ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -13,12 +14,18 @@ from tirefmu.fmu.description.interface import interface
 from tirefmu.fmu.packaging.binaries import FLAGS, SMALL
 from tirefmu.fmu.packaging.export import contents
 from tirefmu.fmu.packaging.model_code import model_files
+from tirefmu.tires import read_tir
 from tirefmu.tires.code.compiler import compiled_object
 
-from .programs import linked, sources_of, token_of
+from .programs import linked, moving_inputs, sources_of, token_of
 
 SOURCE = Path(__file__).with_name("robust.c")
 CASES = re.findall(r"CASE\((\w+)\)", SOURCE.read_text(encoding="ascii").split("CASES[] =")[1])
+#: Makes the first floating-point exception of a program a signal.
+TRAPS = b"""#define _GNU_SOURCE
+#include <fenv.h>
+__attribute__((constructor)) static void trap(void) { feenableexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW); }
+"""
 SANITIZERS = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer"]
 SANITIZED = SANITIZERS if os.environ.get("TIREFMU_SANITIZE") else []
 
@@ -78,3 +85,19 @@ def test_random_calls_with_hub_inputs(tires, compiler, tmp_path, inputs):
     assert (handled > 0) == shown.spins
     assert accepted > 0.25 * calls
     assert refused > 0.05 * calls
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="feenableexcept is glibc's")
+@pytest.mark.parametrize("inputs", ["slip", "wheel", "hub", "hub-torque"])
+def test_no_step_raises_a_floating_point_exception(compiler, golden, tmp_path, inputs):
+    """As in hosts that stop at the first one: the program ends by a signal if there is one."""
+    tire = read_tir(golden / "MagicFormula61_Parameters.tir")
+    files = contents(tire, 3, "tire", inputs=inputs)
+    listed = {v.name: (i, v.causality) for i, v in enumerate(interface(tire, inputs=inputs).variables)}
+    program = linked(compiler, tmp_path, "other_processor.c", {**sources_of(files), "traps.c": TRAPS})
+    first = str(listed["Fx" if inputs in ("slip", "wheel") else "F_x"][0])
+    paths = [str(tmp_path / "x.state")] * 2
+    command = [str(program), token_of(files), "300", first, *paths, *moving_inputs(tire, listed)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert len(done.stdout.splitlines()) == 301
