@@ -28,7 +28,7 @@ SMALLEST_PRESSURE = 2e3
 MAX_WRONG_LOADS = 0.5
 #: kappa of a wheel that turns backwards. A locked wheel has -1; the margin is for noise.
 BACKWARD_SLIP = -1.05
-#: Fraction of the rows. A bench that brakes to lock overshoots -1 in a few rows. A sweep in percent does so in many, and
+#: Fraction of the rows. A bench that brakes to lock overshoots -1 in a few rows. One in percent does so in many, and
 #: one up to 10 % is within the limits of the channel. Judgement.
 MAX_BACKWARD_ROWS = 0.1
 #: The head of a column whose name declares a unit: ``alpha [deg]``, ``p (kPa)``.
