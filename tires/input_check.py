@@ -169,7 +169,7 @@ def _numbers(name: str, given: Any) -> FloatArray:
     """Return numbers as an array; masked ones are NaN. Texts, truth values and dates are no numbers."""
     try:
         if isinstance(given, np.ma.MaskedArray):
-            given = given.astype(np.float64).filled(np.nan)
+            given = np.ma.filled(given.astype(np.float64), np.nan)
         array = np.asarray(given)
         objects = array.flat if array.dtype.kind == "O" else ()
         if given is None or array.dtype.kind not in "iufO" or not all(map(_is_number, objects)):
