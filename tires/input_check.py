@@ -93,7 +93,7 @@ def checked_inputs(tire: TireDefinition, inputs: Mapping[str, Any]) -> dict[str,
         if name not in TABLE_INPUTS:
             raise UnknownName("input", name, TABLE_INPUTS)
         arrays[name] = _numbers(name, given)
-        if problem := _problem(name, arrays[name]):
+        if problem := _problem(name, arrays[name]) or _backward_wheel(name, arrays[name]):
             raise TirefmuError(problem)
     if problem := _far_load(tire, arrays.get("Fz")):
         raise TirefmuError(problem)
@@ -144,6 +144,8 @@ def checked_table(
         problem = _wrong_load_signs(values, written) if name == "Fz" else ""
         if name not in declared:
             problem = problem or _problem(name, np.abs(values) if name == "Fz" else values)
+            judged = rows is not table  # a recording: its reader knows whether Fx was measured
+            problem = problem or ("" if judged else _backward_wheel(name, values))
         if name == "Fz" and not limited:
             problem = problem or _far_load(tire, values)
         if problem:
@@ -193,9 +195,14 @@ def _problem(name: str, values: FloatArray) -> str:
         return f"{name} {_extent(values)} is outside {low:g} to {high:g}: it is {unit}"
     if name == "p" and np.any(values > 0.0) and np.median(values[values > 0.0]) < SMALLEST_PRESSURE:
         return f"p {_extent(values)} is no pressure of a tire: it is {unit}"
-    if name == "kappa" and values.size and np.mean(values < BACKWARD_SLIP) > MAX_BACKWARD_ROWS:
-        return f"kappa {_extent(values)} is that of a wheel that turns backwards: it is {unit}"
     return ""
+
+
+def _backward_wheel(name: str, values: FloatArray) -> str:
+    """Return a sentence if a wheel turns backwards in many of several rows; empty otherwise."""
+    if name != "kappa" or values.size < 2 or np.mean(values < BACKWARD_SLIP) <= MAX_BACKWARD_ROWS:
+        return ""
+    return f"kappa {_extent(values)} is that of a wheel that turns backwards: it is {CHANNELS[name].hint}"
 
 
 def _wrong_load_signs(values: FloatArray, signs: str) -> str:

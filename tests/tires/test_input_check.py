@@ -114,6 +114,7 @@ def test_what_a_simulation_needs_is_accepted():
     assert not TIRE.forces(kappa=[0.1, 9.0], Fz=0.0)["Fx"].any()
     assert np.isfinite(TIRE.forces(kappa=np.array([-1.0, 0.0, 10.0]), V=[0.0, -3.0, 80.0])["Fx"]).all()
     np.testing.assert_array_equal(np.isnan(TIRE.forces(alpha=[0.1, np.nan])["Fy"]), [False, True])
+    assert np.isfinite(TIRE.forces(kappa=-1.6)["Fx"])  # a wheel that turns backwards at one moment
     lifted = pd.DataFrame({"alpha": 0.1, "Fz": [900.0, 400.0, -3.0]})  # noise of a load cell
     assert TIRE.evaluate(lifted)["Fy"].iloc[2] == 0.0
     spin = Recording(pd.DataFrame({"alpha": [0.1, 2.0], "Fz": 900.0}), "iso", "spin.csv", {"declared": "alpha"})
