@@ -137,6 +137,8 @@ def verdict_on(
     lines = [*_factor_lines(findings, factors), where, *_car_lines(of_car, unknown, estimate)]
     if best.missing:
         lines.insert(0, _effects_line(likely))
+    elif likely:
+        lines.append(_unidentified_line(likely))
     if contradiction.certain:
         lines.insert(0, _contradiction_line(contradiction, estimate, unknowns))
     lines.append(_prediction_line(predicted, bool(findings or best.missing)))
@@ -173,6 +175,11 @@ def _effects_line(likely: tuple[EffectFinding, ...]) -> str:
     line = f"the tires lack {first.effect} ({values}; probability {first.probability:.2f})"
     names = " or ".join(f"{finding.effect} ({finding.probability:.2f})" for finding in others)
     return f"{line}, or {names}: the drive does not separate them" if others else line
+
+
+def _unidentified_line(likely: tuple[EffectFinding, ...]) -> str:
+    names = ", ".join(f"{finding.effect} {finding.probability:.2f}" for finding in likely)
+    return f"no effect that the tires lack is identified (probabilities: {names}; identified above {CERTAIN:g})"
 
 
 def _factor_lines(findings: tuple[TireDifference, ...], factors: Mapping[str, Mapping[str, Factor]]) -> list[str]:
