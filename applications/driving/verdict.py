@@ -141,6 +141,8 @@ def verdict_on(
         lines.append(_unidentified_line(likely))
     if contradiction.certain:
         lines.insert(0, _contradiction_line(contradiction, estimate, unknowns))
+    if not estimate.converged:
+        lines.insert(0, "the estimate did not converge: it says nothing about the tires or the car")
     lines.append(_prediction_line(predicted, bool(findings or best.missing)))
     effect = best.missing.name if best.missing else None
     return DriveVerdict(
@@ -214,7 +216,7 @@ def _car_lines(of_car: tuple[CarFinding, ...], unknown: tuple[str, ...], estimat
         f"{100 * estimate.unexplained[AXLES.index(axle)]:.2g} % of the load"
         for axle in unknown
     ]
-    return lines if estimate.converged else [*lines, "the estimate did not converge: the numbers are rough"]
+    return lines
 
 
 #: Name and unit of an input, and what its value is multiplied by.

@@ -119,6 +119,8 @@ def test_a_joint_deviation_is_one_although_no_entry_alone_is(answer):
     assert wrong.degrees_of_freedom == n
     assert wrong.certain
     assert not right.certain
+    rough = replace(sure, z=np.full(len(sure.z), 2.5), converged=False)
+    assert not contradiction_of(rough, answer.unknowns).certain
 
 
 def test_where_the_car_is_wrong_no_factor_is_determined(answer):
