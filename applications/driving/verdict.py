@@ -137,8 +137,12 @@ def verdict_on(
     lines = [*_factor_lines(findings, factors), where, *_car_lines(of_car, unknown, estimate)]
     if best.missing:
         lines.insert(0, _effects_line(likely))
+    elif likely:
+        lines.append(_unidentified_line(likely))
     if contradiction.certain:
         lines.insert(0, _contradiction_line(contradiction, estimate, unknowns))
+    if not estimate.converged:
+        lines.insert(0, "the estimate did not converge: it says nothing about the tires or the car")
     lines.append(_prediction_line(predicted, bool(findings or best.missing)))
     effect = best.missing.name if best.missing else None
     return DriveVerdict(
@@ -175,6 +179,11 @@ def _effects_line(likely: tuple[EffectFinding, ...]) -> str:
     return f"{line}, or {names}: the drive does not separate them" if others else line
 
 
+def _unidentified_line(likely: tuple[EffectFinding, ...]) -> str:
+    names = ", ".join(f"{finding.effect} {finding.probability:.2f}" for finding in likely)
+    return f"no effect that the tires lack is identified (probabilities: {names}; identified above {CERTAIN:g})"
+
+
 def _factor_lines(findings: tuple[TireDifference, ...], factors: Mapping[str, Mapping[str, Factor]]) -> list[str]:
     """Return a line for each difference, then one for the other factors of each axle."""
     lines = [
@@ -207,7 +216,7 @@ def _car_lines(of_car: tuple[CarFinding, ...], unknown: tuple[str, ...], estimat
         f"{100 * estimate.unexplained[AXLES.index(axle)]:.2g} % of the load"
         for axle in unknown
     ]
-    return lines if estimate.converged else [*lines, "the estimate did not converge: the numbers are rough"]
+    return lines
 
 
 #: Name and unit of an input, and what its value is multiplied by.
