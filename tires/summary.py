@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from ..boundary.escaping import excerpt
 from .definition import TireDefinition
 from .notebook import html_details, html_summary, html_table
+from .property_file.names import not_given
 
 #: The longest name that a summary shows, in characters.
 LONGEST_NAME = 80
@@ -29,7 +30,7 @@ def tire_text(tire: TireDefinition) -> str:
         for effect in tire.symbolic_model.effects
         if effect not in tire.has and effect in tire.symbolic_model.default_effects
     ]
-    given = len(tire.values) - len(tire.defaulted)
+    given = len(tire.values) - len({*tire.defaulted, *not_given(tire)})
     lines = [
         f"Tire{name}: {tire.model} ({tire.symbolic_model.title}), {tire.signs} signs{side}",
         f"  nominal: {', '.join(f'{name} {value:.4g} {unit}'.rstrip() for name, value, unit in _nominal(tire))}",
@@ -50,7 +51,8 @@ def tire_html(tire: TireDefinition) -> str:
     >>> "<td>PDY1</td>" in tire_html(published("trento_hoosier"))
     True
     """
-    given = [declared for name, declared in tire.symbolic_model.coefficients.items() if name not in tire.defaulted]
+    assumed = {*tire.defaulted, *not_given(tire)}
+    given = [declared for name, declared in tire.symbolic_model.coefficients.items() if name not in assumed]
     rows = [(declared.name, tire.values[declared.name], declared.unit, declared.description) for declared in given]
     table = html_table(["coefficient", "value", "unit", "description"], rows)
     return html_summary(tire_text(tire), html_details(f"Coefficients ({tire.signs} signs)", table))
