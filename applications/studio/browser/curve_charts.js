@@ -32,7 +32,7 @@ class CurveCharts {
     this.charts = measured.map(({ name, unit: of, text }) => ({
       name,
       curves: chart(`${name} over ${this.over}: ${text}`, `${name} (${of})`),
-      residuals: withResiduals ? chart(`${name}: measured less computed`, `residual (${of})`) : null,
+      residuals: withResiduals ? chart(`${name}: measured minus computed`, `residual (${of})`) : null,
     }));
   }
 
