@@ -120,7 +120,7 @@ def _described(setup: Setup, state: FitState, recordings: Sequence[str]) -> Tire
 def _origin(
     setup: Setup, state: FitState, unidentified: Set[str], residuals: Residuals
 ) -> tuple[tuple[str, str, str], ...]:
-    """Return the entries of the tire file with what nobody gave, and what the data do not show."""
+    """Return the entries of the tire file on assumed values and on characteristics that the data do not determine."""
     model, start = setup.plan.symbolic_model, setup.plan.start
     inherited = frozenset[str]() if start is None else unmeasured_coefficients(start)
     unmeasured = (setup.assumed | inherited) - state.determined | unidentified
