@@ -48,7 +48,7 @@ def result_of(
         coefficients, tire, marks = plan.family.marked(coefficients, tire)
         notes += marks
     if undetermined := [c.name for c in coefficients if not c.determined]:
-        notes.append(f"not determined by these data, unchanged: {', '.join(undetermined)}")
+        notes.append(f"no influence on these data, unchanged: {', '.join(undetermined)}")
     notes += idle_notes(name for name in idle_effects(tire) if name in (plan.options.effects or ()))
     residuals = Residuals.of(state.table, distinct(recordings), state.tire)
     unidentified = {c.name for c in coefficients if c.interval == inf and not c.from_family}
