@@ -126,8 +126,8 @@ def _advice(result: Readings, signs: str) -> str:
     decides = ""
     conventions = any(candidate.hypothesis.signs != signs for candidate in result.better)
     if conventions and not any(np.isfinite(candidate.traits.thrust) for candidate in result.better):
-        decides = ": a sweep at camber decides, whose side force points to the lean"
-    return f"{', or '.join(texts)}; the table does not tell which{decides}"
+        decides = ": a sweep at camber decides (the side force points to the lean)"
+    return f"{', or '.join(texts)}; the table does not show which{decides}"
 
 
 def _thrust(candidate: TableReading) -> str:
