@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 
 import tirefmu.symbolic.effects as effects
-from tirefmu.diagnosis.diagnose import _start_model
+from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.diagnosis.probing.candidates import candidates_for, refinements_for
 from tirefmu.diagnosis.probing.effect_probing import probed
+from tirefmu.diagnosis.signals.signals import FORMULA_SIGNS
 from tirefmu.symbolic.added import folder, library, packaged_library, read_effect
 from tirefmu.symbolic.detection import Form
 from tirefmu.symbolic.models import model_named
+from tirefmu.tires.tire import Tire
 
 NEW = """
 name = "wet_grip"
@@ -29,7 +31,8 @@ DECLARED = NEW + '[diagnosis]\nrequires = ["V"]\nchannels = ["Fy"]\n[[diagnosis.
 
 
 def started(model="mf61", has=(), own=()):
-    return _start_model(model, has, {"Fz0": 4000.0, "R0": 0.3}, None, own)
+    tire = Tire(model, {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}, effects=has, signs=FORMULA_SIGNS)
+    return with_library(tire, own)
 
 
 def forget_library():

@@ -23,6 +23,7 @@ from tirefmu.diagnosis.signals.signals import signals_of
 from tirefmu.diagnosis.signals.skew import between_rows
 from tirefmu.diagnosis.thresholds import EFFECT_ODDS, INEXACT_SHARE
 from tirefmu.diagnosis.verdict.verdict import percent
+from tirefmu.measurements import recording_from
 from tirefmu.symbolic.detection import Form
 
 from .suite import make_case
@@ -217,7 +218,7 @@ def unlimited():
 def of_case(hidden):
     """Return the baseline problem of a made recording, its solution, and some candidates."""
     case = make_case(13, hidden)
-    start = _start_model("mf96", case.effects, case.nominal, None, ())
+    start = _start_model(recording_from(case.table, signs=case.signs), "mf96", case.effects, case.nominal, None, ())
     problem, solution = fit_baseline(start, signals_of(case.table, start, case.signs), fitted=False)
     names = ("conicity", "plysteer", "camber_thrust", "pressure_friction", "load_lag")
     return problem, solution, {name: one for name, one in candidates_for(start).items() if name in names}

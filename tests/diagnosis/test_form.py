@@ -11,6 +11,7 @@ from tirefmu.diagnosis.explanations.form import FORM, form_effect, form_of
 from tirefmu.diagnosis.probing.baseline_fit import fit_baseline
 from tirefmu.diagnosis.signals.signals import signals_of
 from tirefmu.diagnosis.verdict.improved_tire import tire_of
+from tirefmu.measurements import recording_from
 from tirefmu.tires import tire_from
 
 from .suite import make_case
@@ -20,7 +21,7 @@ from .suite import make_case
 def made():
     """Return the problem of a recording whose tire is of the model, the solution, and the model."""
     case = make_case(13, ())
-    start = _start_model("mf96", case.effects, case.nominal, None, ())
+    start = _start_model(recording_from(case.table, signs=case.signs), "mf96", case.effects, case.nominal, None, ())
     return *fit_baseline(start, signals_of(case.table, start, case.signs), fitted=False), start
 
 

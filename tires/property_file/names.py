@@ -217,9 +217,9 @@ def unmeasured_outputs(tire: TireDefinition) -> frozenset[str]:
 
     >>> from dataclasses import replace
     >>> from tirefmu.tires import published
-    >>> tire, sentence = published("trento_hoosier"), "Fx, Mx are not determined: not measured"
+    >>> tire, sentence = published("trento_hoosier"), "Fx, Mz are not determined: not measured"
     >>> sorted(unmeasured_outputs(replace(tire, other_entries=not_measured_lines([sentence], []))))
-    ['Fx', 'Mx']
+    ['Fx', 'Mz']
     """
     return frozenset(name for subject in not_measured(tire) for name in subject.split(", ")) & frozenset(tire.outputs)
 
