@@ -212,9 +212,9 @@ def answer(use: Callable[[Path], str]) -> list[str]:
 
 INTRODUCTION = """# Awkward inputs
 
-`make awkward` makes {count} recordings with one fault each and writes this table.
-"inspect" is the exit code of `tirefmu inspect` (0, 1: a serious finding, 2: refused). "fit" is 2 if `tirefmu fit`
-refuses the data, and 0 if it starts; it prints the same findings. The recordings are tables in ISO signs.
+`make awkward` makes {count} recordings with one fault each, in ISO signs, and writes this table. Column "inspect": exit
+code of `tirefmu inspect` (0; 1: a serious finding; 2: refused). Column "fit": 2 if `tirefmu fit` refuses the data, 0 if
+it starts; it prints the same findings.
 
 | | input | inspect | fit | message |
 |---|---|---|---|---|
