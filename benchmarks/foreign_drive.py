@@ -59,7 +59,7 @@ def cases(n: int, seed: int) -> list[Case]:
     """Return the first drive and drawn ones."""
     rng, drives = np.random.default_rng(seed), [Case()]
     for i in range(1, n):
-        friction, stiffness = (1.0, 1.0) if i % 3 == 1 else rng.uniform(0.75, 1.3, 2)
+        friction, stiffness = (1.0, 1.0) if i % 3 == 1 else rng.uniform(0.75, 1.3, 2).tolist()
         speed = rng.uniform(14.0, 19.0)
         size = (drives[0].speed / speed) ** 2 * rng.uniform(0.8, 1.0)
         drives.append(Case(speed, rng.uniform(4.0, 6.0), size, friction, stiffness, i))
