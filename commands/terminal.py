@@ -101,7 +101,7 @@ class Terminal:
 
     def selection(self, *recordings: Recording) -> None:
         """Print how many rows of each recording were selected, if rows were selected, and what is not read."""
-        counts = [(each.source, each.about["selected"]) for each in recordings if each.about.get("selected")]
+        counts = [(part.source, part.about["selected"]) for part in recordings if part.about.get("selected")]
         self.print(*(f"{shortened(visible(source), LONGEST_SOURCE)}: {count}" for source, count in counts[:FEW]))
         if len(counts) > FEW:
             self.print(f"and selected rows of {len(counts) - FEW} more recordings")
