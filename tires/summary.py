@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from ..boundary.escaping import excerpt
 from .definition import TireDefinition
 from .notebook import html_details, html_summary, html_table
-from .property_file.names import not_given
 
 #: The longest name that a summary shows, in characters.
 LONGEST_NAME = 80
@@ -21,7 +20,7 @@ def tire_text(tire: TireDefinition) -> str:
     Tire 'Hoosier 6.0/18.0-10 LCO (Trento team 6)': mf96 (Magic Formula 1996, Trento form), adapted-sae signs, left side
       nominal: Fz 220 N
       ranges (SI): kappa -0.3 to 0.3, alpha -0.2094 to 0.2094, gamma 0 to 0.06981, Fz 120 to 1220
-      100 of 100 coefficients given, 20 effects
+      100 coefficients, 20 effects
     """
     name = f" {excerpt(tire.name, LONGEST_NAME)!r}" if tire.name else ""
     side = f", {tire.side} side" if tire.side else ""
@@ -30,7 +29,6 @@ def tire_text(tire: TireDefinition) -> str:
         for effect in tire.symbolic_model.effects
         if effect not in tire.has and effect in tire.symbolic_model.default_effects
     ]
-    given = len(tire.values) - len({*tire.defaulted, *not_given(tire)})
     lines = [
         f"Tire{name}: {tire.model} ({tire.symbolic_model.title}), {tire.signs} signs{side}",
         f"  nominal: {', '.join(f'{name} {value:.4g} {unit}'.rstrip() for name, value, unit in _nominal(tire))}",
@@ -38,7 +36,7 @@ def tire_text(tire: TireDefinition) -> str:
     if tire.ranges:
         ranges = (f"{name} {low:.4g} to {high:.4g}" for name, (low, high) in tire.ranges.items())
         lines.append(f"  ranges (SI): {', '.join(ranges)}")
-    lines.append(f"  {given} of {len(tire.values)} coefficients given, {len(tire.has)} effects")
+    lines.append(f"  {len(tire.values)} coefficients, {len(tire.has)} effects")
     if absent:
         lines.append(f"  without: {_few(absent)}")
     return "\n".join(lines)
@@ -51,8 +49,7 @@ def tire_html(tire: TireDefinition) -> str:
     >>> "<td>PDY1</td>" in tire_html(published("trento_hoosier"))
     True
     """
-    assumed = {*tire.defaulted, *not_given(tire)}
-    given = [declared for name, declared in tire.symbolic_model.coefficients.items() if name not in assumed]
+    given = [declared for name, declared in tire.symbolic_model.coefficients.items() if name not in tire.defaulted]
     rows = [(declared.name, tire.values[declared.name], declared.unit, declared.description) for declared in given]
     table = html_table(["coefficient", "value", "unit", "description"], rows)
     return html_summary(tire_text(tire), html_details(f"Coefficients ({tire.signs} signs)", table))
