@@ -3,17 +3,20 @@
     python benchmarks/drives.py [--drives N] [--checks N] [--effects N] [--seconds S] [--seed N]
 
 The drives are those of an independent program (tests/driving/road.py): five kinds, 60 s at 100 Hz, noise and offsets of
-a consumer IMU, errors of the car and delays. Two of three are driven to the peak. Further drives have the tires of the
-file and a right car (nothing to find), or the tires of the file and a wrong car (no tire to find). The drives with an
-effect that the tire of the file lacks, and as many with changed tires only, are those of tests/driving/hidden.py.
+a consumer IMU. Errors of the car within its file, lag of the load transfer, compliance, gains, misalignment and delays
+are drawn at random for each. Two of three are driven to the peak. Further drives have the tires of the file and such a
+car (nothing to find), or the tires of the file and a wrong car (no tire to find). The drives with an effect that the
+tire of the file lacks, and as many with changed tires only, are those of tests/driving/hidden.py.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import resource
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +29,7 @@ import road
 
 import tirefmu
 from tirefmu.applications.driving.inputs.car import Car
+from tirefmu.applications.driving.inputs.unknowns import SAME_SPREAD
 
 AXLES, NAMES = ("front", "rear"), ("LMUY", "LKY")
 #: What is wrong in the car file of the last drives, relative to the true car or absolute.
@@ -45,7 +49,11 @@ def answered(log: pd.DataFrame, car: Car, number: int, kind: str, lacks: str = "
     print(
         f"{number} {kind}: {seconds:.1f} s, {'' if answer['ok'] else 'not usable, '}tires {found[0]}, car {found[1]}, "
         f"lacking {answer['lacking']:.3f} {effects}",
-        file=sys.stderr, flush=True,
+        *(
+            f"{axle} {name} {factor['low']:.3f} to {factor['high']:.3f}"
+            for axle, row in answer["factors"].items() for name, factor in row.items() if factor["determined"]
+        ),
+        file=sys.stderr, flush=True, sep=", ",
     )  # fmt: skip
     return {**answer, "seconds": seconds, "kind": kind}
 
@@ -56,61 +64,79 @@ def spins(rows: dict[str, Any], i: int) -> bool:
 
 
 def recovery(n: int, seconds: float, seed: int) -> dict[str, Any]:
-    """Return errors and coverage of the factors over drives with changed tires and an uncertain car."""
+    """Return names, errors and coverage of the factors over drives with changed tires."""
     rng = np.random.default_rng(seed)
     truths = [road.drawn_truth(rng) for _ in range(n)]
-    kinds, hard = [road.KINDS[i % 5] for i in range(n)], [i // 5 % 3 < 2 for i in range(n)]
-    logs, rows = road.made_drives(truths, kinds, hard, seed + 1, seconds)
-    car = Car.from_content(road.car_content(), "car")
-    errors: dict[str, list[float]] = {name: [] for name in NAMES}
-    inside: dict[str, list[bool]] = {name: [] for name in NAMES}
-    early, cpu, spun = 0, [], 0
-    for i, (truth, log) in enumerate(zip(truths, logs, strict=True)):
-        if spins(rows, i):
-            spun += 1
-            continue
-        answer = answered(log, car, i, kinds[i])
-        cpu.append(answer["seconds"])
-        for axle in AXLES:
-            reached = road.used_share(rows, truth, i, axle)
-            for name in NAMES:
-                factor = answer["factors"][axle][name]
-                if not factor["determined"]:
-                    continue
-                early += name == "LMUY" and reached < 0.85
-                errors[name].append(abs(factor["value"] / truth.factors[axle][name] - 1.0))
-                inside[name].append(factor["low"] <= truth.factors[axle][name] <= factor["high"])
-    return {
-        "drives": n - spun, "spun": spun,
-        "median_error": {name: float(np.median(values)) for name, values in errors.items()},
-        "coverage": {name: float(np.mean(values)) for name, values in inside.items()},
-        "determined": {name: len(values) for name, values in inside.items()},
-        "determined_before_the_peak": early, "seconds": float(np.median(cpu)),
-    }  # fmt: skip
+    hard = [i // 5 % 3 < 2 for i in range(n)]
+    return judged(truths, hard, seconds, seed + 1, [road.car_content()] * n)
 
 
-def false_findings(n: int, seconds: float, seed: int, *, wrong_car: bool) -> dict[str, Any]:
-    """Return how many of n drives with the tires of the file have a finding, with a right or with a wrong car."""
+def nothing_to_find(n: int, seconds: float, seed: int, *, wrong_car: bool) -> dict[str, Any]:
+    """Return the same over drives with the tires of the file, with a right or with a wrong car."""
+    rng = np.random.default_rng(seed + 2)
     same = {axle: dict.fromkeys(("LMUX", "LMUY", "LKX", "LKY"), 1.0) for axle in AXLES}
-    truths = [road.Truth(same, {}) for _ in range(n)]
-    kinds = [road.KINDS[i % 5] for i in range(n)]
-    logs, rows = road.made_drives(truths, kinds, [True] * n, seed + 2, seconds)
-    of_tire, of_car, of_effect, spun = 0, 0, 0, 0
-    for i, log in enumerate(logs):
-        if spins(rows, i):
-            spun += 1
-            continue
-        content = road.car_content()
+    truths = [replace(road.drawn_truth(rng), factors=same) for _ in range(n)]
+    contents = [road.car_content() for _ in range(n)]
+    for i, content in enumerate(contents):
         for name, factor in WRONG[(i + i // 5) % 5].items() if wrong_car else ():
             section = "steering" if name in ("ratio", "offset") else "body"
             content[section][name] = content[section].get(name, 0.0) * factor if name != "offset" else factor
-        answer = answered(log, Car.from_content(content, "car"), i, kinds[i])
-        of_tire += bool(answer["found"])
-        of_car += bool(answer["car"]["found"])
-        of_effect += bool(answer["effect"])
+    return judged(truths, [True] * n, seconds, seed + 2, contents)
+
+
+def judged(
+    truths: list[road.Truth], hard: list[bool], seconds: float, seed: int, contents: list[dict[str, Any]]
+) -> dict[str, Any]:
+    """Return what is named on drives, errors and coverage of the determined factors. `contents`: of the car files.
+
+    A name is right if the factor differs from 1 by more than tires of one kind, in the direction of the finding.
+    """
+    kinds = [road.KINDS[i % 5] for i in range(len(truths))]
+    logs, rows = road.made_drives(truths, kinds, hard, seed, seconds)
+    errors: dict[str, list[float]] = {name: [] for name in NAMES}
+    inside: dict[str, list[bool]] = {name: [] for name in NAMES}
+    counts = dict.fromkeys(
+        ("drives", "spun", "to_name", "right_names", "wrong_names", "effects", "contradictions", "car_names",
+         "determined_before_the_peak"), 0,
+    )  # fmt: skip
+    cpu = []
+    for i, (truth, log) in enumerate(zip(truths, logs, strict=True)):
+        if spins(rows, i):
+            counts["spun"] += 1
+            continue
+        answer = answered(log, Car.from_content(contents[i], "car"), i, kinds[i])
+        cpu.append(answer["seconds"])
+        counts["drives"] += 1
+        counts["effects"] += bool(answer["effect"])
+        counts["contradictions"] += not answer["ok"]
+        counts["car_names"] += len(answer["car"]["found"])
+        found = {(entry["axle"], entry["name"]): entry["factor"]["value"] > 1.0 for entry in answer["found"]}
+        for axle in AXLES:
+            reached = road.used_share(rows, truth, i, axle)
+            for name in NAMES:
+                true, factor = truth.factors[axle][name], answer["factors"][axle][name]
+                changed = abs(true - 1.0) > SAME_SPREAD
+                right = changed and found.get((axle, name)) == (true > 1.0)
+                counts["to_name"] += changed
+                counts["right_names"] += right
+                counts["wrong_names"] += (axle, name) in found and not right
+                if not factor["determined"]:
+                    continue
+                counts["determined_before_the_peak"] += name == "LMUY" and reached < 0.85
+                errors[name].append(abs(factor["value"] / true - 1.0))
+                inside[name].append(factor["low"] <= true <= factor["high"])
     return {
-        "drives": n - spun, "with_a_tire_finding": of_tire, "with_a_car_finding": of_car, "with_an_effect": of_effect,
+        **counts,
+        "determined": {name: len(values) for name, values in inside.items()},
+        "inside": {name: sum(values) for name, values in inside.items()},
+        "median_error": {name: float(np.median(values)) for name, values in errors.items() if values},
+        "seconds": float(np.median(cpu)), "longest": max(cpu), "peak_memory_MB": peak_memory(),
     }  # fmt: skip
+
+
+def peak_memory() -> float:
+    """Return the largest memory of this process so far, MB."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 def named_effects(n: int, seconds: float, seed: int) -> dict[str, Any]:
@@ -149,8 +175,8 @@ def main() -> None:
     checks = options.checks, options.seconds, options.seed
     for name, count, part in (
         ("recovery", options.drives, lambda: recovery(options.drives, options.seconds, options.seed)),
-        ("nothing_to_find", options.checks, lambda: false_findings(*checks, wrong_car=False)),
-        ("wrong_car", options.checks, lambda: false_findings(*checks, wrong_car=True)),
+        ("nothing_to_find", options.checks, lambda: nothing_to_find(*checks, wrong_car=False)),
+        ("wrong_car", options.checks, lambda: nothing_to_find(*checks, wrong_car=True)),
         ("effects", options.effects, lambda: named_effects(options.effects, options.seconds, options.seed)),
     ):
         if count:

@@ -54,7 +54,14 @@ def believed_car(given: dict[str, Any], header: str) -> Car:
     rear = given["wheelbase"]["value"] - given["cg_to_front_axle"]["value"]
     content["sensors"]["x"] = entry(ahead["value"] - rear, ahead["sd"])
     content["sensors"]["y"] = entry(imu["left_of_center_line"]["value"], imu["left_of_center_line"]["sd"])
-    content["sensors"]["roll_gradient"] = entry(0.0, 0.001)
+    if not imu["levelled"]:
+        content["sensors"]["roll_gradient"] = entry(given["roll_gradient"]["value"], given["roll_gradient"]["sd"])
+    content["sensors"]["misalignment"] = entry(imu["yaw_misalignment"]["value"], imu["yaw_misalignment"]["sd"])
+    gain = sensors["scale_sd"]
+    content["sensors"] |= {f"{name}_gain": entry(1.0, gain[name]) for name in ("ay", "yaw_rate")}
+    for axle in AXLES:  # the mean of two wheel speeds
+        radius = content["wheels"][f"radius_{axle}"]
+        radius["uncertainty"] = float(np.hypot(radius["uncertainty"], radius["value"] * gain["wheel_speed"] / 2**0.5))
     offset = {name: float(text.split()[0]) for name, text in sensors["offset_sd"].items()}
     content["sensors"]["yaw_rate_offset"] = entry(0.0, float(np.radians(offset["yaw_rate"])))
     content["steering"]["offset"] = entry(0.0, float(np.radians(offset["road_wheel"])))

@@ -31,9 +31,9 @@ from .interval import BALANCE, MOTION, AddedForces, Interval, Linear
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 
-#: Deviations of the balance, per load: at the start, and the smallest one (the error of the integration).
+#: Standard deviation of the force balance over load: first guess, lower limit (the error of the integration).
 START_DEVIATION, MIN_DEVIATION = 0.02, 5e-4
-#: Largest deviation of a sensor over that of the fast changes in the log: what contradicts a motion is no noise.
+#: Upper limit of the noise of a sensor over that of the fast changes in its log. A larger residual is not noise.
 LARGEST_NOISE = 1.5
 #: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
 LONGEST_STEP = 1.0
@@ -185,9 +185,10 @@ def estimated(
     z = np.concatenate([z, np.zeros(added.further - n_rest), rest])
     at = _solved(grid, interval, added, start, z, deviations, np.ones((len(grid.t), len(floor))))
     converged, arrived, part, last, resized = False, near is not None or rows is not None, 1.0, np.zeros(len(z)), 0.0
-    longest, slope = np.inf, np.zeros(len(z))
+    longest, slope, stalled = np.inf, np.zeros(len(z)), False
     for round_ in range(NEAR_ROUNDS if near else ROUNDS):
-        if longest < NEAR or round_ % SLOPE_ROUNDS == 0:  # it changes slowly
+        fresh = stalled or longest < NEAR or round_ % SLOPE_ROUNDS == 0
+        if fresh:  # it changes slowly
             slope = _volume_slope(grid, interval, at, added.tires(z))
         change, change_z = at.factor.step(z + slope, z)
         widening = np.clip(at.excess(), -LONGEST_STEP, LONGEST_STEP)
@@ -212,6 +213,9 @@ def estimated(
                 continue
             gain = at.criterion - tried.criterion
         converged = bool(gain < FLAT and longest < 1.0)
+        stalled = not gain > 0.0 and not fresh  # an old slope need not point downwards
+        if stalled:
+            continue
         if converged or not gain > 0.0:
             break
         z = z + share * change_z

@@ -147,7 +147,7 @@ def _over_load(
     return [
         *([] if half is None else [band(loads, values - half, values + half, BLUE)]),
         Series("line", loads, np.where(inside, values, np.nan), BLUE, "tire", size=2.0),
-        Series("line", loads, np.where(strictly, np.nan, values), BLUE, "beyond the\nmeasured loads", DOTTED, size=1.2),
+        Series("line", loads, np.where(strictly, np.nan, values), BLUE, "not measured", DOTTED, size=1.2),
     ]
 
 

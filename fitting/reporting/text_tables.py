@@ -140,7 +140,7 @@ def _coefficients(result: Fitted) -> Iterator[Table]:
             if c.from_family
             else ""
         )
-        remark = remark if c.determined or c.at_bound else "not identifiable"
+        remark = remark if c.determined or c.at_bound else "no influence on the data"
         numbers = (f"{v:.5g}" for v in (c.guess, c.lower, c.upper, c.value))
         resampled = [bootstrap_text(result, c.name)] * bool(result.bootstrap)
         table.add_row(c.name, *numbers, interval_text(c.interval), *resampled, c.unit, remark)

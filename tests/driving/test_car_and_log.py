@@ -12,8 +12,10 @@ from scipy.io import savemat
 
 from tirefmu.applications.driving.inputs.car import Car, read_car
 from tirefmu.applications.driving.inputs.car_entries import ENTRIES, car_schema
+from tirefmu.applications.driving.inputs.grid import forward_speed, gridded
 from tirefmu.applications.driving.inputs.log import read_log
-from tirefmu.boundary.errors import TirefmuError
+from tirefmu.applications.driving.inputs.plausibility import check_log
+from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.commands.cli import main
 
 
@@ -115,3 +117,57 @@ def test_units_and_other_names(tmp_path):
         np.testing.assert_array_equal(named.values("steer"), log.values("steer"))
     with pytest.raises(TirefmuError, match=r"no column 'vv' \(speed\)"):
         read_log(table, {"t": "time", "speed": "vv"})
+
+
+def turning(change):
+    """Return a log of a car that turns as it is steered; `change` of t, steering (rad at the wheels) and yaw rate."""
+    t, speed = 0.01 * np.arange(4000), 15.0
+    steer = 0.03 * np.sin(2 * np.pi * (0.1 * t + 0.014 * t**2))
+    rate = 0.8 * speed * steer / road.CAR["wheelbase"]
+    steer, rate = change(t, steer, rate)
+    table = {"t": t, "steer": road.CAR["ratio"] * steer, "speed": speed, "yaw_rate": rate, "ay": speed * rate}
+    return read_log(pd.DataFrame(table))
+
+
+def sliding(t, steer, rate):
+    """Return steering and yaw rate of a driver who counter-steers in three turns of four."""
+    slides = (t % 8.0 > 2.0) & (np.abs(steer) > 0.02)
+    return np.where(slides, -6.0 * steer, steer), np.where(slides, 1.5 * rate, rate)
+
+
+OWN = {
+    "sliding": sliding,
+    "an offset": lambda t, steer, rate: (steer + 0.06, rate),
+    "a delay": lambda t, steer, rate: (np.interp(t + 0.3, t, steer), rate),
+}
+
+
+def checked(log, car):
+    speed = forward_speed(log, car)
+    grid = gridded(log, car, speed)
+    check_log(log, car, grid, np.interp(grid.t, *speed))
+
+
+@pytest.mark.parametrize("change", OWN.values(), ids=OWN)
+def test_what_the_estimate_explains_of_the_steering_is_no_refusal(change, car):
+    checked(turning(change), car)
+
+
+@pytest.mark.parametrize("change", OWN.values(), ids=OWN)
+@pytest.mark.parametrize("late", [-1900, 1300])
+def test_the_log_of_another_drive_is_refused(change, late, car):
+    def other(t, steer, rate):
+        steer, rate = change(t, steer, rate)
+        return np.roll(steer, late), rate
+
+    with pytest.raises(DataError, match="the steering does not explain the yaw rate"):
+        checked(turning(other), car)
+
+
+def test_a_wrong_sign_is_named_also_where_a_delay_would_explain_it(car):
+    def mirrored(t, steer, rate):
+        wave = np.sin(2 * np.pi * 1.5 * t)
+        return -0.03 * wave, 0.1 * wave
+
+    with pytest.raises(DataError, match="opposite signs"):
+        checked(turning(mirrored), car)

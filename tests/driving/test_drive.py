@@ -25,6 +25,7 @@ from tirefmu.applications.driving.interval import interval_of
 from tirefmu.applications.driving.rivals import DriveExplanation, Rival, forces_of
 from tirefmu.applications.driving.trust.contradiction import contradiction_of
 from tirefmu.applications.driving.trust.left_out import is_better
+from tirefmu.applications.driving.verdict import EffectFinding, _unidentified_line
 from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.commands.cli import main
 from tirefmu.diagnosis.diagnose import with_library
@@ -56,6 +57,8 @@ def test_without_an_accelerometer_the_factors_are_those_of_the_truth(missing, lo
             factor = answer.factors[axle][name]
             assert factor.determined
             assert factor.low < value < factor.high
+            # With wheel speeds only, the interval alone is right.
+            assert "speed" in missing or factor.value == pytest.approx(value, rel=0.05)
 
 
 def test_verdict_and_table_have_the_same_factors(answer):
@@ -67,6 +70,18 @@ def test_verdict_and_table_have_the_same_factors(answer):
         factor = answer.factors[finding.axle][finding.name]
         assert factor.changed > 0.95
         assert factor.high < 1.0 if "lower" in finding.effect else factor.low > 1.0
+
+
+def unidentified(verdict):
+    return any(line.startswith("no effect that the tires lack is identified") for line in verdict.lines)
+
+
+def test_an_effect_that_is_only_likely_is_no_finding(answer):
+    likely = EffectFinding("relax_lat", {"SIGY": 0.4}, 0.5)
+    line = _unidentified_line((likely,))
+    assert line.startswith("no effect that the tires lack is identified")
+    assert "relax_lat 0.50" in line
+    assert unidentified(answer.verdict) == (bool(answer.verdict.effects) and not answer.verdict.effect)
 
 
 def test_there_are_no_longitudinal_factors(answer):
@@ -106,6 +121,8 @@ def test_a_joint_deviation_is_one_although_no_entry_alone_is(answer):
     assert wrong.degrees_of_freedom == n
     assert wrong.certain
     assert not right.certain
+    rough = replace(sure, z=np.full(len(sure.z), 2.5), converged=False)
+    assert not contradiction_of(rough, answer.unknowns).certain
 
 
 def test_where_the_car_is_wrong_no_factor_is_determined(answer):
@@ -198,6 +215,7 @@ def test_an_effect_is_a_name_only_if_it_is_certain_and_predicts(relaxing):
     # 14 s do not separate a relaxation from all other effects: it is a likely one, and need not be the name.
     assert "relax_lat" in {finding.effect for finding in answer.verdict.effects}
     assert (answer.verdict.effect == "relax_lat") == (answer.verdict.lacking > 0.95)
+    assert unidentified(answer.verdict) == (not answer.verdict.effect)
     assert "axle: the drive disagrees most with its tire file" in " ".join(answer.verdict.lines)
 
 

@@ -54,7 +54,7 @@ def fitted(table):
 
 KINDS = {
     "peak": ({"angles": (-2.0, 2.0)}, "peak friction", "the slope of Fy at the end of the data is"),
-    "small slips": ({"angles": (4.0, 14.0)}, "slip stiffness", "the smallest slips have"),
+    "small slips": ({"angles": (4.0, 14.0)}, "slip stiffness", "at the smallest slips"),
     "one load": ({"loads": (3000.0,)}, "influence of load", "one load, 3000 N"),
     "one camber": ({"cambers": (0.05,)}, "influence of camber", "one inclination, 2.9 deg"),
     "one pressure": ({"pressures": (180e3,)}, "influence of pressure", "one pressure, 180 kPa"),

@@ -22,6 +22,9 @@ FloatArray = npt.NDArray[np.float64]
 YAW_GAIN, LATERAL_GAIN, TYPICAL_GAIN = (0.15, 3.0), (0.5, 2.0), 0.7
 #: Smallest correlation of yaw rate with v delta / l, and smallest angle of the front wheels with a turn, rad.
 MIN_CORRELATION, MIN_STEER = 0.5, 0.002
+#: Lateral acceleration below which a car does not slide, over the one that 5 % of a drive exceed: as driven, and as the
+#: steering wants it. Delays of the yaw rate behind the steering at which both are compared, s: of the car and the log.
+CALM, DELAYS = 0.5, (0.0, -0.1, 0.1, 0.2, 0.3)
 
 #: Units that logs have, SI first.
 UNITS = {
@@ -78,9 +81,7 @@ def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
     steer = grid.steer.mean(axis=0) + car.values["offset"]
     source = log.source
     yaw_rate = _yaw_rate(grid)
-    wanted = speed * steer / car.values["wheelbase"]
-    # About zero, not about the means: a circle at rising speed explains itself, a slalom with held steering does not.
-    gain, correlation = _slope(wanted, yaw_rate)
+    gain, correlation = _turning(grid, steer, speed, yaw_rate, car.values["wheelbase"])
     if np.std(steer) < MIN_STEER and abs(correlation) < MIN_CORRELATION:
         raise DataError(
             f"{source}: steer hardly changes: {np.degrees(np.std(steer)):.2g} deg at the front wheels; without "
@@ -117,6 +118,38 @@ def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
             f"{source}: ay is {offset:+.3g} m/s^2 from speed times yaw rate on average: a banked road, or a tilted "
             f"sensor: state it: ay_offset = {offset:.3g} in [sensors] of {car.source} (a bank of 1 rad adds 9.81)"
         )
+
+
+def _turning(
+    grid: Grid, steer: FloatArray, speed: FloatArray, yaw_rate: FloatArray, wheelbase: float
+) -> tuple[float, float]:
+    """Return gain and correlation of the yaw rate over v delta / l, in the first view in which one explains the other.
+
+    Views: the whole drive; the part in which the car does not slide, since a driver counter-steers where it does; each
+    with another offset of the steering and at the delays. If none explains, the first one is returned.
+    """
+    views = []
+    for delay in DELAYS:
+        wanted = speed * np.interp(grid.t - delay, grid.t, steer) / wheelbase
+        calm = _calm(speed * wanted) & _calm(speed * yaw_rate)
+        for rows in (np.ones_like(calm), calm):
+            x, y, offset = wanted[rows], yaw_rate[rows], speed[rows]
+            # About zero, not about the means: a circle at rising speed explains itself, a slalom with held steering
+            # does not.
+            views += [_slope(x, y), _slope(_beyond(offset, x), _beyond(offset, y))]
+        if views[0][1] < -MIN_CORRELATION and max(correlation for _, correlation in views) < MIN_CORRELATION:
+            return views[0]  # a delay of half a period is another sign
+    return next((view for view in views if view[1] > MIN_CORRELATION), views[0])
+
+
+def _calm(lateral: FloatArray) -> npt.NDArray[np.bool_]:
+    size = np.abs(np.nan_to_num(lateral))
+    return np.asarray(size < CALM * np.quantile(size, 0.95))
+
+
+def _beyond(offset: FloatArray, values: FloatArray) -> FloatArray:
+    """Return values without what is proportional to another one."""
+    return values - _slope(offset, values)[0] * offset
 
 
 def _within(gain: float, limits: tuple[float, float]) -> bool:

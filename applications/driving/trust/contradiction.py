@@ -12,10 +12,10 @@ from ..inputs.unknowns import Unknowns
 
 #: Share of the variance of the file that a drive takes away from a combination of entries that it can contradict.
 SEEN = 0.1
-#: Information on an entry of which the file says nothing, over that of its uncertainty.
+#: Information on an entry that is not in the file, relative to that of its uncertainty.
 UNTOLD = 1e-4
-#: Probability below which the deviation is a contradiction. Judgement: uncertainties of a file are rough, and a
-#: sensor at three of them is no other car.
+#: Probability below which the deviation is a contradiction. Judgement: uncertainties of a file are approximate, and
+#: one sensor at three standard deviations does not mean another car.
 IMPROBABLE = 1e-6
 
 
@@ -25,17 +25,18 @@ class Contradiction:
 
     - `deviation`: chi-squared: squares of the deviations of independent combinations of entries, over the variances
       that they have if the file is right. `degrees_of_freedom`: their number.
-    - `p`: probability of a larger deviation if the file is right.
+    - `p`: probability of a larger deviation if the file is right. `converged`: whether the estimate did.
     """
 
     deviation: float
     degrees_of_freedom: int
     p: float
+    converged: bool
 
     @property
     def certain(self) -> bool:
-        """Whether the drive contradicts the car."""
-        return self.p < IMPROBABLE
+        """Whether the drive contradicts the car: an estimate that is not at its optimum says nothing about it."""
+        return self.converged and self.p < IMPROBABLE
 
 
 def contradiction_of(estimate: Estimate, unknowns: Unknowns, without: str = "") -> Contradiction:
@@ -55,4 +56,4 @@ def contradiction_of(estimate: Estimate, unknowns: Unknowns, without: str = "") 
     seen = values > SEEN
     deviation = float(np.sum((vectors.T @ z[kept])[seen] ** 2 / values[seen]))
     degrees = int(seen.sum())
-    return Contradiction(deviation, degrees, float(chi2.sf(deviation, max(degrees, 1))))
+    return Contradiction(deviation, degrees, float(chi2.sf(deviation, max(degrees, 1))), estimate.converged)
