@@ -101,7 +101,11 @@ class Terminal:
 
     def selection(self, *recordings: Recording) -> None:
         """Print how many rows of each recording were selected, if rows were selected, and what is not read."""
-        counts = [(each.source, each.about["selected"]) for each in recordings if each.about.get("selected")]
+        counts = [
+            (recording.source, recording.about["selected"])
+            for recording in recordings
+            if recording.about.get("selected")
+        ]
         self.print(*(f"{shortened(visible(source), LONGEST_SOURCE)}: {count}" for source, count in counts[:FEW]))
         if len(counts) > FEW:
             self.print(f"and selected rows of {len(counts) - FEW} more recordings")

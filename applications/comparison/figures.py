@@ -79,7 +79,7 @@ def _curves(comparison: Comparison, sweep: Sweep, channel: str, signs: str) -> t
 
 def _dashes(measured_in: Sequence[bool]) -> list[tuple[float, ...]]:
     """Return the dashes of both tires: those of its line, or dotted if its data did not determine what is drawn."""
-    return [dashes if known else DOTTED for known, (_, dashes) in zip(measured_in, LINES, strict=True)]
+    return [dashes if shown_by_data else DOTTED for shown_by_data, (_, dashes) in zip(measured_in, LINES, strict=True)]
 
 
 def _measured_in(comparison: Comparison, channel: str) -> list[bool]:
@@ -98,8 +98,8 @@ def _notes(
 ) -> str:
     shown = zip(("dashed", "solid"), comparison.names, measured_in, strict=True)
     lines = [
-        f"{line}: {figure_text(name)}" if known else f"dotted: {figure_text(name)}, not measured"
-        for line, name, known in shown
+        f"{line}: {figure_text(name)}" if shown_by_data else f"dotted: {figure_text(name)}, not measured"
+        for line, name, shown_by_data in shown
     ]
     held = {name: level for name, level in ranges[0].held.items() if name in FURTHER}
     return note(signs, ", ".join(lines), *texts, *([held_text(signs, held)] if held else []))
@@ -150,8 +150,10 @@ def _over_load(comparison: Comparison, role: str, title: str, signs: str) -> Fig
     slip = STIFFNESS_OVER.get(role)
     scale, unit = (per_si(slip), stiffness_unit(slip)) if slip else (1.0, "-")
     ranges = [tire.ranges.get("Fz", (0.0, 2.0 * tire.values["FNOMIN"])) for tire in comparison.tires]
-    known = [tire.symbolic_model.leading(role) not in unmeasured_coefficients(tire) for tire in comparison.tires]
-    shown = zip(comparison.tires, comparison.names, ranges, LINES, _dashes(known), strict=True)
+    shown_by_data = [
+        tire.symbolic_model.leading(role) not in unmeasured_coefficients(tire) for tire in comparison.tires
+    ]
+    shown = zip(comparison.tires, comparison.names, ranges, LINES, _dashes(shown_by_data), strict=True)
     series = []
     for tire, name, (low, high), (color, _), dashes in shown:
         quantity = tire.symbolic_model.quantity(role)
@@ -160,7 +162,11 @@ def _over_load(comparison: Comparison, role: str, title: str, signs: str) -> Fig
         values = _evaluated(tire, {}, "Fz", signed, signs)[quantity].abs() / scale
         series.append(Series("line", loads, values, color, figure_text(name), dashes, size=1.8))
     panel = Panel(f"load {letter('Fz', signs)} (N)", f"{title} ({unit})", tuple(series), width=9.0)
-    dotted = [] if all(known) else [f"dotted: {figure_text(comparison.names[known.index(False)])}, not measured"]
+    dotted = (
+        []
+        if all(shown_by_data)
+        else [f"dotted: {figure_text(comparison.names[shown_by_data.index(False)])}, not measured"]
+    )
     text = note(signs, "magnitudes at zero slip; each tire over its own range of loads", *dotted)
     return Figure(f"{role}_over_load", f"{title.capitalize()} over load", ((panel,),), text)
 
