@@ -1,7 +1,7 @@
-"""What tirefmu reports about 46 awkward inputs: message and exit code, as a table in docs/awkward_inputs.md.
+"""What tirefmu reports about awkward inputs and uses (`awkward_uses`): the tables of docs/awkward_inputs.md.
 
-Each input is a made recording with one fault. `tirefmu inspect` reads it. The column "fit" shows whether a fit starts;
-it is stopped at its first iteration.
+Each of 46 inputs is a made recording with one fault. `tirefmu inspect` reads it. The column "fit" shows whether a fit
+starts; it is stopped at its first iteration.
 
     python benchmarks/awkward_inputs.py                  # prints the table
     python benchmarks/awkward_inputs.py --write          # writes docs/awkward_inputs.md
@@ -14,12 +14,13 @@ import io
 import json
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from awkward_uses import uses
 
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.commands.cli import main
@@ -189,19 +190,43 @@ def table() -> str:
     for number, (name, contents) in enumerate(cases().items(), start=1):
         with tempfile.TemporaryDirectory() as folder:
             result = outcome(contents, Path(folder))
-        shown = "<br>".join(message.replace("|", "\\|") for message in result.messages) or "-"
-        lines.append(f"| {number} | {name} | {result.inspect} | {result.fit} | {shown} |")
-    return INTRODUCTION.format(count=len(lines)) + "\n".join(lines) + "\n"
+        lines.append(f"| {number} | {name} | {result.inspect} | {result.fit} | {cell(result.messages)} |")
+    answers = [f"| {name} | {cell(answer(use))} |" for name, use in uses().items()]
+    document = [
+        INTRODUCTION.format(count=len(lines)) + "\n".join(lines),
+        USES.format(count=len(answers)) + "\n".join(answers),
+    ]
+    return "\n\n".join(document) + "\n"
+
+
+def cell(messages: Sequence[str]) -> str:
+    """Return messages as a cell of a table."""
+    return "<br>".join(message.replace("|", "\\|") for message in messages) or "-"
+
+
+def answer(use: Callable[[Path], str]) -> list[str]:
+    """Return the lines of the answer to an awkward use."""
+    with tempfile.TemporaryDirectory() as folder:
+        return use(Path(folder)).splitlines()
 
 
 INTRODUCTION = """# Awkward inputs
 
-`make awkward` makes {count} recordings with one fault each and writes this table.
-"inspect" is the exit code of `tirefmu inspect` (0, 1: a serious finding, 2: refused). "fit" is 2 if `tirefmu fit`
-refuses the data, and 0 if it starts; it prints the same findings. The recordings are tables in ISO signs.
+`make awkward` makes {count} recordings with one fault each, in ISO signs, and writes this table. Column "inspect": exit
+code of `tirefmu inspect` (0; 1: a serious finding; 2: refused). Column "fit": 2 if `tirefmu fit` refuses the data, 0 if
+it starts; it prints the same findings.
 
 | | input | inspect | fit | message |
 |---|---|---|---|---|
+"""
+
+USES = """## Awkward uses
+
+{count} uses of arrays, property files, fits, logs and printed code. "exit" is the exit code of a command; only its
+lines about the use are shown.
+
+| use | answer |
+|---|---|
 """
 
 

@@ -15,7 +15,7 @@ from .escaping import quoted, visible
 
 #: Largest number of a file. Larger ones overflow in the next multiplication.
 LARGEST_NUMBER = 1e300
-#: Differences of which the clearest one is reported; a file of 2 MB may have a hundred thousand.
+#: Number of differences that are compared; the clearest one is reported. A file of 2 MB may have a hundred thousand.
 MAX_DIFFERENCES = 100
 #: What an item of a list is, by its type in JSON.
 _PLURALS = {

@@ -33,10 +33,11 @@ class PlainTable(Table):
         super().add_row(*shown, style=style, end_section=end_section)
 
 
-def plain_table(*columns: str, title: str = "") -> Table:
-    """Return a table without rules; numbers are right-aligned."""
+def plain_table(*columns: str, title: str = "", caption: str = "") -> Table:
+    """Return a table without rules, `caption` below it; numbers are right-aligned."""
     title = visible(title)
     table = PlainTable(title=title or None, title_justify="left", box=None, pad_edge=False, header_style="bold")
+    table.caption, table.caption_justify = caption or None, "left"
     for column in columns:
         longest = max(map(len, column.split()), default=0)
         justify: JustifyMethod = "left" if column in WORDS else "right"

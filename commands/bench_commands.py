@@ -55,14 +55,16 @@ class Aim:
               help="all, forces, friction, stiffness, or coefficients such as PKY1,PDY1  [default: all]")  # fmt: skip
 @click.option("--between", callback=names, metavar="EFFECT,EFFECT", help="Tell two effects apart.")
 @click.option("--after", type=FILE, metavar="ANSWER",
-              help="Tell the effects apart that a diagnosis could not: the folder of its result; without TIRE its "
-                   "baseline model.")  # fmt: skip
+              help="Tell apart the effects that a diagnosis left confounded. ANSWER is the folder of its result; "
+                   "without TIRE its baseline model is used.")  # fmt: skip
 @click.option(
     "--minutes",
     type=click.FloatRange(min=0.0, min_open=True),
-    help="Bench time with warm-up and pauses  [default: 20; to tell effects apart 2, with a warm tire]",
+    help="Bench time with warm-up and pauses, min  [default: 20; with --between and --after 2, with a warm tire]",
 )
-@click.option("--compare", type=FILE, metavar="TABLE", help="Today's program, inputs over time, to compare with.")
+@click.option(
+    "--compare", type=FILE, metavar="TABLE", help="Compare with this program: a recording, or a table of t and inputs."
+)
 @click.option("--example", is_flag=True, help="Print a commented bench file.")
 @common
 @grouped(aim=Aim)
@@ -72,8 +74,9 @@ def plan(
 ) -> int:  # fmt: skip
     """Plan a test program for TIRE.
 
-    Sweeps with their order, rates, starting sides, pauses and repeats, and the intervals that they will give. TIRE is
-    what is known before the test: a .tir file, a published tire, or a folder of .tir files of similar tires.
+    The plan has sweeps with their order, rates, starting sides, pauses and repeats, and the predicted intervals of a
+    fit. TIRE is what is known before the test: a .tir file, a published tire, or a folder of .tir files of similar
+    tires.
     """
     from ..applications.planning.bench_file import example_text, read_bench
 

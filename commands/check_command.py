@@ -50,8 +50,8 @@ def check(
 
     Without TABLE, the proof inside FMU is repeated.
 
-    fmpy simulates it; direct evaluation of its tire must agree. FMU runs in a separate process: a crash or a hang is
-    reported as an error. It is native code with your permissions.
+    fmpy simulates the FMU, and the outputs must agree with direct evaluation of its tire. The FMU is native code and
+    runs with your permissions, in a separate process: a crash or a hang is reported as an error.
     """
     check_output_paths(json_file, report, folder=figures)
     check_input_paths(fmu, table)

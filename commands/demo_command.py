@@ -26,7 +26,7 @@ from .command import command
 def demo(output: Path, quiet: bool, json_file: Path | None) -> int:
     """Run the full workflow on the virtual bench.
 
-    Measurement, fit, tire, FMU, check, a missing effect; a page tells the story.
+    Measurement, fit, FMU, check, and the diagnosis of a missing effect. index.html shows all results.
     """
     check_output_paths(json_file, folder=output)
     from .demo import run

@@ -67,11 +67,11 @@ def diagnose(
 ) -> int:  # fmt: skip
     """Identify the effect that a tire model lacks, and add it.
 
-    The smaller error of the improved tire is reported, and both tires are simulated as FMUs.
+    The baseline tire and the improved tire are simulated as FMUs, and the errors of both are reported.
 
-    TABLES are one recording, or several recordings and folders of recordings. Each of several is diagnosed separately:
-    its results are in a folder with its name, and summary.html has all. A recording that cannot be diagnosed is a row
-    of the summary with its reason (exit code 1).
+    TABLES are one recording, or several recordings and folders of recordings. Several recordings are diagnosed
+    separately: each has a folder with its name, and summary.html lists all. If a recording cannot be diagnosed, the
+    summary has the reason, and the exit code is 1.
     """
     check_output_paths(json_file, folder=output)
     if others and not fmus:

@@ -45,7 +45,8 @@ def draw(
 ) -> int:  # fmt: skip
     """Draw TIRE at several loads.
 
-    Pure slip, surfaces of Fx and Fy over both slips, Fy against Fx. Measured rows of TABLES are drawn as points.
+    The figures are pure slip, surfaces of Fx and Fy over both slips, and Fy over Fx. Measured rows of TABLES are
+    points.
     """
     check_output_paths(json_file, folder=output)
     check_input_paths(tire, *tables)

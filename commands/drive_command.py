@@ -36,8 +36,8 @@ def drive(
 ) -> int:  # fmt: skip
     """Compare the LOG of a drive with the tires of the car.
 
-    Forces of the axles, scaling factors with intervals, tires that have them, the simulated vehicle before and after.
-    Exit code 1 if the numbers cannot be used; no tire is written then.
+    The results are forces of the axles, scaling factors with intervals, new tires, and errors of the simulated vehicle
+    before and after. Exit code 1: the drive does not justify new tires, and none is written.
     """
     if example:
         return _template(example, quiet)

@@ -69,7 +69,7 @@ def evaluate(
 
     The result has forces, moments and every named quantity.
 
-    If TABLE has a column t and TIRE a relax_* effect, the slips have a first-order lag.
+    If TABLE has a column t and TIRE has a relax_* effect, the slips have a first-order lag (relaxation).
     """
     check_output_paths(output, json_file)
     check_input_paths(tire, table)

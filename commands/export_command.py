@@ -78,7 +78,7 @@ class Proof:
               help="Write a system of the tires (SSP): FMUs, parameter sets. Four are FL, FR, RL, RR.")  # fmt: skip
 @click.option("--vehicle", type=FILE, help="With --ssp: an FMU that is connected to the tires by names such as FL_Fz.")
 @click.option("--mirror/--no-mirror", default=True, show_default=True,
-              help="With --ssp: corners have the mirror image of a tire of the other side (TYRESIDE).")  # fmt: skip
+              help="With --ssp: mirror a tire at a corner of the side opposite to its TYRESIDE.")  # fmt: skip
 @RADIUS
 @click.option("--fmi", type=click.Choice(["2", "3"]),
               help="FMI version; 2 is SSP 1.0, 3 is SSP 2.0  [default: 3; pythonfmu, ssv, --ssp: 2]")  # fmt: skip
@@ -121,8 +121,8 @@ def export(
 ) -> int:  # fmt: skip
     """Export TIRE as an FMU.
 
-    It is native (Co-Simulation and Model Exchange, no Python), or has editable Python. Several tires are exported as a
-    system with --ssp.
+    The FMU is native (Co-Simulation and Model Exchange, no Python) or contains editable Python. --ssp exports several
+    tires as a system.
     """
     target = output or ssp
     if target is None or (output and ssp):

@@ -84,7 +84,7 @@ def _taken(option: Declaration, default: Any) -> dict[str, Any]:
     section="From a recording to a tire", place=2,
     examples=(
         "fit cornering.mat drivebrake.mat --model mf61 -o my.tir --report fit.html",
-        "fit run.csv --model mf96 --nominal Fz0=220,R0=0.23 --effects load_friction,camber_thrust -o my.tir",
+        "fit run.csv --model mf96 --nominal Fz0=700,R0=0.23 --effects load_friction,camber_thrust -o my.tir",
         "fit run.csv --start my.tir --recipe scaling -o scaled.tir",
     ),
 )  # fmt: skip

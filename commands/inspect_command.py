@@ -52,10 +52,10 @@ def inspect(
     tables: tuple[Path, ...], output: Path | None, selection: TableOptions, selected: Path | None,
     every: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Summarize TABLES, and what the data lack or contradict.
+    """Summarize TABLES and list the problems in the data.
 
-    Channels, sweeps, operating conditions, drifts. Exit code 1 if a finding is serious: a fit of these data would be
-    misleading. For the log of a drive: its columns, and which channel each probably is.
+    The summary has channels, sweeps, operating conditions and drifts. Exit code 1: a problem is serious, and a fit of
+    these data would be misleading. For the log of a drive: its columns, and the probable channel of each.
     """
     check_output_paths(output, json_file, selected)
     check_input_paths(*tables)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 REPORTED = (0.25, 0.5, 0.75, 1.0)
 #: What a fit does before its first stage and after its last one.
 PREPARING, EVIDENCE = "preparing the fit", "evidence and intervals"
-#: Takes the tire after each stage of a fit: set by a program that draws it while the fit runs.
+#: Takes the tire after each iteration and stage of a fit: set by a program that draws it while the fit runs.
 follower: ContextVar[Callable[[Tire], None] | None] = ContextVar("follower", default=None)
 
 
@@ -129,8 +129,8 @@ class FitProgress:
         """Announce the work of the stages; that of the evidence is similar to that of the last stage."""
         self._stages.plan([*work, *((EVIDENCE, last) for _, last in work[-1:])])
 
-    def completed(self, tire: Tire) -> None:
-        """Pass the tire of a completed stage to who follows the fit."""
+    def reached(self, tire: Tire) -> None:
+        """Pass the tire of an iteration or a stage to who follows the fit."""
         follow = follower.get()
         if follow is not None:
             follow(tire)

@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from ..boundary.escaping import visible
+from ..boundary.escaping import shortened, visible
 from ..boundary.terminal_table import plain_table
 from ..tires import Tire
 from . import progress
@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 
 #: Columns of the output.
 LINE = 100
+#: Recordings whose selected rows are printed, and the longest name of one there.
+FEW, LONGEST_SOURCE = 3, 60
+#: How a line begins whose first word is red.
+WARNING = "warning: "
 #: Styles of the grades of a result.
 GRADES = {"good": "bold green", "limited": "bold yellow", "bad": "bold red"}
 #: A command to enter, with the words that introduce it.
@@ -86,15 +90,21 @@ class Terminal:
         for number, line in enumerate(wrapped(begin + visible(text))):
             self._out.print(Text.assemble((line[: len(begin)], style), line[len(begin) :]) if number == 0 else line)
 
+    def _warned(self, line: str) -> None:
+        """Print a line; the first word of a warning is red."""
+        begin = WARNING if line.startswith(WARNING) else ""
+        self._styled(begin, line.removeprefix(begin), "bold red")
+
     def begin(self, line: str) -> None:
         """Print a line of progress."""
         self._status.print(visible(line))
 
     def selection(self, *recordings: Recording) -> None:
         """Print how many rows of each recording were selected, if rows were selected, and what is not read."""
-        for recording in recordings:
-            if count := recording.about.get("selected"):
-                self.print(f"{recording.source}: {count}")
+        counts = [(each.source, each.about["selected"]) for each in recordings if each.about.get("selected")]
+        self.print(*(f"{shortened(visible(source), LONGEST_SOURCE)}: {count}" for source, count in counts[:FEW]))
+        if len(counts) > FEW:
+            self.print(f"and selected rows of {len(counts) - FEW} more recordings")
         for text in dict.fromkeys(recording.about.get("ignored", "") for recording in recordings):
             self.not_read(text)
 
@@ -118,10 +128,7 @@ class Terminal:
     def findings(self, findings: Iterable[DataFinding]) -> None:
         """Print findings about the data: a serious one as a warning, any other as a note."""
         for finding in findings:
-            if finding.serious:
-                self._styled("warning: ", str(finding), "bold red")
-            else:
-                self.print(f"note: {finding}")
+            self._warned(f"{'warning' if finding.serious else 'note'}: {finding}")
 
     def fit_result(self, result: FitResult, every: bool = False) -> None:
         """Print a fit: the first screen, or with `every` all findings, coefficients, constraints and stages."""
@@ -134,7 +141,7 @@ class Terminal:
             if isinstance(line, Table):
                 self._out.print(line)
             else:
-                self.print(line)
+                self._warned(line)
 
     def tire(self, tire: Tire, summary: Mapping[str, Any], every: bool = False) -> None:
         """Print the summary of a tire from `describe`; with `every` all coefficients and unused keys."""

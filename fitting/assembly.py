@@ -48,7 +48,7 @@ def result_of(
         coefficients, tire, marks = plan.family.marked(coefficients, tire)
         notes += marks
     if undetermined := [c.name for c in coefficients if not c.determined]:
-        notes.append(f"not determined by these data, unchanged: {', '.join(undetermined)}")
+        notes.append(f"no influence on these data, unchanged: {', '.join(undetermined)}")
     notes += idle_notes(name for name in idle_effects(tire) if name in (plan.options.effects or ()))
     residuals = Residuals.of(state.table, distinct(recordings), state.tire)
     unidentified = {c.name for c in coefficients if c.interval == inf and not c.from_family}
@@ -120,7 +120,7 @@ def _described(setup: Setup, state: FitState, recordings: Sequence[str]) -> Tire
 def _origin(
     setup: Setup, state: FitState, unidentified: Set[str], residuals: Residuals
 ) -> tuple[tuple[str, str, str], ...]:
-    """Return the entries of the tire file with what nobody gave, and what the data do not show."""
+    """Return the entries of the tire file on assumed values and on characteristics that the data do not determine."""
     model, start = setup.plan.symbolic_model, setup.plan.start
     inherited = frozenset[str]() if start is None else unmeasured_coefficients(start)
     unmeasured = (setup.assumed | inherited) - state.determined | unidentified

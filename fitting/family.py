@@ -41,11 +41,11 @@ ASSUMED_TIRES = 4
 #: Deviations of the tires below this share of the assumed spread are rounding: they show no correlations, which would
 #: be 1 between all coefficients in which the tires are equal.
 ROUNDING = 1e-6
-#: A family says nothing about tires whose load or radius is beyond its own by more than this factor.
+#: A family is not used for tires whose load or radius differs from its own by more than this factor.
 MAX_RATIO = 2.0
-#: Probability of a tire of the family below which a tire is said to be outside of it.
+#: Probability below which a tire is reported as outside the family.
 OUTSIDE = 0.01
-#: Quantities of which the family has a distribution, by role.
+#: Quantities with a distribution over the family, by role.
 ROLES = ("friction_x", "friction_y", "stiffness_x", "stiffness_y")
 #: A coefficient comes from the family if the data reduce its variance by less than this share.
 FROM_DATA = 0.5

@@ -45,8 +45,8 @@ def fit(
         What is fitted and how: effects, recipe, loss, nominal values, weights, constraints.
     progress : callable, optional
         Called with stage, iteration and cost. Its method ``planned``, if it has one, is called before the first stage
-        with the names of the stages and their work (rows times coefficients), and its method ``completed`` after each
-        stage with the tire so far.
+        with the names of the stages and their work (rows times coefficients), and its method ``reached`` after each
+        iteration and stage with the tire so far.
     **settings
         Fields of `FitOptions`, in addition to `options`: ``fit(table, effects=["load_friction"], loss="huber")``.
 

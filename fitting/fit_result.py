@@ -43,7 +43,7 @@ class FitResult(Fitted):
     notes : tuple of str
         Notes for the user: what was skipped, assumed or not determined.
     data_findings : tuple of DataFinding
-        What the recordings lack or contradict (`tirefmu.measurements.data_findings`).
+        Problems in the recordings (`tirefmu.measurements.data_findings`).
     excluded_rows : tuple of ExcludedRows
         Rows that were not fitted, with the reason.
     held_out : tuple of HeldOut

@@ -35,7 +35,7 @@ from .solvers.selection import Solver, solver_for
 
 #: Value of `start` for initial values that are read from the data.
 FEATURES = "features"
-#: Radius of a tire of which nobody knows it, m: in forces it has no influence.
+#: Radius that is assumed for a tire of unknown radius, m. Forces do not depend on it.
 UNKNOWN_RADIUS = 0.3
 
 

@@ -48,7 +48,7 @@ STATE_ROUNDS = 2
 
 
 def solve_stages(setup: Setup, interruption: Interruption) -> FitState:
-    """Solve the stages until a stop is requested; report the tire of each completed stage."""
+    """Solve the stages until a stop is requested; report the tire of each iteration and stage."""
     state, stages = FitState(setup.tire, setup.table, notes=setup.notes), prepared_stages(setup)
     interruption.plan(
         lambda: [(stage.recipe.name, float(rows * len(stage.names))) for stage in stages if (rows := stage.count())]
@@ -60,7 +60,7 @@ def solve_stages(setup: Setup, interruption: Interruption) -> FitState:
         if interruption.stop():
             break
         state = replace(state, completed=state.completed + 1)
-        interruption.completed(state.tire)
+        interruption.reached(partial(getattr, state, "tire"))
     return state
 
 
@@ -132,18 +132,25 @@ def _solved(
     state, problem = _problem_of(stage, state, rows, free)
     guess, lower, upper = np.array([(f.guess, f.lower, f.upper) for f in free.values()]).T
     x, least, most = guess / problem.scale, lower / problem.scale, upper / problem.scale
-    ridge, violated = RIDGE[stage.recipe.weights], list(state.violated)
+    ridge, violated, before = RIDGE[stage.recipe.weights], list(state.violated), state
+
+    def values_of(x: FloatArray) -> dict[str, float]:  # scaling back may round beyond a bound
+        return dict(zip(free, np.clip(x * problem.scale, lower, upper).tolist(), strict=True))
+
+    def report(iteration: int, cost: float, x: FloatArray) -> None:
+        interruption.report(name, iteration, cost)
+        interruption.reached(lambda: before.with_values(values_of(x)).tire)
+
     solver = StageSolver(
         problem, least, most, stage.setup.constraints, violated, stage.channels, stage.kind, ridge,
-        plan.solver, partial(interruption.report, name), interruption.stop,
+        plan.solver, report, interruption.stop,
     )  # fmt: skip
     first = solver.solve(np.clip(x, least, most), continues=stage.continues)
     end = best_end(problem, first, solver.solve, least, most, stage.recipe.again, always=given)
     if plan.options.method == "ipopt" and stage.kind == "final":
         end = best_root(problem, end, solver.near, partial(solver.solve, continues=True), least, most)
     end = end.accepted()
-    values = np.clip(end.x * problem.scale, lower, upper).tolist()  # scaling back may round beyond
-    state = state.with_values(dict(zip(free, values, strict=True)))
+    state = state.with_values(values_of(end.x))
     result = StageResult(
         name, len(rows), len(free), end.iterations, end.converged, end.reason, end.cost,
         _r2_uncentred(state.tire, rows), end.detail, problem, np.clip(end.x, least, most), np.array([least, most]),
@@ -198,7 +205,7 @@ class StageSolver:
     - `channels`: the channels of the stage.
     - `kind`, one of "intermediate", "penultimate", "final".
     - `ridge`: strength of the regularization.
-    - `report`: called with iteration and cost.
+    - `report`: called with iteration, cost and scaled free values.
     - `stop`: true ends the solution.
     """
 

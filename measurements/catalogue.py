@@ -1,4 +1,4 @@
-"""What there is to choose from: effects, models, published tires, columns of tables, as plain values."""
+"""Lists for the user: effects, models, published tires, columns of tables, as plain values."""
 
 from __future__ import annotations
 

@@ -6,7 +6,7 @@ import pandas as pd
 
 from ..boundary.named_options import named
 from ..tires import Tire, TireLike, tire_from
-from ..tires.channels import OUTPUTS
+from ..tires.channels import CHANNELS, OUTPUTS
 from ..tires.evaluation import Conventions
 from ..tires.evaluation import evaluate as evaluate_rows
 from .column_names import check_names
@@ -35,7 +35,7 @@ def evaluate(
     tire : Tire, path of a .tir file, or name of a published tire
         In any signs.
     table : pandas.DataFrame, path or Recording
-        Input columns in SI units.
+        Input columns. A DataFrame whose headers declare units, such as ``alpha [deg]``, is read as a file is.
     signs, convention, slip_angle, limits, mirror, steady, hold, code
         As for `Tire.evaluate`.
 
@@ -54,8 +54,10 @@ def evaluate(
     >>> table = pd.DataFrame({"alpha": [0.0, -0.1], "Fz": 1000.0})
     >>> evaluate("trento_hoosier", table)["Fy"].round().tolist()
     [-89.0, 1948.0]
+    >>> evaluate("trento_hoosier", pd.DataFrame({"alpha [deg]": [0.0, -5.73], "Fz [kN]": 1.0}))["Fy"].round().tolist()
+    [-89.0, 1948.0]
     """
-    if isinstance(table, pd.DataFrame):
+    if isinstance(table, pd.DataFrame) and not _declares_units(table):
         check_names(map(str, table.columns), "table")
     else:
         table = recording_from(table, signs=signs)
@@ -64,6 +66,12 @@ def evaluate(
         table, signs=signs, convention=convention, slip_angle=slip_angle, limits=limits, mirror=mirror, steady=steady,
         hold=hold, code=code,
     )  # fmt: skip
+
+
+def _declares_units(table: pd.DataFrame) -> bool:
+    """Return whether a header of a table declares the unit of a channel, as in ``alpha [deg]``."""
+    heads = (column.split("[")[0].strip() for column in map(str, table.columns) if "[" in column)
+    return any(name in CHANNELS for name in heads)
 
 
 def predicted_outputs(tire: Tire, recording: Recording) -> pd.DataFrame:

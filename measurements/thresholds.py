@@ -115,10 +115,6 @@ SMALLEST_LOAD = 20.0
 #: bar and psi. The median of a pressure that is not in Pa is taken as bar below the first, as psi below the second and
 #: as kPa above. Judgement; only the suggestion in the message depends on it.
 LARGEST_BAR, LARGEST_PSI = 8.0, 50.0
-#: kappa of a wheel that turns backwards. A locked wheel has -1; the margin is for noise.
-BACKWARD_SLIP = -1.05
-#: Fraction of the rows with a measured Fx. A bench that brakes to lock overshoots -1 in a few rows. Judgement.
-MAX_BACKWARD_ROWS = 0.1
 #: rad. At larger slip angles the pneumatic trail vanishes, and the aligning moment may change its sign. Judgement.
 SMALL_ANGLE = 0.05
 #: Fraction of the largest slip angle up to which, or up to `SMALL_ANGLE`, the sign of Mz is judged. Judgement.

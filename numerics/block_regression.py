@@ -103,7 +103,7 @@ def error_of_sum(gains: FloatArray) -> float:
 
 
 def limited(gains: FloatArray, share: float) -> FloatArray:
-    """Return gains of which none exceeds a share of their sum, the largest ones reduced; zeros if that is impossible.
+    """Return gains with the largest ones reduced to a share of their sum; zeros if that is impossible.
 
     One block in which the model fails most can have nearly all of the gain. The standard error of the sum then equals
     the sum, however consistent the other blocks are.

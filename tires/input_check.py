@@ -5,6 +5,7 @@ Numbers, lists and arrays are treated alike. NaN is no error here: the forces th
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -25,6 +26,13 @@ FloatArray = npt.NDArray[np.float64]
 SMALLEST_PRESSURE = 2e3
 #: Fraction of the rows. If more loads have the wrong sign, the sign convention is wrong: the majority decides.
 MAX_WRONG_LOADS = 0.5
+#: kappa of a wheel that turns backwards. A locked wheel has -1; the margin is for noise.
+BACKWARD_SLIP = -1.05
+#: Fraction of the rows. A bench that brakes to lock overshoots -1 in a few rows. One in percent does so in many, and
+#: one up to 10 % is within the limits of the channel. Judgement.
+MAX_BACKWARD_ROWS = 0.1
+#: The head of a column whose name declares a unit: ``alpha [deg]``, ``p (kPa)``.
+_HEAD = re.compile(r"\s*(\w+)\s*[\[(]")
 
 
 class SignedTable(Protocol):
@@ -85,7 +93,7 @@ def checked_inputs(tire: TireDefinition, inputs: Mapping[str, Any]) -> dict[str,
         if name not in TABLE_INPUTS:
             raise UnknownName("input", name, TABLE_INPUTS)
         arrays[name] = _numbers(name, given)
-        if problem := _problem(name, arrays[name]):
+        if problem := _problem(name, arrays[name]) or _backward_wheel(name, arrays[name]):
             raise TirefmuError(problem)
     if problem := _far_load(tire, arrays.get("Fz")):
         raise TirefmuError(problem)
@@ -126,6 +134,7 @@ def checked_table(
             raise DataError(f"{source}: the recording is in {written} signs, not {signs} (with_signs converts it)")
     else:
         raise WrongType("table", table, "a DataFrame or a Recording (tirefmu.evaluate takes a path)")
+    _check_headers(rows, source)
     given = convert_signs(
         rows[[name for name, channel in CHANNELS.items() if channel.hint and name in rows]], written, "iso"
     )
@@ -135,6 +144,8 @@ def checked_table(
         problem = _wrong_load_signs(values, written) if name == "Fz" else ""
         if name not in declared:
             problem = problem or _problem(name, np.abs(values) if name == "Fz" else values)
+            judged = rows is not table  # a recording: its reader knows whether Fx was measured
+            problem = problem or ("" if judged else _backward_wheel(name, values))
         if name == "Fz" and not limited:
             problem = problem or _far_load(tire, values)
         if problem:
@@ -142,13 +153,36 @@ def checked_table(
     return rows, written
 
 
+def _check_headers(rows: pd.DataFrame, source: str) -> None:
+    """Refuse a channel that occurs twice, and one whose unit is in its name: it would be ignored."""
+    for name in map(str, rows.columns[rows.columns.duplicated()]):
+        if name in TABLE_INPUTS:
+            raise DataError(f"{source}: column {name!r} occurs more than once")
+    for column in map(str, rows.columns):
+        head = _HEAD.match(column)
+        if head is not None and head[1] in TABLE_INPUTS and head[1] not in rows:
+            raise DataError(
+                f"{source}: column {column!r} is not {head[1]}: the columns are in SI units and have plain names "
+                "(tirefmu.evaluate reads units of headers)"
+            )
+
+
 def _numbers(name: str, given: Any) -> FloatArray:
+    """Return numbers as an array; masked ones are NaN. Texts, truth values and dates are no numbers."""
     try:
-        if np.iscomplexobj(given):
+        if isinstance(given, np.ma.MaskedArray):
+            given = np.ma.filled(given.astype(np.float64), np.nan)
+        array = np.asarray(given)
+        objects = array.flat if array.dtype.kind == "O" else ()
+        if given is None or array.dtype.kind not in "iufO" or not all(map(_is_number, objects)):
             raise TypeError
         return np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError):
         raise WrongType(name, given, "a number or an array of numbers") from None
+
+
+def _is_number(value: object) -> bool:
+    return not isinstance(value, (str, bytes, bool, np.bool_))
 
 
 def _problem(name: str, values: FloatArray) -> str:
@@ -162,6 +196,13 @@ def _problem(name: str, values: FloatArray) -> str:
     if name == "p" and np.any(values > 0.0) and np.median(values[values > 0.0]) < SMALLEST_PRESSURE:
         return f"p {_extent(values)} is no pressure of a tire: it is {unit}"
     return ""
+
+
+def _backward_wheel(name: str, values: FloatArray) -> str:
+    """Return a sentence if a wheel turns backwards in many of several rows; empty otherwise."""
+    if name != "kappa" or values.size < 2 or np.mean(values < BACKWARD_SLIP) <= MAX_BACKWARD_ROWS:
+        return ""
+    return f"kappa {_extent(values)} is that of a wheel that turns backwards: it is {CHANNELS[name].hint}"
 
 
 def _wrong_load_signs(values: FloatArray, signs: str) -> str:

@@ -21,7 +21,7 @@ from .channels import INPUTS, OUTPUTS, reversed_by
 if TYPE_CHECKING:
     import pandas as pd
 
-#: The input columns of the public tables, of which a model reads those that it has; the output columns.
+#: The input and output columns of the public tables. A model reads the inputs that it has.
 TABLE_INPUTS, TABLE_OUTPUTS = INPUTS, OUTPUTS
 SIGNS = ("iso", "adapted-sae", "sae")
 #: The columns that each convention writes with the opposite sign of ``iso``.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 from ..boundary.escaping import excerpt
 from .definition import TireDefinition
@@ -12,11 +12,11 @@ from .notebook import html_details, html_summary, html_table
 LONGEST_NAME = 80
 
 
-def tire_text(tire: TireDefinition) -> str:
-    """Return a summary of a tire in a few lines.
+def tire_text(tire: TireDefinition, assumed: Collection[str]) -> str:
+    """Return a summary of a tire in a few lines; `assumed`: its coefficients that were not given.
 
     >>> from tirefmu.tires import published
-    >>> print(tire_text(published("trento_hoosier")))
+    >>> print(tire_text(published("trento_hoosier"), ()))
     Tire 'Hoosier 6.0/18.0-10 LCO (Trento team 6)': mf96 (Magic Formula 1996, Trento form), adapted-sae signs, left side
       nominal: Fz 220 N
       ranges (SI): kappa -0.3 to 0.3, alpha -0.2094 to 0.2094, gamma 0 to 0.06981, Fz 120 to 1220
@@ -29,7 +29,7 @@ def tire_text(tire: TireDefinition) -> str:
         for effect in tire.symbolic_model.effects
         if effect not in tire.has and effect in tire.symbolic_model.default_effects
     ]
-    given = len(tire.values) - len(tire.defaulted)
+    given = len(tire.values) - len({*tire.defaulted, *assumed})
     lines = [
         f"Tire{name}: {tire.model} ({tire.symbolic_model.title}), {tire.signs} signs{side}",
         f"  nominal: {', '.join(f'{name} {value:.4g} {unit}'.rstrip() for name, value, unit in _nominal(tire))}",
@@ -43,17 +43,18 @@ def tire_text(tire: TireDefinition) -> str:
     return "\n".join(lines)
 
 
-def tire_html(tire: TireDefinition) -> str:
+def tire_html(tire: TireDefinition, assumed: Collection[str]) -> str:
     """Return the same as HTML, with the coefficients that were given.
 
     >>> from tirefmu.tires import published
-    >>> "<td>PDY1</td>" in tire_html(published("trento_hoosier"))
+    >>> "<td>PDY1</td>" in tire_html(published("trento_hoosier"), ())
     True
     """
-    given = [declared for name, declared in tire.symbolic_model.coefficients.items() if name not in tire.defaulted]
+    absent = {*tire.defaulted, *assumed}
+    given = [declared for name, declared in tire.symbolic_model.coefficients.items() if name not in absent]
     rows = [(declared.name, tire.values[declared.name], declared.unit, declared.description) for declared in given]
     table = html_table(["coefficient", "value", "unit", "description"], rows)
-    return html_summary(tire_text(tire), html_details(f"Coefficients ({tire.signs} signs)", table))
+    return html_summary(tire_text(tire, assumed), html_details(f"Coefficients ({tire.signs} signs)", table))
 
 
 def idle_effects(tire: TireDefinition) -> list[str]:

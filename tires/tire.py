@@ -13,6 +13,7 @@ from .definition import TireDefinition
 from .evaluation import Conventions, evaluate, forces
 from .forces import Forces
 from .input_check import SignedTable, checked_inputs, checked_table
+from .property_file.names import not_given
 from .property_file.writing import write_tir
 from .summary import tire_html, tire_text
 
@@ -261,10 +262,10 @@ class Tire(TireDefinition):
 
     def __repr__(self) -> str:
         """Return a few lines: model, signs, nominal inputs, ranges, effects."""
-        return tire_text(self)
+        return tire_text(self, not_given(self))
 
     def _repr_html_(self) -> str:
         """Return the same as a table, the coefficients, and the curves in pure slip, for a notebook."""
         from .drawing.surface_figure import notebook_figure  # imports matplotlib, which is slow
 
-        return tire_html(self) + notebook_figure(self)
+        return tire_html(self, not_given(self)) + notebook_figure(self)

@@ -1,4 +1,4 @@
-"""Batches of which every result is written as it finishes, and of which a repetition computes only what is missing."""
+"""Batches: each result is written when it is finished, and a repeated run computes the missing results only."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ from ...drawing.figure import Figure, Panel, Series, curve, measured
 from ...drawing.labels import axis_label, held_text, letter, level_text, note, per_si, stiffness_unit
 from ...drawing.page import page_text, write_page
 from ...drawing.picture import write_figures
-from ...drawing.style import DASHED, SOLID, level_colors
+from ...drawing.style import DASHED, DOTTED, SOLID, level_colors
 from ...measurements import Recording
 from ...tires import Tire
 from ...tires.evaluation import Conventions, evaluate
@@ -77,31 +77,46 @@ def _curves(comparison: Comparison, sweep: Sweep, channel: str, signs: str) -> t
     return x, [_evaluated(tire, sweep.held, sweep.slip, x, signs)[channel].to_numpy() for tire in comparison.tires]
 
 
-def _pair(x: FloatArray, both: Sequence[FloatArray], color: str, label: str) -> list[Series]:
-    """Return the lines of both tires at a load: dashed and solid."""
-    return [
-        Series("line", x, y, color, label, dashes)
-        for y, (_, dashes) in zip(both, LINES, strict=True)
-    ]  # fmt: skip
+def _dashes(measured_in: Sequence[bool]) -> list[tuple[float, ...]]:
+    """Return the dashes of both tires: those of its line, or dotted if its data did not determine what is drawn."""
+    return [dashes if known else DOTTED for known, (_, dashes) in zip(measured_in, LINES, strict=True)]
 
 
-def _notes(comparison: Comparison, ranges: Sequence[Sweep], signs: str, *texts: str) -> str:
-    first, second = map(figure_text, comparison.names)
+def _measured_in(comparison: Comparison, channel: str) -> list[bool]:
+    return [channel not in unmeasured_outputs(tire) for tire in comparison.tires]
+
+
+def _pair(
+    x: FloatArray, both: Sequence[FloatArray], color: str, label: str, dashes: Sequence[tuple[float, ...]]
+) -> list[Series]:
+    """Return the lines of both tires at a load."""
+    return [Series("line", x, y, color, label, of) for y, of in zip(both, dashes, strict=True)]
+
+
+def _notes(
+    comparison: Comparison, ranges: Sequence[Sweep], signs: str, measured_in: Sequence[bool], *texts: str
+) -> str:
+    shown = zip(("dashed", "solid"), comparison.names, measured_in, strict=True)
+    lines = [
+        f"{line}: {figure_text(name)}" if known else f"dotted: {figure_text(name)}, not measured"
+        for line, name, known in shown
+    ]
     held = {name: level for name, level in ranges[0].held.items() if name in FURTHER}
-    return note(signs, f"dashed: {first}, solid: {second}", *texts, *([held_text(signs, held)] if held else []))
+    return note(signs, ", ".join(lines), *texts, *([held_text(signs, held)] if held else []))
 
 
 def _family(comparison: Comparison, ranges: Sequence[Sweep], channel: str, signs: str) -> Figure:
     """Return the curves of both tires at each load, and below their difference."""
     slip = ranges[0].slip
+    measured_in = _measured_in(comparison, channel)
     points, lines, differences = [], [], []
     for sweep, color in zip(ranges, level_colors(len(ranges), "Fz"), strict=True):
         label = level_text("Fz", sweep.load)
         x, both = _curves(comparison, sweep, channel, signs)
         if channel in sweep.rows:
             points.append(measured(sweep.rows.dropna(subset=[channel]), slip, channel, color, label))
-        lines += _pair(x * per_si(slip), both, color, label)
-        differences.append(curve(x * per_si(slip), both[1] - both[0], color, label))
+        lines += _pair(x * per_si(slip), both, color, label, _dashes(measured_in))
+        differences.append(curve(x * per_si(slip), both[1] - both[0], color, label, is_measured=all(measured_in)))
     first, second = map(figure_text, comparison.names)
     shared: dict[str, Any] = {"across": (0.0,), "upright": (0.0,), "x_axis": "slip", "width": 9.0}
     above = Panel(axis_label(slip), axis_label(channel), (*points, *lines), height=4.3, **shared)
@@ -110,22 +125,23 @@ def _family(comparison: Comparison, ranges: Sequence[Sweep], channel: str, signs
     )
     texts = ["points: measured at zero camber and zero other slip"] * bool(points)
     title = f"Pure slip: {channel} over {letter(slip)}"
-    return Figure(f"{channel}_over_{slip}", title, ((above,), (below,)), _notes(comparison, ranges, signs, *texts))
+    text = _notes(comparison, ranges, signs, measured_in, *texts)
+    return Figure(f"{channel}_over_{slip}", title, ((above,), (below,)), text)
 
 
 def _slopes(comparison: Comparison, ranges: Sequence[Sweep], channel: str, signs: str) -> Figure:
     """Return the slopes of the curves of both tires at each load, positive at zero slip in every convention."""
-    slip = ranges[0].slip
+    slip, measured_in = ranges[0].slip, _measured_in(comparison, channel)
     lines = []
     for sweep, color in zip(ranges, level_colors(len(ranges), "Fz"), strict=True):
         x, both = _curves(comparison, sweep, channel, signs)
         slopes = [np.gradient(y, x) / per_si(slip) for y in both]
         slopes = [slope * np.sign(slope[np.abs(x).argmin()]) for slope in slopes]
-        lines += _pair(x * per_si(slip), slopes, color, level_text("Fz", sweep.load))
+        lines += _pair(x * per_si(slip), slopes, color, level_text("Fz", sweep.load), _dashes(measured_in))
     y_label = f"∂{channel} / ∂{letter(slip)} ({stiffness_unit(slip)})"
     panel = Panel(axis_label(slip), y_label, tuple(lines), across=(0.0,), upright=(0.0,), width=9.0)
     title = f"Pure slip: slope of {channel} over {letter(slip)}"
-    text = _notes(comparison, ranges, signs, "positive at zero slip")
+    text = _notes(comparison, ranges, signs, measured_in, "positive at zero slip")
     return Figure(f"{channel}_slope_over_{slip}", title, ((panel,),), text)
 
 
@@ -134,15 +150,18 @@ def _over_load(comparison: Comparison, role: str, title: str, signs: str) -> Fig
     slip = STIFFNESS_OVER.get(role)
     scale, unit = (per_si(slip), stiffness_unit(slip)) if slip else (1.0, "-")
     ranges = [tire.ranges.get("Fz", (0.0, 2.0 * tire.values["FNOMIN"])) for tire in comparison.tires]
+    known = [tire.symbolic_model.leading(role) not in unmeasured_coefficients(tire) for tire in comparison.tires]
+    shown = zip(comparison.tires, comparison.names, ranges, LINES, _dashes(known), strict=True)
     series = []
-    for tire, name, (low, high), (color, dashes) in zip(comparison.tires, comparison.names, ranges, LINES, strict=True):
+    for tire, name, (low, high), (color, _), dashes in shown:
         quantity = tire.symbolic_model.quantity(role)
         loads = np.linspace(max(low, 0.01 * high), high, _POINTS)  # a formula may have no meaning at other loads
         signed = -loads if signs == "sae" else loads
         values = _evaluated(tire, {}, "Fz", signed, signs)[quantity].abs() / scale
         series.append(Series("line", loads, values, color, figure_text(name), dashes, size=1.8))
     panel = Panel(f"load {letter('Fz', signs)} (N)", f"{title} ({unit})", tuple(series), width=9.0)
-    text = note(signs, "magnitudes at zero slip; each tire over its own range of loads")
+    dotted = [] if all(known) else [f"dotted: {figure_text(comparison.names[known.index(False)])}, not measured"]
+    text = note(signs, "magnitudes at zero slip; each tire over its own range of loads", *dotted)
     return Figure(f"{role}_over_load", f"{title.capitalize()} over load", ((panel,),), text)
 
 

@@ -31,9 +31,9 @@ from .interval import BALANCE, MOTION, AddedForces, Interval, Linear
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 
-#: Deviations of the balance, per load: at the start, and the smallest one (the error of the integration).
+#: Standard deviation of the force balance over load: first guess, lower limit (the error of the integration).
 START_DEVIATION, MIN_DEVIATION = 0.02, 5e-4
-#: Largest deviation of a sensor over that of the fast changes in the log: what contradicts a motion is no noise.
+#: Upper limit of the noise of a sensor over that of the fast changes in its log. A larger residual is not noise.
 LARGEST_NOISE = 1.5
 #: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
 LONGEST_STEP = 1.0

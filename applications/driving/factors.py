@@ -103,9 +103,9 @@ def believed(
 
 
 def withheld(factors: Mapping[str, Mapping[str, Factor]], reason: str) -> dict[str, dict[str, Factor]]:
-    """Return the factors, none of which the drive determines, for one more reason.
+    """Return the factors as not determined, for a further reason.
 
-    An interval is one about the model of the car: where that is wrong, or is not at its optimum, it says nothing.
+    Intervals assume that the model of the car is right and that the estimate is at its optimum.
     """
     return {
         axle: {name: replace(factor, determined=False, reason=factor.reason or reason) for name, factor in row.items()}

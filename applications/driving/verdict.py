@@ -142,7 +142,7 @@ def verdict_on(
     if contradiction.certain:
         lines.insert(0, _contradiction_line(contradiction, estimate, unknowns))
     if not estimate.converged:
-        lines.insert(0, "the estimate did not converge: it says nothing about the tires or the car")
+        lines.insert(0, "the estimate did not converge: no conclusion about the tires or the car is possible")
     lines.append(_prediction_line(predicted, bool(findings or best.missing)))
     effect = best.missing.name if best.missing else None
     return DriveVerdict(
@@ -156,18 +156,18 @@ def _contradiction_line(contradiction: Contradiction, estimate: Estimate, unknow
     return (
         f"the drive contradicts the car file: chi-squared {contradiction.deviation:.3g} with "
         f"{contradiction.degrees_of_freedom} degrees of freedom (p {contradiction.p:.1g}), most in "
-        f"{', '.join(strongest)}: it says nothing about the tires"
+        f"{', '.join(strongest)}: no conclusion about the tires is possible"
     )
 
 
 def _prediction_line(predicted: LeftOut | None, something: bool) -> str:
     if predicted is None:
-        return "the drive is too short to leave parts of it out: no tire is written"
-    before, after = (100.0 * rms["yaw_rate"] for rms in (predicted.before, predicted.after))
-    numbers = f"error of the yaw rate {before:.3g} before, {after:.3g} after, 0.01 rad/s"
+        return "the drive is too short to test the prediction of left-out parts: no tire is written"
+    before, after = (rms["yaw_rate"] for rms in (predicted.before, predicted.after))
+    numbers = f"rms error of the yaw rate {before:.3g} rad/s before, {after:.3g} rad/s after"
     if not predicted.better:
-        return f"over parts of the drive that were left out, new tires are not better than the given ones ({numbers})"
-    some = "new tires are better than the given ones over parts of the drive that were left out"
+        return f"new tires do not predict left-out parts of the drive better than the given ones ({numbers})"
+    some = "new tires predict left-out parts of the drive better than the given ones"
     return f"{some} ({numbers})" if something else f"{some} ({numbers}), but no single difference is certain"
 
 
@@ -192,7 +192,7 @@ def _factor_lines(findings: tuple[TireDifference, ...], factors: Mapping[str, Ma
         for d in findings
     ]
     if not findings:
-        lines.append("no difference of the tires from their files is certain")
+        lines.append("no certain difference between the tires and their files")
     for axle in AXLES:
         by_reason: dict[str, list[str]] = {}
         for name, factor in factors[axle].items():
@@ -200,7 +200,7 @@ def _factor_lines(findings: tuple[TireDifference, ...], factors: Mapping[str, Ma
                 by_reason.setdefault(f"not determined ({factor.reason})", []).append(name)
             elif factor not in [d.factor for d in findings if (d.axle, d.name) == (axle, name)]:
                 text = f"{name} {factor.value:.3g} ({factor.low:.3g} to {factor.high:.3g})"
-                by_reason.setdefault("not certain to differ from the tire file", []).append(text)
+                by_reason.setdefault("no certain difference from the tire file", []).append(text)
         lines += [f"{axle} axle: {', '.join(names)}: {reason}" for reason, names in by_reason.items()]
     return lines
 
@@ -250,7 +250,8 @@ def disagreement(grid: Grid, estimate: Estimate, lacking: FloatArray, car: Car) 
     return (
         f"{AXLES[axle]} axle: the drive disagrees most with its tire file, by {100 * np.sqrt(np.mean(size**2)):.2g} % "
         f"of the load (rms); most from {first:.0f} to {last:.0f} s ({_motion(grid, estimate, phase)}), and at a "
-        f"{meaning} of {low:.3g} to {high:.3g}{unit}: it explains {100 * explained[name] / np.sum(size**2):.0f} % of it"
+        f"{meaning} of {low:.3g} to {high:.3g}{unit}; the {meaning} explains "
+        f"{100 * explained[name] / np.sum(size**2):.0f} % of it"
     )
 
 

@@ -16,7 +16,7 @@ from ...symbolic.declarations import Coefficient, Quantity
 from ...tires import Tire
 from ...tires.channels import CHANNELS
 from ...tires.definition import RANGES as RANGE_KEYS
-from ...tires.property_file.names import ASSUMED, listed, unmeasured_coefficients
+from ...tires.property_file.names import ASSUMED, listed, unmeasured_coefficients, unmeasured_outputs
 from ...tires.property_file.writing import tir_text
 
 #: Units of the sliders, and the factors from SI values; all other units are SI units.
@@ -84,13 +84,16 @@ def tire_data(
         "model": model.name,
         "title": model.title,
         "inputs": _inputs(whole),
-        "outputs": [{"name": q.name, "unit": q.unit, "text": q.description} for q in model.outputs],
-        "roles": {role: _quantity(tire, model.quantity(role)) for role in ROLES if model.quantity(role)},
+        "outputs": [
+            {"name": q.name, "unit": q.unit, "text": q.description, "measured": q.name not in unmeasured_outputs(tire)}
+            for q in model.outputs
+        ],
+        "roles": {role: _quantity(tire, role) for role in ROLES if model.quantity(role)},
         "states": [_state(whole, name) for name in model.states],
         "lags": [{"name": lag.name, "text": lag.description, "unit": ""} for lag in lags],
         "coefficients": [
             _coefficient(declared, whole.values[key], owners[key], key in adjustable, intervals.get(key))
-            | ({"text": excerpt(f"{declared.description}, not measured")} if key in unmeasured else {})
+            | {"measured": key not in unmeasured}
             for key, declared in model.coefficients.items()
         ],
         "effects": [
@@ -109,9 +112,11 @@ def tire_data(
     }  # fmt: skip
 
 
-def _quantity(tire: Tire, name: str) -> dict[str, str]:
+def _quantity(tire: Tire, role: str) -> dict[str, Any]:
+    name = tire.symbolic_model.quantity(role)
     unit, text = tire.symbolic_model.structure.quantities[name]
-    return {"name": name, "unit": "" if unit == "1" else unit, "text": excerpt(text)}
+    measured = tire.symbolic_model.leading(role) not in unmeasured_coefficients(tire)
+    return {"name": name, "unit": "" if unit == "1" else unit, "text": excerpt(text), "measured": measured}
 
 
 def _state(tire: Tire, name: str) -> dict[str, Any]:

@@ -95,7 +95,7 @@ class Measured:
     def errors(self, tire: Tire, condition: int) -> dict[str, Any]:
         """Return RMSE and R2 of each channel over all rows and at a condition, and the residuals at the condition.
 
-        Each row is evaluated at its own inputs, in steady state. Residuals are measured less computed, base64 texts of
+        Each row is evaluated at its own inputs, in steady state. Residuals are measured minus computed, base64 texts of
         32-bit floats.
         """
         tire = tire.in_signs("iso")

@@ -37,7 +37,7 @@ T = TypeVar("T")
 Event = dict[str, Any]
 #: Steps that the window runs.
 STEPS = ("inspect", "fit", "explore", "export", "convert", "generate", "check", "diagnose")
-#: s between two looks at the project file and at the completed stages of a fit.
+#: s between two looks at the project file and at the tire of a running fit.
 INTERVAL = 0.1
 #: File of the example, and its rows per second.
 EXAMPLE, EXAMPLE_RATE = "example.csv", 10.0
@@ -276,7 +276,7 @@ class Window:
 
     @property
     def _live_file(self) -> Path:
-        """The tire of the completed stages of the running fit."""
+        """The tire that the running fit has reached."""
         return self.state.folder / FOLDER / "stage.tir"
 
     def _signature(self) -> Any:

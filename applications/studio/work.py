@@ -63,7 +63,7 @@ class Work:
             )
 
     async def start(self, title: str, arguments: Sequence[str], tire_file: Path) -> None:
-        """Run a command line of tirefmu; a fit writes its tire after each stage to a file.
+        """Run a command line of tirefmu; a fit writes its tire to a file while it runs.
 
         Raises `TirefmuError` if another one runs.
         """

@@ -1,6 +1,6 @@
 """The process of long work: loaded before it is needed, it waits for one command line, runs it, and ends.
 
-Its standard input has one line of JSON: the arguments, and the file to which a fit writes its tire after each stage.
+Its standard input has one line of JSON: the arguments, and the file to which a fit writes its tire while it runs.
 It ends when its standard input is closed: with the window.
 """
 
@@ -11,13 +11,21 @@ import os
 import signal
 import sys
 import threading
+from collections.abc import Callable
 from importlib import import_module
+from time import monotonic
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ...tires import Tire
 
 #: What a fit imports; loading it takes longer than its first stage.
 LOADED = (
     "tirefmu.commands.cli", "tirefmu.applications.batch.intervals", "tirefmu.fitting.reporting.report",
     "tirefmu.diagnosis.diagnose", "tirefmu.applications.project.run",
 )  # fmt: skip
+#: s between two tires of a running fit.
+INTERVAL = 0.1
 
 
 def run() -> int:
@@ -32,8 +40,21 @@ def run() -> int:
         return 0
     threading.Thread(target=_end_with_the_window, daemon=True).start()
     arguments, tire_file = json.loads(line)
-    import_module("tirefmu.commands.progress").follower.set(lambda tire: tire.save(tire_file))
+    import_module("tirefmu.commands.progress").follower.set(_written_to(tire_file))
     return int(import_module("tirefmu.commands.cli").main(arguments))
+
+
+def _written_to(tire_file: str) -> Callable[[Tire], None]:
+    """Return what writes a tire to a file, unless the latest one was written just before."""
+    latest = -INTERVAL
+
+    def write(tire: Tire) -> None:
+        nonlocal latest
+        if monotonic() - latest >= INTERVAL:
+            tire.save(tire_file)
+            latest = monotonic()
+
+    return write
 
 
 def _end_with_the_window() -> None:

@@ -191,9 +191,9 @@ class _Table:
         return parts in seen and len(parts) <= len(explanation.parts)
 
     def climb(self, linear: Linearization) -> None:
-        """Extend the leading explanation, from a given one on, while another one leads then; reduce it at the end.
+        """Extend the leading explanation while an extension leads; reduce it at the end.
 
-        Where much more is explained than at the beginning, the noise is to be estimated first.
+        If the gain is large, estimate the noise again first.
         """
         self._add(refitted(self.shared, Explanation(), [self.absent], linear.simulator))
         if linear.explanation.parts:

@@ -203,7 +203,7 @@ class Linearization:
         return FORM_ERROR * errors
 
     def _inputs(self, others: Collection[str]) -> dict[str, FloatArray]:
-        """Return the inputs of the core and others, of which an error of form is a function, at the compared rows."""
+        """Return the inputs of an error of form at the compared rows: those of the core, and others."""
         named = self.simulator.signals.named()
         return {name: named[name] for name in sorted(CORE_INPUTS.union(others).intersection(named))}
 

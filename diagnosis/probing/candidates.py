@@ -18,7 +18,7 @@ from ..thresholds import MAX_BLOCKS, MIN_VARIATION, MIN_VARIATION_IN_NOISE
 SLIPS = ("kappa", "alpha", "gamma", "phit")
 #: The steps of a recording may be longer by this factor than the declared rate requires.
 RATE_TOLERANCE = 1.02
-#: The name of the baseline model without effects, of which refinements are errors.
+#: The name of the baseline model without effects, whose errors are refinements.
 CORE = "core"
 #: The outputs of an effect that declares none.
 CHANNELS = ("Fx", "Fy", "Mz", "Mx", "My")

@@ -93,7 +93,7 @@ def _force_panel(diagnosis: Diagnosis, computed: FloatArray, channel: str, slip:
 
 
 def _residual_panel(diagnosis: Diagnosis, computed: FloatArray, channel: str, slip: str, title: str) -> Panel:
-    """Return the mean residual over slip for rows whose slip grows and for rows whose slip falls."""
+    """Return the mean residual over slip, separately for rising and for falling slip."""
     residual = diagnosis.rows[channel].to_numpy(dtype=np.float64) - computed
     series = []
     for label, direction, color, dashes in DIRECTIONS:

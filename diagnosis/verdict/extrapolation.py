@@ -46,8 +46,8 @@ class Extrapolation:
     def __str__(self) -> str:
         advice = "; do not use the model there without measurements" if self.doubtful else ""
         return (
-            f"{self.effect} was measured for {range_text(self.input, self.lower, self.upper)}; up to half of "
-            f"that range outside, its part of {self.channel} changes by up to {100.0 * self.change:.0f} % of "
+            f"{self.effect} was measured for {range_text(self.input, self.lower, self.upper)}; outside, up to 50 % of "
+            f"this range away, its part of {self.channel} may change by {100.0 * self.change:.0f} % of "
             f"{self.channel}{advice}"
         )
 

@@ -18,7 +18,7 @@ def verdict_text(
     refined: Sequence[str], adequacy: Sequence[Adequacy], detectable: Mapping[str, Mapping[str, float]],
     against: Sequence[str], recording: Mapping[str, Any],
 ) -> str:  # fmt: skip
-    """Return the verdict: missing effects, finer forms, what was not identified, what was removed, and reservations.
+    """Return the verdict: missing effects, refinements, what was not identified, what was removed, and reservations.
 
     `confounded`: correlation with other explanations, by effect. `refined`: refinements of effects of the baseline
     model. `detectable`: smallest detectable sizes, by effect and channel. `against`: reasons why the improved tire is
@@ -26,7 +26,7 @@ def verdict_text(
     """
     parts = [_missing(findings, unknown, confounded)]
     if refined:
-        parts.append(f"finer form needed of {'; '.join(refined)}")
+        parts.append(f"refinement needed: {'; '.join(refined)}")
     red = [str(rated) for rated in adequacy if rated.rating == "red"]
     if red:
         what = "is missing in the delivered tire" if against else "is missing and was not identified"

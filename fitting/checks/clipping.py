@@ -34,7 +34,7 @@ class Clipped:
 
 
 def clipped_channels(residuals: Residuals) -> tuple[Clipped, ...]:
-    """Return the fitted channels of each recording of which many rows have the same extreme value."""
+    """Return the fitted channels of each recording in which many rows have the same extreme value."""
     clipped = []
     for number, source in enumerate(residuals.sources):
         for channel in residuals.channels:

@@ -34,7 +34,7 @@ NO_SLIP, NO_INCLINATION = 0.02, 0.01
 #: pure and combined slip from which the former is beyond the latter.
 SWEPT, LARGER = 0.25, 1.2
 #: What is not measured of an absent output.
-ABSENT = {"Mz": "neither moment nor pneumatic trail are measured"}
+ABSENT = {"Mz": "neither moment nor pneumatic trail was measured"}
 #: Range of load and of pressure, as a share of the largest value, that counts as none.
 ONE_LOAD, ONE_PRESSURE = 0.1, 0.03
 
@@ -95,7 +95,7 @@ def _of_force(residuals: Residuals, slip: str, channel: str) -> Iterator[Channel
         reason = f"the data do not reach it at {loads}"
     yield ChannelCoverage("peak friction", channel, share >= PEAK_SHARE, reason, share)
     small = smallest <= SMALL_SHARE
-    reason = "" if small else f"the smallest slips have {smallest:.0%} of the peak of {channel} already"
+    reason = "" if small else f"{channel} has {smallest:.0%} of its peak at the smallest slips"
     yield ChannelCoverage("slip stiffness", channel, small, reason, smallest)
     if {"kappa", "alpha"} <= set(residuals.tire.inputs):
         sizes = [np.abs(residuals.table[name].to_numpy(dtype=float)) for name in ("kappa", "alpha")]

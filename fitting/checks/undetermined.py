@@ -43,7 +43,7 @@ class Undetermined:
 
     - `coefficients`: one without influence at the measured rows, several of which only a combination is determined, or
       those at a bound.
-    - `reason`: what the data lack; for a coefficient at a bound also that the optimum is beyond it.
+    - `reason`: what the data lack, or that the data pull a coefficient beyond its bound.
     """
 
     coefficients: tuple[str, ...]
@@ -70,7 +70,7 @@ def undetermined(
 def at_bounds(
     residuals: Residuals, free: Sequence[str], bounded: Sequence[str], effective: Mapping[str, float]
 ) -> tuple[Undetermined, ...]:
-    """Return for coefficients at a bound whether the optimum is beyond it, or whether they are not identifiable.
+    """Return for coefficients at a bound whether the data pull beyond it, or whether they are not identifiable.
 
     `free`: the free coefficients, with those at a bound. `bounded`: those at a bound. `effective`: effective sample
     size of each channel. Returns: those with the same reason are combined.
@@ -81,7 +81,7 @@ def at_bounds(
     by_reason: dict[str, list[str]] = {}
     for name in bounded:
         reason = (
-            "the optimum is beyond it"
+            "the data pull beyond it"
             if identifiability.determines(name)
             else f"not identifiable, {identifiability.reason([name])}"
         )

@@ -19,7 +19,7 @@ from ...symbolic.model import Model
 from ...tires.evaluation import Conventions, evaluate
 from ...tires.tire import Tire
 
-#: The inputs of which at least one has to vary by `MIN_VARIATION` for a channel to be fitted; none for My.
+#: A channel is fitted if at least one of these inputs varies by `MIN_VARIATION`; My always.
 EXCITED_BY = {"Fx": ("kappa",), "Fy": ("alpha",), "Mz": ("alpha",), "Mx": ("alpha", "gamma"), "My": ()}
 MIN_VARIATION = 0.01
 #: Weights of rows: equal for each operating condition of a recording, equal for each row, equal for each operating
@@ -59,7 +59,7 @@ class FitData:
       the row is fitted) and ``weight`` (mean 1 over the included rows of a recording). Channels that are not fitted are
       NaN.
     - `notes`: channels that are not fitted.
-    - `findings`: what the recordings lack or contradict.
+    - `findings`: problems in the recordings.
     """
 
     table: pd.DataFrame

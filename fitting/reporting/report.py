@@ -23,6 +23,7 @@ from ..results.verdict import verdict_of
 from .figures import figures_of
 from .load_table import load_rows, stiffness_by_load
 from .report_text import (
+    CONSTRAINT_SIGNS,
     SIGNIFICANT,
     bootstrap_summary,
     bootstrap_text,
@@ -107,7 +108,7 @@ def report_page(
         intervals=[interval for interval in listed_intervals(result) if set(interval["at"]) == {"Fz"}],
         bootstrap=bootstrap_summary(result.bootstrap) if result.bootstrap else "",
         ripples=ripple_texts(result.findings.ripples), extrapolation=extrapolation_text(result),
-        correlations=correlated_pairs(result.correlation), correlated=CORRELATED, origin=origin,
+        sense=CONSTRAINT_SIGNS, correlations=correlated_pairs(result.correlation), correlated=CORRELATED, origin=origin,
     )  # fmt: skip
 
 

@@ -16,6 +16,10 @@ from ..results.records import Bootstrap
 
 #: Number of standard deviations above which a difference within the data is reported.
 SIGNIFICANT = 4.0
+#: How the table of constraints has its signs: those of the constraints, whatever the convention of the other tables.
+CONSTRAINT_SIGNS = (
+    "Slip stiffness is positive here, as the constraints state it; all else has one sign in every convention."
+)
 
 
 @dataclass(frozen=True)

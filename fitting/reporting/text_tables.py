@@ -140,7 +140,7 @@ def _coefficients(result: Fitted) -> Iterator[Table]:
             if c.from_family
             else ""
         )
-        remark = remark if c.determined or c.at_bound else "not determined"
+        remark = remark if c.determined or c.at_bound else "no influence on the data"
         numbers = (f"{v:.5g}" for v in (c.guess, c.lower, c.upper, c.value))
         resampled = [bootstrap_text(result, c.name)] * bool(result.bootstrap)
         table.add_row(c.name, *numbers, interval_text(c.interval), *resampled, c.unit, remark)
@@ -207,11 +207,11 @@ def _stages(result: Fitted) -> Table:
 def _margins(result: Fitted) -> Table:
     """Return the constraints."""
     from ..checks.residuals import condition_text
-    from .report_text import constraint_rows
+    from .report_text import CONSTRAINT_SIGNS, constraint_rows
 
     table = plain_table(
         "constraint", "value", "margin", "at", "margin outside", "",
-        title="Constraints, verified over the operating range (adapted-sae signs)",
+        title="Constraints, verified over the operating range", caption=CONSTRAINT_SIGNS,
     )  # fmt: skip
     for c in constraint_rows(result.margins):
         beyond = "" if c.beyond is None else f"{c.beyond.margin:.3g}"

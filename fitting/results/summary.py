@@ -28,7 +28,7 @@ def fit_text(result: Fitted, verdict: Verdict) -> str:
         lines.append(f"  and {len(result.channels) - MAX_CHANNELS} more channels")
     for title, names in (
         ("at a bound", [c.name for c in result.coefficients if c.at_bound]),
-        ("not determined by the data", [c.name for c in result.coefficients if not c.determined]),
+        ("without influence on the data", [c.name for c in result.coefficients if not c.determined]),
     ):
         if names:
             lines.append(f"  {title}: {', '.join(names[:8])}{' ...' if len(names) > 8 else ''}")

@@ -51,7 +51,8 @@ CHARACTERISTIC_LIMITS = {"peak friction": 0.05, "peak slip": 0.25, "trail": 0.2}
 ROWS_PER_COEFFICIENT = 3
 #: Share of the rows of a recording whose exclusion is reported. Judgement.
 MANY_EXCLUDED = 0.1
-#: Share of the range of an input beyond that of a channel from which the channel is extrapolated. Judgement.
+#: A channel is extrapolated if an input was measured beyond the range of the channel by this share of the whole range.
+#: Judgement.
 MISSING_RANGE = 0.1
 #: Largest number of names that a reason lists.
 MAX_NAMES = 8
@@ -114,7 +115,7 @@ def lacks_something(c: ChannelFit) -> bool:
 
 
 def _wrong_data(channels: Sequence[ChannelFit]) -> Iterator[str]:
-    """Yield the forces of which a large share depends on time or differs between repeats, in any recording."""
+    """Yield the forces with a large part that depends on time or differs between repeats, in any recording."""
     for c in channels:
         largest = max(other.spread for other in channels if other.channel == c.channel)
         unsteady = float(np.hypot(c.explained_by_time, c.between_repeats))
@@ -123,9 +124,9 @@ def _wrong_data(channels: Sequence[ChannelFit]) -> Iterator[str]:
 
 
 def _unsteady(result: Fitted) -> Iterator[str]:
-    """Yield that the forces change over time by more than a tire does; a fit hides a part of it in its coefficients.
+    """Yield the forces that change over time by more than those of a tire; coefficients of the fit absorb a part of it.
 
-    The residual has to confirm it: where a form is far off, its error over the inputs is an error over time as well.
+    The residual must confirm it: a large error of the form over the inputs also causes an error over time.
     """
     discrepancies = result.uncertainty.discrepancies
     over_time = {c.channel for c in result.channels if c.explained_by_time > c.explained_by_inputs}
@@ -139,9 +140,9 @@ def _unsteady(result: Fitted) -> Iterator[str]:
 
 
 def _wrong_between_loads(findings: Findings) -> Iterator[str]:
-    """Yield wrong peak friction at a load between loads at which it is right: no range of loads remains for the tire.
+    """Yield loads with wrong peak friction between loads with right peak friction: no range of loads is usable.
 
-    A load is wrong if half of its operating conditions are.
+    Peak friction is wrong at a load if it is wrong in half of its operating conditions.
     """
     friction = [c for c in findings.characteristics if c.quantity == "peak friction" and c.shown]
     for recording, channel in dict.fromkeys((c.recording, c.channel) for c in friction):
@@ -158,13 +159,13 @@ def _wrong_between_loads(findings: Findings) -> Iterator[str]:
             if right and min(right) < load < max(right):
                 off = float(np.median([c.off for c in by_load[load]]))
                 yield (
-                    f"{recording}: the peak friction of {channel} differs by {off:+.0%} at {load:.0f} N, "
+                    f"{recording}: the peak friction of {channel} differs from the data by {off:+.0%} at {load:.0f} N, "
                     "between loads at which it is right: diagnose"
                 )
 
 
 def _chance(chance: float, discrepancies: Sequence[Discrepancy]) -> bool:
-    """Return whether noise alone causes so large an error of the form rarely, over all channels."""
+    """Return whether an error of the form is significant, corrected for the number of channels."""
     return chance < CHANCE / (2 * len(discrepancies))
 
 
@@ -204,7 +205,7 @@ def _structure(result: Fitted) -> Iterator[str]:
         if _chance(chance, discrepancies) and size > least.get(d.channel, FORM_OF_FORCE)
     ]  # fmt: skip
     if texts:
-        yield f"the form of the model is wrong beyond the noise, by about {', '.join(texts)}: diagnose"
+        yield f"the form of the model has errors above the noise: about {', '.join(texts)}: diagnose"
 
 
 def _clipped_reason(c: Clipped) -> str:
@@ -220,7 +221,7 @@ def _characteristic_reasons(findings: Findings) -> Iterator[str]:
     for c in sorted(wrong, key=lambda c: -graded(abs(c.reliable_error))):
         worst.setdefault((c.recording, c.channel, c.quantity), c)
     for (recording, channel, quantity), c in worst.items():
-        yield f"{recording}: the {quantity} of {channel} differs by {c.off:+.0%} at {_place(c)}"
+        yield f"{recording}: the {quantity} of {channel} differs from the data by {c.off:+.0%} at {_place(c)}"
 
 
 def _discontinuity_reason(d: Discontinuity) -> str:
@@ -230,10 +231,10 @@ def _discontinuity_reason(d: Discontinuity) -> str:
 
 
 def _few_rows(result: Fitted, rows_per_coefficient: int) -> Iterator[str]:
-    """Yield that there are fewer rows than a multiple of the coefficients."""
+    """Yield a reason if there are fewer rows than a multiple of the coefficients."""
     residuals, count = result.residuals, sum(c.determined for c in result.coefficients)
     if residuals is not None and len(residuals.table) < rows_per_coefficient * count:
-        yield f"{len(residuals.table)} rows for {count} coefficients: the tire follows the noise of the rows"
+        yield f"only {len(residuals.table)} rows for {count} coefficients: the tire follows their noise"
 
 
 def _quality_reason(c: ChannelFit) -> str:
@@ -245,7 +246,7 @@ def _stiffnesses(findings: Findings) -> Iterator[tuple[str, list[SlipStiffness]]
     """Yield the slip stiffnesses of each force of a recording, with a text that names them."""
     for recording, channel in dict.fromkeys((s.recording, s.channel) for s in findings.stiffnesses):
         stiffnesses = [s for s in findings.stiffnesses if (s.recording, s.channel) == (recording, channel)]
-        yield f"{recording}: the slip stiffness of {channel} differs by", stiffnesses
+        yield f"{recording}: the slip stiffness of {channel} differs from the data by", stiffnesses
 
 
 def _wrong_stiffness(findings: Findings) -> Iterator[str]:
@@ -273,17 +274,17 @@ def _place(read: Characteristic | SlipStiffness) -> str:
 def _missing_forces(result: Fitted) -> Iterator[str]:
     fitted = {c.channel for c in result.channels}
     for force in (name for name in FORCES if name in result.tire.outputs and name not in fitted):
-        yield f"{force} is not fitted: no measured values vary with {EXCITED_BY[force][0]}"
+        yield f"{force} is not fitted: it was not measured over a varying {EXCITED_BY[force][0]}"
 
 
 def _unknown_radius(result: Fitted) -> Iterator[str]:
-    """Yield that moments were fitted with an assumed radius, by which their coefficients are divided."""
+    """Yield a reason if moments were fitted with an assumed radius, by which their coefficients are divided."""
     moments = [c.channel for c in result.channels if c.channel not in FORCES]
     if moments and "UNLOADED_RADIUS" in not_given(result.tire):
         names = ", ".join(dict.fromkeys(moments))
         radius = result.tire.values["UNLOADED_RADIUS"]
         yield (
-            f"the radius of the tire is not known, {radius:g} m is assumed: the coefficients of {names} are per radius "
+            f"the radius of the tire is unknown: {radius:g} m is assumed, and the coefficients of {names} depend on it "
             "(--size or --nominal R0=...)"
         )
 
@@ -298,7 +299,7 @@ def _not_imposed(result: Fitted) -> Iterator[str]:
         if constraint.name not in imposed and (not constraint.effect or constraint.effect in result.tire.has)
     )  # fmt: skip
     if missing:
-        yield f"physical constraints not imposed: {_listed(missing)}"
+        yield f"physical constraints not enforced: {_listed(missing)}"
 
 
 def _second_solution(result: Fitted) -> Iterator[str]:
@@ -327,7 +328,7 @@ def _excluded(result: Fitted) -> Iterator[str]:
 
 
 def _ranges(residuals: Residuals) -> Iterator[str]:
-    """Yield the inputs of which a force was measured over a part of the range of the others."""
+    """Yield the inputs whose range is smaller for a force than for the other channels."""
     for channel in (name for name in FORCES if name in residuals.channels):
         for name, held in residuals.levels.items():
             low, high = residuals.range_of(name, channel)

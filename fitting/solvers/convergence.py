@@ -95,7 +95,7 @@ class _Criterion:
         return f"{reduction / self._size:.0e} of the {self._whole}"
 
     def standard_errors(self, reduction: float) -> float:
-        """Return the most standard errors by which a coefficient changes with a reduction: one costs that of a row."""
+        """Return how far a coefficient may move, in standard errors, for a reduction of the cost."""
         return float(np.sqrt(max(reduction, 0.0) / self._row))
 
 

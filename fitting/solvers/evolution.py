@@ -95,7 +95,7 @@ class Evolution:
         - `refine`: without effect: the search continues with its last population for every further call with one
           problem.
         - `local`: whether only steps without a search are wanted: there are none, and the start is returned.
-        - `progress`: called with generation and best cost.
+        - `progress`: called with generation, best cost and scaled free values of the best individual.
         - `stop`: called after every generation; True ends the search.
 
         Returns: the best individual; `converged` if a feasible solution has no further gain or the goal is reached.
@@ -118,7 +118,7 @@ class Evolution:
         for _ in range(limit):
             search.step()
             if progress is not None:
-                progress(search.generation, search.best_cost)
+                progress(search.generation, search.best_cost, search.best)
             if search.feasible:
                 costs.append(search.best_cost)
             if costs and costs[-1] <= self.goal:

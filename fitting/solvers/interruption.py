@@ -23,7 +23,7 @@ class Interruption:
     and in programs with their own signal handler, only the callback can request a stop.
 
     `progress`: called with stage, iteration and cost. Its method ``planned``, if it has one, is called before the first
-    stage with name and work of each stage, its method ``completed`` after each stage with the tire so far.
+    stage with name and work of each stage, its method ``reached`` after each iteration and stage with the tire so far.
 
     >>> def cancel(stage, iteration, cost):
     ...     raise KeyboardInterrupt
@@ -80,9 +80,11 @@ class Interruption:
         if planned is not None:
             self._call(planned, work())
 
-    def completed(self, tire: Tire) -> None:
-        """Report the tire of the completed stages, if the callback takes it."""
-        self._call(getattr(self._progress, "completed", None), tire)
+    def reached(self, tire: Callable[[], Tire]) -> None:
+        """Report the tire of an iteration or a stage, if the callback takes it."""
+        reached = getattr(self._progress, "reached", None)
+        if reached is not None:
+            self._call(reached, tire())
 
     def report(self, stage: str, iteration: int, cost: float) -> None:
         """Report the progress."""

@@ -56,8 +56,8 @@ MAX_ERRORS = 1.0
 #: Reasons: a stop was requested, the iteration limit was reached, or a later stage continues and needs no optimum.
 INTERRUPTED, LIMIT, CONTINUED = "interrupted", "iteration limit", "little further gain before the next stage"
 SUPERSEDED = "a later stage continues"
-#: Called with (iteration, cost) in each iteration.
-Progress = Callable[[int, float], None]
+#: Called with (iteration, cost, scaled free values) in each iteration.
+Progress = Callable[[int, float, FloatArray], None]
 
 
 @dataclass(frozen=True)
@@ -327,7 +327,7 @@ class _CachedCost(Ridge):
                 factor = DAMPING_UP if self._derivatives[0] > before * (1 + 1e-9) else DAMPING_DOWN
                 self.damping = min(max(self.damping * factor, MIN_DAMPING), MAX_DAMPING)
             if self._progress is not None:
-                self._progress(self._count, self._derivatives[0])
+                self._progress(self._count, self._derivatives[0], self._x)
         return self._derivatives
 
     def damped(self, x: FloatArray) -> FloatArray:

@@ -63,7 +63,7 @@ class NoiseCorrelation:
 
 
 class CorrelatedSums:
-    """The covariance of weighted sums of noise of variance 1, of which the rows are added a part at a time.
+    """The covariance of weighted sums of noise of variance 1; rows are added in parts.
 
     The correlation matrix of autoregressive noise is A^-T D A^-1; A has 1 on its diagonal and -decay above it. So each
     weight is added to the next one, reduced by the decay, and what has been added up is squared. The share of the last

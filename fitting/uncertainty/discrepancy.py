@@ -13,7 +13,8 @@ Both random functions are sums of random Fourier features (Rahimi and Recht, 200
 independent w_k. The error of a coefficient is a linear function of the w_k, and so is that of a prediction: what the
 coefficients change minus the function itself. The residual shows some of these functions and excludes others, so that
 their errors are the expected squares for w_k given the residual: where the residual shows an error, it is in the
-interval; where it shows none, the interval is narrow.
+interval; where it shows none, the interval is narrow. Beyond the range of the rows no residual excludes anything: the
+error there has in addition the change of the function since the end of the range, which grows with the distance.
 """
 
 from __future__ import annotations
@@ -72,8 +73,21 @@ class Features:
 
     def at(self, inputs: FloatArray) -> FloatArray:
         """Return the features at inputs of shape (n_inputs, n), shape (n, FEATURES); mean square 1."""
-        scaled = (inputs - self.lower[:, None]) / self.half[:, None] - 1.0
-        return np.asarray(np.sqrt(2.0) * np.cos(scaled.T @ self.waves + self.phases))
+        return np.asarray(np.sqrt(2.0) * np.cos(self._scaled(inputs).T @ self.waves + self.phases))
+
+    def growth(self, inputs: FloatArray) -> FloatArray:
+        """Return the mean square of the change of the function beyond the range of the rows, shape (n,).
+
+        `inputs`, shape (n_inputs, n). The function goes on with the slope that it has at the end of the range, as no
+        row shows that it returns.
+        """
+        scaled = self._scaled(inputs)
+        beyond = scaled - np.clip(scaled, -1.0, 1.0)
+        return np.asarray(np.mean((beyond.T @ self.waves) ** 2, axis=1))
+
+    def _scaled(self, inputs: FloatArray) -> FloatArray:
+        """Return inputs as shares of half their range, from its middle."""
+        return np.asarray((inputs - self.lower[:, None]) / self.half[:, None] - 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +141,8 @@ class Discrepancy:
         are proportional to the channel, otherwise 0. `inputs`, shape (n_inputs, n): where the channel determines them.
         """
         error = self._error(slopes, values, inputs)
-        return np.asarray(np.sum((error @ self.squares) * error, axis=1) + (self.state * values) ** 2)
+        unseen = self.state**2 + self.form**2 * self.features.growth(inputs)
+        return np.asarray(np.sum((error @ self.squares) * error, axis=1) + unseen * values**2)
 
     def informed(
         self, slopes: FloatArray, values: FloatArray, inputs: FloatArray, error: FloatArray, deviation: FloatArray

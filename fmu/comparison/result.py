@@ -157,7 +157,10 @@ class CheckResult:
             grade, text = "good", "the tire describes this recording"
         elif described and all(channel.r2 > WRONG_R2 for channel in poor):
             names = ", ".join(channel.name for channel in poor)
-            grade, text = "limited", f"the tire describes this recording in part: not {names}, or it hardly varies here"
+            grade, text = (
+                "limited",
+                f"the tire describes this recording in part: poor fit or little variation of {names}",
+            )
         else:
             grade, text = "bad", "the tire does not describe this recording"
         if self.beyond_tolerance:

@@ -13,6 +13,7 @@ from ...symbolic.model import Model
 from ...symbolic.models import model_named
 from ...symbolic.options import signs
 from ...tires import Tire
+from ...tires.property_file.names import unmeasured_coefficients, unmeasured_outputs
 
 
 @dataclass(frozen=True)
@@ -99,8 +100,8 @@ def variables(tire: Tire) -> tuple[Variable, ...]:
     )
 
 
-def with_ranges(listed: Iterable[Variable], tire: Tire) -> tuple[Variable, ...]:
-    """Return variables with the tire's valid range in the description of each input.
+def with_remarks(listed: Iterable[Variable], tire: Tire) -> tuple[Variable, ...]:
+    """Return variables with what is to be known of this tire: valid ranges of inputs, what its data did not determine.
 
     The range is not declared as minimum and maximum: a host could refuse values that the FMU accepts with a warning.
 
@@ -108,11 +109,16 @@ def with_ranges(listed: Iterable[Variable], tire: Tire) -> tuple[Variable, ...]:
 
     >>> from tirefmu.tires import published
     >>> tire = published("trento_hoosier")
-    >>> with_ranges([Variable("Fz", "input", "N", "vertical load")], tire)[0].description
+    >>> with_remarks([Variable("Fz", "input", "N", "vertical load")], tire)[0].description
     'vertical load; valid from 120 to 1220 N'
     """
+    outputs, coefficients = unmeasured_outputs(tire), unmeasured_coefficients(tire)
 
     def shown(variable: Variable) -> Variable:
+        if variable.causality == "output" and variable.name in outputs:
+            return replace(variable, description=f"{variable.description}; not measured: computed with start values")
+        if variable.causality == "parameter" and variable.name in coefficients:
+            return replace(variable, description=f"{variable.description}; not measured: start value")
         low, high = tire.ranges.get(variable.name, (-inf, inf))
         if variable.causality != "input" or not (isfinite(low) and isfinite(high)):
             return variable

@@ -26,7 +26,7 @@ from ..description.documentation import header_license, index_html, license_of
 from ..description.interface import AXES, HUB, INPUTS, Interface, interface
 from ..description.model_description import Header, model_description, with_token
 from ..description.terminals_and_icons import pictures
-from ..description.variables import variables, with_ranges
+from ..description.variables import variables, with_remarks
 from .binaries import binaries, chosen_platforms, host_platform
 from .prebuilt import VALUES_FILE, generic, has_prebuilt, prebuilt_binary, values_file
 from .python_variant import python_contents
@@ -215,7 +215,7 @@ def _described(
     """Return the files of an FMU without binaries, and its token."""
     native, written_in, inputs, axes = kind == "native", tire.signs, shown.inputs, shown.axes
     name, iso = tire.name or identifier, tire.in_signs("iso")
-    listed = with_ranges(shown.variables, shown.tire) if native else with_ranges(variables(iso), iso)
+    listed = with_remarks(shown.variables, shown.tire) if native else with_remarks(variables(iso), iso)
     rewritten = "" if written_in == shown.tire.signs else f", converted from {written_in} signs"
     assumed = "Tire with relaxation lengths by default" if shown.relaxation_note else "Steady-state tire"
     what = "Tire with relaxation" if tire.lags else assumed

@@ -142,7 +142,7 @@ def _without_nan(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 class InspectionResult(NamedTuple):
-    """The contents of recordings of one tire, and what they lack or contradict."""
+    """The contents of recordings of one tire, and the problems in the data."""
 
     recordings: tuple[Inspection, ...]
     findings: tuple[DataFinding, ...]

@@ -105,7 +105,7 @@ def condition_table(inspection: Inspection) -> Table:
         drifts = [_number(name, condition.drift[name], sign=True) for name in drifting]
         extent = [str(condition.rows), str(condition.sweeps), f"{condition.seconds:.1f}"]
         rows.append([" and ".join(condition.moving) or "-", *levels, *extent, *drifts])
-    return [*header, *(f"drift of {name} ({drawn_unit(name).replace('deg C', 'K')})" for name in drifting)], rows
+    return [*header, *(f"drift of {name} ({drawn_unit(name)})" for name in drifting)], rows
 
 
 def excluded_table(inspection: Inspection) -> Table:

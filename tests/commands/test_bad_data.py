@@ -104,5 +104,7 @@ def test_a_tire_that_is_not_usable_is_written_with_exit_status_1(fitted):
     outcome, left = fitted([table, table.assign(Fy=0.33 * table["Fy"])])
     verdict, *reasons = outcome.out.splitlines()
     assert (outcome.status, verdict) == (1, "verdict: not usable")
-    assert any(reason.startswith("  - a.csv: the slip stiffness of Fy differs by -") for reason in reasons)
+    assert any(
+        reason.startswith("  - a.csv: the slip stiffness of Fy differs from the data by -") for reason in reasons
+    )
     assert left == ["new.tir"]

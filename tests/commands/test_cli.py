@@ -61,7 +61,8 @@ def test_the_report_has_the_figures_of_the_folder(chain):
     page = (chain[0] / "report.html").read_text(encoding="utf-8")
     tabs = page.count('type="radio"')  # the curves of forces and of moments, in addition
     assert page.count('class="panels"') == len(list((chain[0] / "figures").iterdir())) + tabs
-    assert page.count("data:image/png;base64,") == tabs == 2
+    assert tabs == 2
+    assert page.count("data:image/png;base64,") == 1  # the first one can be seen without JavaScript
 
 
 def test_the_fit_is_the_same_everywhere(chain):

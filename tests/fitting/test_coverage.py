@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from math import radians
+from xml.etree import ElementTree
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from tirefmu.applications.comparison.comparison import compare
+from tirefmu.applications.comparison.figures import comparison_figures
+from tirefmu.applications.explorer.tire_data import tire_data
 from tirefmu.drawing.style import DOTTED
 from tirefmu.fitting import fit
 from tirefmu.fitting.reporting.figures import figures_of
@@ -51,7 +54,7 @@ def fitted(table):
 
 KINDS = {
     "peak": ({"angles": (-2.0, 2.0)}, "peak friction", "the slope of Fy at the end of the data is"),
-    "small slips": ({"angles": (4.0, 14.0)}, "slip stiffness", "the smallest slips have"),
+    "small slips": ({"angles": (4.0, 14.0)}, "slip stiffness", "at the smallest slips"),
     "one load": ({"loads": (3000.0,)}, "influence of load", "one load, 3000 N"),
     "one camber": ({"cambers": (0.05,)}, "influence of camber", "one inclination, 2.9 deg"),
     "one pressure": ({"pressures": (180e3,)}, "influence of pressure", "one pressure, 180 kPa"),
@@ -132,8 +135,29 @@ def test_a_cornering_test_says_nothing_of_fx_in_any_file(cornering, tmp_path):
     (friction,), (cornering_friction,) = ([x for x in lines if x.startswith(f"{n} =")] for n in ("PDX1", "PDY1"))
     assert friction.endswith(", not measured")
     assert not cornering_friction.endswith("measured")
-    assert b"not determined by its data: combined slip of Fy" in contents(again, 3, "a")["modelDescription.xml"]
+    description = contents(again, 3, "a")["modelDescription.xml"]
+    assert b"not determined by its data: combined slip of Fy" in description
+    (listed,) = ElementTree.fromstring(description).iter("ModelVariables")
+    remarks = {v.get("name"): "not measured" in v.get("description") for v in listed}
+    assert all(remarks[name] for name in ("Fx", "PDX1", "PKX1", "RBX1"))
+    assert not any(remarks[name] for name in ("Fy", "Mz", "PDY1", "PKY1", "kappa"))
     assert set(not_measured(again).values()) <= set(limits_of(again))
+
+
+def test_what_was_not_measured_is_marked_beside_sliders_and_dotted_in_comparisons(cornering):
+    side, whole = (result.tire for result in cornering)
+    shown = tire_data(side, "side", side.values, {}, ())
+    marks = {each["name"]: each["measured"] for kind in ("outputs", "coefficients") for each in shown[kind]}
+    assert not any(marks[name] for name in ("Fx", "PDX1", "PKX1"))
+    assert all(marks[name] for name in ("Fy", "PDY1", "PKY1"))
+    assert not shown["roles"]["friction_x"]["measured"]
+    assert shown["roles"]["friction_y"]["measured"]
+    figures = comparison_figures(compare(side, whole, names=("side", "whole")), [], "iso")
+    for figure in figures:
+        of_fx = "Fx" in figure.name or "_x_" in figure.name
+        lines = [series for panel in figure.panels for series in panel.series if series.kind == "line"]
+        assert any(series.dashes == DOTTED for series in lines) == of_fx, figure.name
+        assert ("dotted: side, not measured" in figure.note) == of_fx
 
 
 def test_a_comparison_marks_what_was_not_measured_and_lists_it_last(cornering):

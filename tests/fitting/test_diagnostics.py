@@ -174,7 +174,7 @@ def test_an_active_bound_is_distinguished_from_a_coefficient_without_information
     data = residuals_of(known, clean.iloc[::7])
     free = ["PDY1", "PDY2", "PEY1", "PKY1", "PKY2", "PCY1", "PDX1"]
     found = {each.coefficients: each.reason for each in at_bounds(data, free, ["PDY1", "PDX1"], {"Fy": 500.0})}
-    assert found["PDY1",] == "at a bound: the optimum is beyond it"
+    assert found["PDY1",] == "at a bound: the data pull beyond it"
     assert found["PDX1",].startswith("at a bound: not identifiable, ")
     assert at_bounds(data, free, [], {"Fy": 500.0}) == ()
 

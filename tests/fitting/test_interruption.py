@@ -137,16 +137,17 @@ def test_another_thread_does_not_replace_the_handler():
     assert outcome == [True]
 
 
-def test_the_tire_of_each_completed_stage_is_reported(recording, make):
+def test_the_tire_of_each_iteration_and_stage_is_reported(recording, make):
     class Following:
         def __init__(self):
-            self.tires, self.stages = [], []
+            self.tires, self.stages, self.iterations = [], [], 0
 
         def __call__(self, stage, iteration, cost):
+            self.iterations += 1
             if stage not in self.stages:
                 self.stages.append(stage)
 
-        def completed(self, tire):
+        def reached(self, tire):
             self.tires.append((self.stages[-1] if self.stages else "", tire))
 
     following = Following()
@@ -154,3 +155,4 @@ def test_the_tire_of_each_completed_stage_is_reported(recording, make):
     last = {stage: tire for stage, tire in following.tires if stage}
     assert list(last) == [stage.name for stage in result.stages]
     assert last[result.stages[-1].name].values["PDY1"] == result.tire.values["PDY1"]
+    assert len(following.tires) >= following.iterations + len(result.stages)

@@ -10,7 +10,7 @@ from tirefmu.fitting.checks.undetermined import at_bounds
 
 
 @pytest.mark.parametrize(
-    ("share", "expected"), [(0.5, "at a bound: the optimum is beyond it"), (2.0, "at a bound: not")]
+    ("share", "expected"), [(0.5, "at a bound: the data pull beyond it"), (2.0, "at a bound: not")]
 )
 def test_a_coefficient_at_a_bound_is_determined_within_a_quarter_of_its_range(known, make, share, expected):
     """The noise of Fy gives PHY1 a standard deviation of `share` quarters of its range."""

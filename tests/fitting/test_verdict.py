@@ -71,9 +71,13 @@ def test_each_reason_has_its_consequence(judged, side_fit):
         (
             {"findings": Findings(stiffnesses=(stiffness(-0.999),))},
             "not usable",
-            "differs by -100% over all conditions",
+            "differs from the data by -100% over all conditions",
         ),
-        ({"findings": Findings(stiffnesses=(stiffness(-0.16),))}, "usable with limits", "differs by -16% at 500 N"),
+        (
+            {"findings": Findings(stiffnesses=(stiffness(-0.16),))},
+            "usable with limits",
+            "differs from the data by -16% at 500 N",
+        ),
         ({"channels": (force,)}, "usable with limits", "Fx is not fitted"),
         ({"channels": (force, replace(force, channel="Fx", fitted_r2=0.3))}, "usable with limits", "described poorly"),
         ({"channels": (force, replace(force, channel="Fx"), moment)}, "usable with limits", "Mz is not described"),
@@ -91,14 +95,14 @@ def test_each_reason_has_its_consequence(judged, side_fit):
         (
             {"findings": Findings(characteristics=(low,))},
             "usable with limits",
-            "the peak friction of Fy differs by -20% at Fz 500 N",
+            "the peak friction of Fy differs from the data by -20% at Fz 500 N",
         ),
         (
             {"findings": Findings(discontinuities=(step,))},
             "usable with limits",
             "Mx of the tire jumps by 28 N m at alpha 0.1 deg, Fz 2750 N",
         ),
-        ({"margins": ()}, "usable with limits", "physical constraints not imposed: curvature:E_x"),
+        ({"margins": ()}, "usable with limits", "physical constraints not enforced: curvature:E_x"),
         ({"coefficients": (bounded,)}, "usable with limits", f"1 of 1 coefficients at bounds: {bounded.name}"),
         ({"excluded_rows": (excluded,)}, "usable with limits", "a.csv: 40% of the rows excluded (warm-up)"),
     ]
@@ -129,7 +133,7 @@ def test_reasons_are_in_order_of_weight(judged, side_fit):
 def test_side_force_alone_is_a_limit(side_fit):
     result, _ = side_fit
     assert result.verdict.word == "usable with limits"
-    assert result.verdict.reasons[0] == "Fx is not fitted: no measured values vary with kappa"
+    assert result.verdict.reasons[0] == "Fx is not fitted: it was not measured over a varying kappa"
     plain = result.to_json()
     assert plain["ok"] is True
     assert (plain["verdict"], plain["reasons"]) == ("usable with limits", list(result.verdict.reasons))

@@ -17,6 +17,7 @@ WRONG = {
     "degrees": ({"alpha": 12.0 * MANY}, "alpha from -12 to 12 .*in degrees"),
     "camber in degrees": ({"gamma": np.array([0.0, 2.0, 4.0])}, "gamma from 0 to 4 .*in degrees"),
     "percent": ({"kappa": 20.0 * MANY}, "kappa from -20 to 20 .*in percent"),
+    "percent up to 10": ({"kappa": 10.0 * MANY}, "kappa from -10 to 10 is that of a wheel that turns backwards"),
     "km/h": ({"V": [0.0, 200.0]}, "V from 0 to 200 .*36 km/h is 10"),
     "one of many rows": ({"alpha": np.append(0.1 * MANY, 5.0)}, "alpha from -0.1 to 5"),
     "far load": ({"Fz": np.array([900.0, 90e3])}, "Fz from 900 to 90000 N is far beyond .* 6100 N, 5 times FZMAX"),
@@ -70,15 +71,50 @@ def test_loads_of_the_wrong_sign_are_refused():
 def test_shapes_and_types_that_do_not_fit_are_our_errors():
     with pytest.raises(TirefmuError, match=r"do not broadcast: alpha \(3,\), Fz \(2,\)"):
         TIRE.forces(alpha=[0.1, 0.2, 0.3], Fz=[500.0, 900.0])
-    for given in ("abc", [[0.1], [0.1, 0.2]], np.array([0.1 + 1j]), object()):
+    dates, texts = pd.to_datetime(["2020-01-01"]), np.array(["0.1"])
+    no_numbers = ("abc", "0.1", [[0.1], [0.1, 0.2]], np.array([0.1 + 1j]), object(), None, True, [0.1, "0.2"])
+    for given in (*no_numbers, dates, texts, texts.astype(object), np.array([True])):
         with pytest.raises(WrongType, match="alpha is"):
             TIRE.forces(alpha=given)
+
+
+def test_masked_and_missing_values_are_nan_and_integers_are_numbers():
+    expected = TIRE.forces(alpha=[0.1, np.nan], Fz=900.0)["Fy"]
+    nullable = pd.Series([0.1, None], dtype="Float64")
+    for given in (np.ma.masked_array([0.1, 0.5], [False, True]), nullable, [0.1, None], np.array([0.1, np.nan], "f4")):
+        np.testing.assert_allclose(TIRE.forces(alpha=given, Fz=900)["Fy"], expected, rtol=1e-5)
+    loads = (np.int16([900]), np.ma.masked_array([900], [False]), pd.Series([900], index=["x"]), np.array(900))
+    for given in loads:
+        assert TIRE.forces(alpha=0.1, Fz=given)["Fy"].item() == expected[0]
+
+
+@pytest.mark.parametrize("header", ["alpha [deg]", "alpha (deg)", "alpha[rad]"])
+def test_a_unit_in_a_header_is_read_or_refused(header):
+    """Another column is ignored: the slip angle would be zero."""
+    with pytest.raises(DataError, match="is not alpha: the columns are in SI units and have plain names"):
+        TIRE.evaluate(pd.DataFrame({header: [0.0, 5.0], "Fz": 900.0}))
+    both = pd.DataFrame({"alpha": [0.0, np.radians(5.0)], "Fz": 900.0})
+    assert TIRE.evaluate(both.assign(**{header: 0.0}))["Fy"].iloc[1] < -100.0
+
+
+def test_a_table_with_units_is_evaluated_in_them():
+    plain = pd.DataFrame({"alpha": np.radians([-5.0, 5.0]), "Fz": 900.0})
+    written = pd.DataFrame({"alpha [deg]": [-5, 5], "Fz [kN]": 0.9})
+    np.testing.assert_allclose(evaluate(TIRE, written)["Fy"], evaluate(TIRE, plain)["Fy"], rtol=1e-12)
+
+
+def test_a_channel_that_occurs_twice_is_refused():
+    twice = pd.DataFrame([[0.0, 0.1, 900.0]], columns=["alpha", "alpha", "Fz"])
+    for function in (TIRE.evaluate, lambda table: evaluate(TIRE, table)):
+        with pytest.raises(DataError, match="column 'alpha' occurs more than once"):
+            function(twice)
 
 
 def test_what_a_simulation_needs_is_accepted():
     assert not TIRE.forces(kappa=[0.1, 9.0], Fz=0.0)["Fx"].any()
     assert np.isfinite(TIRE.forces(kappa=np.array([-1.0, 0.0, 10.0]), V=[0.0, -3.0, 80.0])["Fx"]).all()
     np.testing.assert_array_equal(np.isnan(TIRE.forces(alpha=[0.1, np.nan])["Fy"]), [False, True])
+    assert np.isfinite(TIRE.forces(kappa=-1.6)["Fx"])  # a wheel that turns backwards at one moment
     lifted = pd.DataFrame({"alpha": 0.1, "Fz": [900.0, 400.0, -3.0]})  # noise of a load cell
     assert TIRE.evaluate(lifted)["Fy"].iloc[2] == 0.0
     spin = Recording(pd.DataFrame({"alpha": [0.1, 2.0], "Fz": 900.0}), "iso", "spin.csv", {"declared": "alpha"})

@@ -15,8 +15,8 @@ from .kernel import ChosenDerivatives, Kernel
 from .normal_equations import Equations, EquationsKernel, WeightedRows, equations_by_chunks
 
 FloatArray = npt.NDArray[np.float64]
-#: Rows of which the derivatives by inputs, 35 numbers in MF6.1, fit into the second cache of a processor. With a
-#: multiple of 64 the derivatives of a row share a few lines of the cache: transposing takes three times as long.
+#: Number of rows whose derivatives by inputs (35 numbers a row in MF6.1) fit into the L2 cache. Not a multiple of 64:
+#: the derivatives of a row would share a few cache lines, and transposing would take three times as long.
 ROWS_IN_CACHE = 1016
 
 

@@ -32,9 +32,9 @@ SOURCES = (".py", ".toml", ".h")
 def model_with(name: str, added: Sequence[AddedEffect] = ()) -> Model:
     """Return a model by its name, with effects in its lines.
 
-    If its code has been printed before, its structure is read from there: no equation has to be loaded.
+    If its code has been generated before, its structure is read from there, without loading equations.
 
-    Returns: one object for one model and the same effects. Raises `UnknownName`, `EffectError`: as
+    Equal arguments return the same object. Raises `UnknownName`, `EffectError`: as
     `tirefmu.symbolic.models.model`.
     """
     return model_named(name, added, find=_printed_structure)

@@ -1,4 +1,4 @@
-"""What the log of a drive contains, and a proposal of which column is which channel, with units and axes."""
+"""Contents of the log of a drive, and the proposed column, unit and axis of each channel."""
 
 from __future__ import annotations
 

@@ -12,10 +12,10 @@ from ..inputs.unknowns import Unknowns
 
 #: Share of the variance of the file that a drive takes away from a combination of entries that it can contradict.
 SEEN = 0.1
-#: Information on an entry of which the file says nothing, over that of its uncertainty.
+#: Information on an entry that is not in the file, relative to that of its uncertainty.
 UNTOLD = 1e-4
-#: Probability below which the deviation is a contradiction. Judgement: uncertainties of a file are rough, and a
-#: sensor at three of them is no other car.
+#: Probability below which the deviation is a contradiction. Judgement: uncertainties of a file are approximate, and
+#: one sensor at three standard deviations does not mean another car.
 IMPROBABLE = 1e-6
 
 

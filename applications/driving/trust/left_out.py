@@ -138,7 +138,7 @@ def is_better(before: FloatArray, after: FloatArray) -> bool:
 
 
 def left_out(parts: Parts, base: Parts, tires: Mapping[str, Tire], new: Mapping[str, Tire]) -> LeftOut:
-    """Return the errors with the given tires, whose factors are 1, and with the new ones, whose factors are estimated.
+    """Return the errors with the given tires (factors of 1) and with the new tires (estimated factors).
 
     `parts`: of the answer; `base`: of the estimate without an effect, which is the same if the answer has none.
     """

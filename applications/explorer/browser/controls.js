@@ -38,6 +38,7 @@ class SliderRow {
       else this.show(this.value);
     });
     this.button.addEventListener("click", () => this.change(this.spec.value, changed));
+    this.row.classList.toggle("unmeasured", spec.measured === false);
     this.show(spec.value);
   }
 

@@ -83,6 +83,9 @@ function chartSpecs() {
   return specs.filter((each) => !isEmpty(each) || measuredPoints(each.name, each.over).length);
 }
 
+/** Return what a chart shows, and that the data of the tire did not determine it. */
+const remarked = ({ text, measured }) => (measured ? text : `${text} (not measured)`);
+
 /** Return whether a chart has nothing to show: a force of 0, or a weighting of 1, over the slip for every tire. */
 function isEmpty({ results, of, over, idle }) {
   const places = spaced(range(over).low, range(over).high, FEW_POINTS).map((value) => ({ ...view.inputs, [over]: value }));
@@ -97,7 +100,7 @@ function buildCharts() {
   drawn = titlesOf(specs);
   charts = specs.map((spec) => {
     const over = input(spec.over);
-    const title = `${spec.name} over ${over.name}: ${spec.text}`;
+    const title = `${spec.name} over ${over.name}: ${remarked(spec)}`;
     const unit = (each) => (each && each !== "1" ? ` (${each})` : "");
     const chart = new Chart(host, { title, xTitle: `${over.name}${unit(over.unit)}`, yTitle: `${spec.name}${unit(spec.unit)}` });
     return { chart, update: (moving) => updateCurves(chart, spec, moving) };
@@ -110,8 +113,8 @@ function buildCharts() {
     charts.push({ chart, update: (moving) => updateLoci(chart, alphas, moving) });
   }
   const shown = now.data.outputs.filter((each) => ["Fx", "Fy"].includes(each.name) && input("kappa") && input("alpha"));
-  for (const { name, text, unit } of shown) {
-    const title = `${name} over kappa and alpha: ${text} of this tire`;
+  for (const { name, text, unit, measured } of shown) {
+    const title = `${name} over kappa and alpha: ${remarked({ text, measured })} of this tire`;
     const chart = new Surface(host, { title, xTitle: "alpha (deg)", yTitle: "kappa", zTitle: `${name} (${unit})` });
     charts.push({ chart, update: () => {}, settle: (shared) => updateSurface(chart, name, shared) });
   }

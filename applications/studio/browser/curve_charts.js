@@ -13,11 +13,18 @@ class CurveCharts {
   constructor(host) {
     this.host = host;
     this.sweeps = new SweepMemory();
+    this.loads = [];
   }
 
-  /** Take a condition of the measured rows, or none, and a tire that has the inputs and outputs. */
-  show(condition, tire, withResiduals) {
+  /**
+   * Take a condition of the measured rows, or none, and a tire that has the inputs and outputs. `family`: the conditions
+   * that differ in load only; their points and curves have the colors of their loads.
+   */
+  show(condition, tire, withResiduals, family = []) {
     this.condition = condition;
+    const text = (each) => `${Math.round(each.levels.Fz)} N`;
+    const color = (each, i) => (each === condition ? STYLES.now.stroke : LOAD_COLORS[i % LOAD_COLORS.length]);
+    this.loads = family.map((each, i) => ({ condition: each, text: text(each), color: color(each, i) }));
     this.over = condition?.slip || "alpha";
     if (!tire.data.inputs.some((each) => each.name === this.over)) this.over = tire.data.inputs[0].name;
     this.input = tire.data.inputs.find((each) => each.name === this.over);
@@ -32,7 +39,7 @@ class CurveCharts {
     this.charts = measured.map(({ name, unit: of, text }) => ({
       name,
       curves: chart(`${name} over ${this.over}: ${text}`, `${name} (${of})`),
-      residuals: withResiduals ? chart(`${name}: measured less computed`, `residual (${of})`) : null,
+      residuals: withResiduals ? chart(`${name}: measured minus computed`, `residual (${of})`) : null,
     }));
   }
 
@@ -40,11 +47,11 @@ class CurveCharts {
   draw(tires, moving = false) {
     const { low, high } = this.input;
     for (const { name, curves } of this.charts) {
-      const drawn = tires.filter(({ tire }) => tire.data.outputs.some((each) => each.name === name)).map(({ label, style, tire }) => {
+      const drawn = [...this.family(tires.at(-1).tire), ...tires].filter(({ tire }) => tire.data.outputs.some((each) => each.name === name)).map(({ label, style, tire, color, load }) => {
         const outputs = tire.data.outputs.map((each) => each.name);
-        const inputs = inputsOf(tire, this.inputs);
+        const inputs = inputsOf(tire, load ? { ...this.inputs, Fz: load } : this.inputs);
         const found = this.sweeps.sweep(label, tire, inputs, this.over, { low, high }, moving ? MOVING_POINTS : POINTS, "forces", outputs);
-        return { label, style, x: found.x.map((x) => x * this.input.scale), y: found.curves[name] };
+        return { label, style, color, x: found.x.map((x) => x * this.input.scale), y: found.curves[name] };
       });
       if (drawn.length) curves.draw(drawn, this.points(name), moving);
       if (!moving) curves.describe();
@@ -63,13 +70,21 @@ class CurveCharts {
     }
   }
 
-  points(name) {
-    const [x, y] = [this.axis(this.over, this.input.scale), this.axis(name, 1)];
-    return x && y ? [{ x, y }] : [];
+  /** Return the curves of a tire at the other loads. */
+  family(tire) {
+    const others = this.loads.filter(({ condition }) => condition !== this.condition);
+    return others.map(({ condition, text, color }) => ({ label: text, style: "family", tire, color, load: condition.levels.Fz }));
   }
 
-  axis(name, scale) {
-    const { condition } = this;
+  points(name) {
+    const shown = this.loads.length ? this.loads : [{ condition: this.condition }];
+    return shown.flatMap(({ condition, color }) => {
+      const [x, y] = [this.axis(this.over, this.input.scale, condition), this.axis(name, 1, condition)];
+      return x && y ? [{ x, y, color }] : [];
+    });
+  }
+
+  axis(name, scale, condition = this.condition) {
     if (!condition || !(name in condition.columns)) return null;
     condition.axes ??= {};
     condition.axes[name] ??= measuredAxis(condition.columns[name], scale);

@@ -63,13 +63,20 @@ class FitTab {
     this.showEffects(choices, fit.effects ?? choices.default);
     const step = steps.find((each) => each.command === "fit");
     const fitted = Boolean(step && step.status !== null);
-    const verdict = find("verdict");
-    verdict.hidden = !fitted;
-    verdict.textContent = fitted ? step.headline : "";
-    verdict.className = `verdict ${fitted ? step.rating : ""}`;
-    find("reasons").replaceChildren(...(fitted ? step.summary : []).map((line) => element("li", {}, line)));
+    this.showVerdict(fitted ? step : null);
     find("run-fit").disabled = this.studio.running || !steps.length;
     if (!this.studio.running) await this.showTire(fitted ? "result" : "live");
+  }
+
+  /** Show the verdict of a fit; while the next one runs, that of the earlier one remains. */
+  showVerdict(step) {
+    const [verdict, reasons] = [find("verdict"), find("reasons")];
+    const keeps = !step && this.studio.running && verdict.textContent;
+    for (const each of [verdict, reasons]) each.classList.toggle("earlier", Boolean(keeps));
+    if (keeps) return;
+    verdict.textContent = step ? step.headline : "Not fitted yet";
+    verdict.className = `verdict ${step ? step.rating : ""}`;
+    reasons.replaceChildren(...(step ? step.summary : []).map((line) => element("li", {}, line)));
   }
 
   showEffects(choices, chosen) {
@@ -136,9 +143,20 @@ class FitTab {
   }
 
   showCondition() {
-    this.charts.show(this.measured.conditions[Number(find("condition").value)], this.now, true);
+    const selected = Number(find("condition").value);
+    this.charts.show(this.measured.conditions[selected], this.now, true, this.measured.conditions.length ? this.measured.atAllLoads(selected) : []);
+    this.showLoads();
     this.draw(false);
     this.compute();
+  }
+
+  showLoads() {
+    const entries = this.charts.loads.map(({ text, color }) => {
+      const swatch = element("span", { class: "line", "aria-hidden": "true" });
+      swatch.style.borderColor = color;
+      return element("li", {}, swatch, text);
+    });
+    find("load-key").replaceChildren(...entries);
   }
 
   draw(moving) {

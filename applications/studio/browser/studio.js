@@ -105,8 +105,10 @@ class Studio {
 
   showWork() {
     const { running, title, lines } = this.state.work;
-    find("stop").hidden = !running;
-    find("work").textContent = running ? `${title}: ${lines.at(-1) ?? "begins"}` : "";
+    find("stop").disabled = !running;
+    const text = running ? `${title}: ${lines.at(-1) ?? "begins"}` : "";
+    find("work").textContent = text;
+    find("work").title = text;
   }
 
   receive(event) {

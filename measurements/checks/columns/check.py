@@ -16,7 +16,7 @@ from .traits import NOTABLE, SIZES
 
 #: Facts in one message; the strongest ones.
 MAX_FACTS = 3
-#: Readings in one message that cannot be told apart.
+#: Largest number of readings in one message.
 MAX_READINGS = 3
 #: The slip of each channel, and the sign of its change with this slip in ISO.
 _SIGN_IN_ISO = {"Fy": ("alpha", -1), "Mz": ("alpha", 1), "Fx": ("kappa", 1)}
@@ -112,7 +112,7 @@ def _facts(result: Readings, signs: str) -> str:
 
 
 def _advice(result: Readings, signs: str) -> str:
-    """Return what the columns are, with the options that read them so; several if they cannot be told apart."""
+    """Return the better reading with its options; several readings if they cannot be separated."""
     texts = [
         f"{candidate.hypothesis.described(signs)} ({candidate.hypothesis.advice(signs)}){_thrust(candidate)}"
         for candidate in result.better[:MAX_READINGS]
@@ -126,8 +126,8 @@ def _advice(result: Readings, signs: str) -> str:
     decides = ""
     conventions = any(candidate.hypothesis.signs != signs for candidate in result.better)
     if conventions and not any(np.isfinite(candidate.traits.thrust) for candidate in result.better):
-        decides = ": a sweep at camber decides, whose side force points to the lean"
-    return f"{', or '.join(texts)}; the table does not tell which{decides}"
+        decides = ": a sweep at camber decides (the side force points to the lean)"
+    return f"{', or '.join(texts)}; the table does not show which{decides}"
 
 
 def _thrust(candidate: TableReading) -> str:

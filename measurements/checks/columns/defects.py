@@ -23,7 +23,7 @@ from ...thresholds import (
 
 #: The slip that each output follows.
 _SLIPS = {"Fy": "alpha", "Mz": "alpha", "Fx": "kappa"}
-#: Channels of which two may not have the same numbers.
+#: Channels that must have different numbers.
 _APART = ("alpha", "gamma", "Fz", "Fx", "Fy", "Mz", "Mx", "My")
 
 

@@ -11,8 +11,8 @@ from .hypotheses import CONVENTION_COST, Hypothesis, combined, hypotheses
 from .sampled_rows import SampledRows
 from .traits import ONE_SIDED, VANISHED, WRONG_THRUST, Traits, traits_of
 
-#: Logarithm of the odds from which another reading of a table is clearly better than the claimed one, its cost
-#: included, and up to which two readings cannot be told apart.
+#: Logarithms of odds, costs included: above the first, another reading of a table is clearly better than the claimed
+#: one; below the second, two readings cannot be separated.
 CLEARLY, HARDLY = 4.0, 3.0
 #: Hypotheses of one fault each that are combined with a second and a third one.
 COMBINED = 6

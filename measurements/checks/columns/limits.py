@@ -10,9 +10,9 @@ from ....boundary.errors import DataError
 from ....numerics.arrays import FloatArray
 from ....numerics.ties import graded
 from ....tires.channels import CHANNELS
-from ....tires.input_check import MAX_WRONG_LOADS, SMALLEST_PRESSURE
+from ....tires.input_check import BACKWARD_SLIP, MAX_BACKWARD_ROWS, MAX_WRONG_LOADS, SMALLEST_PRESSURE
 from ...recording import Recording
-from ...thresholds import BACKWARD_SLIP, LARGEST_BAR, LARGEST_PSI, MAX_BACKWARD_ROWS, RATIO_TOLERANCE, SMALLEST_LOAD
+from ...thresholds import LARGEST_BAR, LARGEST_PSI, RATIO_TOLERANCE, SMALLEST_LOAD
 from ...units import to_si
 
 #: Degrees of a radian.

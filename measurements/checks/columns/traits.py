@@ -25,10 +25,10 @@ from ...thresholds import (
 )
 from .sampled_rows import SampledRows
 
-#: Penalty of a sign that no tire has, and of a camber thrust away from the lean, which a strange shift may imitate.
+#: Penalty of a sign that no tire has, and of a camber thrust away from the lean, which a large shift may resemble.
 WRONG_SIGN, WRONG_THRUST = 12.0, 8.0
-#: Penalty of a trait that the claimed table has and another reading has not, and traits that a table may lack because
-#: they are within the range: a force that does not saturate is no friction.
+#: Penalty of a trait that appears only in the claimed reading. The traits that a table may lack: a force that does not
+#: saturate shows no friction.
 VANISHED, ONE_SIDED = 3.0, frozenset(("mu_x", "mu_y", "mu_xy", "mu_x/mu_y", "Mz/Fz", "Mx/Fz"))
 #: Share of a column that others do not contain, below which it cannot be separated from them.
 SINGULAR = 1e-6

@@ -1,1 +1,1 @@
-"""What recordings lack or contradict, and what the residual of a fit still shows, as findings of one line each."""
+"""Problems in recordings, and causes of the residual of a fit, as findings of one line each."""

@@ -46,7 +46,7 @@ def clock_and_units(recording: Recording) -> Iterator[DataFinding]:
 
 
 def _clock_unit(recording: Recording) -> Iterator[DataFinding]:
-    """Yield a finding if the steps of the clock are longer than those of a bench, and another unit makes them usual."""
+    """Yield a finding if the steps of the clock are too long for a bench, and typical in another unit."""
     if "t" not in recording.table or "t" in recording.about.get("declared", "").split():
         return
     steps = np.diff(recording.table["t"].to_numpy(dtype=np.float64))

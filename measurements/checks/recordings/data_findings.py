@@ -17,7 +17,7 @@ from .two_tires import two_tires
 
 
 def data_findings(recordings: Sequence[Recording]) -> list[DataFinding]:
-    """Return what recordings of one tire lack or contradict.
+    """Return the problems in recordings of one tire.
 
     Parameters
     ----------

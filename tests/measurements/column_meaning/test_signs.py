@@ -60,7 +60,7 @@ def test_a_contradiction_names_the_convention_that_fits(signs, as_signs, spikes)
     assert f"the data fit {signs} (--signs {signs})" in message
     if "iso" in (signs, as_signs):
         assert "has the other sign (--columns " in message
-        assert message.endswith("a sweep at camber decides, whose side force points to the lean")
+        assert message.endswith("a sweep at camber decides (the side force points to the lean)")
     assert "\n" not in message
 
 

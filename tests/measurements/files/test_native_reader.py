@@ -77,6 +77,7 @@ def test_nothing_in_the_working_folder_is_imported(good, tmp_path, monkeypatch):
 
 
 def test_threads_have_separate_results(good, tmp_path):
+    pytest.importorskip("pyarrow")
     tables = [pd.DataFrame({"alpha": np.full(3 + n, 0.1), "Fz": 900.0, "Fy": float(n)}) for n in range(4)]
     for n, table in enumerate(tables):
         table.to_parquet(tmp_path / f"{n}.parquet")

@@ -35,6 +35,8 @@ def complaint(path: str, **options) -> str:
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow], deadline=None)
 @given(rows=st.lists(st.tuples(finite, finite, finite), min_size=1, max_size=20))
 def test_round_trip_to_the_bit(rows, kind, tmp_path):
+    if kind == "parquet":
+        pytest.importorskip("pyarrow")
     table = pd.DataFrame(rows, columns=["alpha", "Fz", "Fy"])
     path = tmp_path / f"table.{kind}"
     write_table(table, path)
@@ -138,17 +140,22 @@ def test_bad_tables(written, text, expected):
     assert message.startswith(path)
 
 
-def test_files_that_are_no_tables(tmp_path, written):
+def test_files_that_are_no_tables(tmp_path):
     assert complaint(str(tmp_path / "none.csv")).endswith("none.csv: no such file")
     assert "unknown kind of recording '.xls': did you mean .xlsx? Known are .csv, .parquet" in complaint("a.xls")
     (tmp_path / "binary.csv").write_bytes(b"alpha\n\xff\xfe\x00")
     assert "not a text file" in complaint(str(tmp_path / "binary.csv"))
     (tmp_path / "folder.csv").mkdir()
     assert "directory" in complaint(str(tmp_path / "folder.csv"))
+
+
+def test_a_text_named_parquet(written):
+    pytest.importorskip("pyarrow")
     assert "cannot be read as Parquet" in complaint(written("alpha\n1\n", "a.parquet"))
 
 
 def test_parquet_is_checked_like_csv(tmp_path):
+    pytest.importorskip("pyarrow")
     path = tmp_path / "a.parquet"
     pd.DataFrame({"alpha [deg]": [1.0, None], "Fz": [900, 901]}).to_parquet(path)
     assert "row 2: alpha is NaN (1 of 2 rows)" in complaint(str(path))
@@ -161,6 +168,7 @@ def test_parquet_is_checked_like_csv(tmp_path):
 
 
 def test_missing_pyarrow_names_the_extra(tmp_path, monkeypatch, without_package):
+    pytest.importorskip("pyarrow")
     without_package("pyarrow", "fastparquet")
     path = tmp_path / "a.parquet"
     write_table(pd.DataFrame({"Fz": [1.0]}), path)

@@ -26,7 +26,7 @@ def written(request, tmp_path):
         if request.param == "csv":
             table.to_csv(path, index=False)
         elif request.param == "parquet":
-            table.to_parquet(path)
+            table.to_parquet(pytest.importorskip("pyarrow") and path)
         else:
             table.to_excel(pytest.importorskip("openpyxl") and path, index=False)
         return path
