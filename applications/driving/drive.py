@@ -157,7 +157,7 @@ def _refitted(missing: Missing, refit: Callable[[], tuple[Grid, Estimate]]) -> D
     """Return the estimate of the whole drive with an effect, or None if there is none."""
     try:
         explanation = DriveExplanation(missing, *refit())
-    except np.linalg.LinAlgError:
+    except (np.linalg.LinAlgError, DataError):  # no motion, or one whose loads no tire has
         return None
     return explanation if explanation.estimate.converged else None
 

@@ -104,7 +104,7 @@ def _forces(answer: Drive) -> Figure:
     for i, axle in enumerate(AXLES):
         alpha, Fz, Fy = (values[:, OUTPUTS.index(f"{name}_{axle}")] for name in ("alpha", "Fz", "Fy"))
         some, load = _some(len(alpha)), float(np.median(Fz))
-        slips = np.linspace(alpha.min(), alpha.max(), 121)
+        slips = np.linspace(max(alpha.min(), -np.pi / 2), min(alpha.max(), np.pi / 2), 121)
         degrees = np.degrees(slips)
         curves = [
             tire.forces(alpha=slips, Fz=load, code="numpy")["Fy"] for tire in (answer.tires[axle], answer.scaled[axle])

@@ -255,6 +255,14 @@ def test_each_wheel_rolls_its_own_distance(answer):
     np.testing.assert_allclose(distances[:, -1], motion.inputs["V"].mean(axis=1) * duration, rtol=0.01)
 
 
+def test_a_car_that_slides_beyond_90_degrees_has_forces(answer):
+    states = answer.estimate.states.copy()
+    states[:, 0], states[:, 1] = 0.05, -20.0
+    spun = replace(answer.estimate, states=states)
+    forces = motion_of(answer.grid, spun, answer.unknowns, answer.car).side_forces(answer.tires)
+    assert np.isfinite(forces).all()
+
+
 SAME = road.Truth({axle: dict.fromkeys(("LMUX", "LMUY", "LKX", "LKY"), 1.0) for axle in ("front", "rear")}, {})
 
 
