@@ -12,6 +12,7 @@ from scipy.io import savemat
 
 from tirefmu.applications.driving.inputs.car import Car, read_car
 from tirefmu.applications.driving.inputs.car_entries import ENTRIES, car_schema
+from tirefmu.applications.driving.inputs.clock import clock_problem
 from tirefmu.applications.driving.inputs.grid import forward_speed, gridded
 from tirefmu.applications.driving.inputs.log import read_log
 from tirefmu.applications.driving.inputs.plausibility import check_log
@@ -171,3 +172,11 @@ def test_a_wrong_sign_is_named_also_where_a_delay_would_explain_it(car):
 
     with pytest.raises(DataError, match="opposite signs"):
         checked(turning(mirrored), car)
+
+
+@pytest.mark.parametrize("rate", [10.0, 100.0, 400.0])
+def test_a_short_clock_in_seconds_is_one_and_one_in_minutes_is_named(rate):
+    short, minute = np.arange(0.0, 4.5, 1 / rate), np.arange(0.0, 60.0, 1 / rate)
+    assert clock_problem(short, "t") == ""
+    assert clock_problem(minute, "t") == ""
+    assert "in min" in clock_problem(minute / 60.0, "t")

@@ -12,8 +12,9 @@ FloatArray = npt.NDArray[np.float64]
 
 #: s: shortest and longest median step of a log, and its longest duration. Judgement: 10 kHz, 1 Hz, a day.
 SHORTEST_STEP, LONGEST_STEP, LONGEST = 1e-4, 1.0, 86400.0
-#: s: shortest duration that another unit may have, and the units that are tried.
-SHORTEST, TRIED = 5.0, ("ms", "us", "ns", "min", "h")
+#: s: duration below which steps shorter than the second number are rather of another unit (minutes of a log at 10 Hz),
+#: and the units that are tried.
+SHORTEST, SHORT_STEP, TRIED = 5.0, 2e-3, ("ms", "us", "ns", "min", "h")
 #: Largest share of samples without a time of their own.
 MAX_REPEATED = 0.5
 
@@ -39,7 +40,7 @@ def clock_problem(t: FloatArray, header: str) -> str:
             "rounded: export them with more digits or from 0 on"
         )
     step, span = float(np.median(forward)), float(t[-1] - t[0])
-    if SHORTEST_STEP <= step <= LONGEST_STEP and SHORTEST <= span <= LONGEST:
+    if _plausible(step, span) or (SHORT_STEP <= step <= LONGEST_STEP and span < SHORTEST):
         return ""
     fact = f"{len(t)} samples span {span:.4g} s, with a step of {step:.4g} s"
     units = [unit for unit in TRIED if _plausible(float(to_si(step, unit)), float(to_si(span, unit)))]
