@@ -137,7 +137,7 @@ def test_a_stopped_search_returns_the_best_individual(problem, start, bounds):
         problem, start, *bounds(), [], progress=lambda *call: calls.append(call), stop=lambda: next(requests) == 20
     )
     assert (solution.reason, solution.converged, solution.iterations) == (INTERRUPTED, False, 20)
-    generations, costs = zip(*calls, strict=True)
+    generations, costs, _ = zip(*calls, strict=True)
     assert generations == tuple(range(1, 21))
     assert list(costs) == sorted(costs, reverse=True)
     assert solution.cost == pytest.approx(costs[-1])

@@ -272,11 +272,11 @@ def test_loads_beyond_the_measured_ones_are_marked(trento, drawn):
         loads, values = lines["tire"].points
         known = loads[np.isfinite(values)]
         assert (known.min(), known.max()) == pytest.approx((min(measured), max(measured)))
-        loads, values = lines["beyond the"].points
+        loads, values = lines["not measured"].points
         beyond = loads[np.isfinite(values)]
         assert ((beyond <= min(measured)) | (beyond >= max(measured))).all()
         assert beyond.max() == pytest.approx(1.25 * max(measured))
-        assert lines["beyond the"].dashes != lines["tire"].dashes
+        assert lines["not measured"].dashes != lines["tire"].dashes
 
 
 def test_the_friction_read_from_data_is_that_of_the_tire(trento):

@@ -37,7 +37,7 @@ def near(noisy, optimum):
 
 
 def stage(problem, solver=solve, stop=lambda: False):
-    report = partial(lambda count, cost: None)
+    report = partial(lambda count, cost, values: None)
     return StageSolver(problem, -EVERYWHERE, EVERYWHERE, UNCONSTRAINED, [], ["Fy"], "final", 1e-9, solver, report, stop)
 
 
