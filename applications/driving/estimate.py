@@ -16,7 +16,6 @@ from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import cho_factor, cho_solve, cho_solve_banded, cholesky_banded
 
 from ...numerics.correlation import correlation_length
 from .dynamics.discrepancy import USUAL, discrepancy_columns, size_of
@@ -27,6 +26,7 @@ from .inputs.grid import Grid, with_delays
 from .inputs.log import Log
 from .inputs.unknowns import Unknowns
 from .interval import BALANCE, MOTION, AddedForces, Interval, Linear
+from .linear_solution import LONGEST_STEP, Factor, Posterior, posterior_of
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -35,10 +35,6 @@ IntArray = npt.NDArray[np.intp]
 START_DEVIATION, MIN_DEVIATION = 0.02, 5e-4
 #: Upper limit of the noise of a sensor over that of the fast changes in its log. A larger residual is not noise.
 LARGEST_NOISE = 1.5
-#: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
-LONGEST_STEP = 1.0
-#: Largest deviation of an unknown: one that reaches it contradicts the car file.
-LARGEST = 20.0
 #: Degrees of freedom of Student's distribution of the residuals: what a model does not resolve, the release of a brake
 #: or a wheel that is about to lock, comes in bursts.
 FREEDOM = 4.0
@@ -55,7 +51,7 @@ SETTLED, FLAT = 0.1, 0.05
 
 #: Intervals in parts of a drive that are estimated first, and the number of these parts. Convention: computing time.
 SAMPLE, PIECES = 400, 4
-#: AddedForces forces from the grid, states and unknowns.
+#: Added forces from the grid, states and unknowns.
 Forces = Callable[[Grid, FloatArray, FloatArray], AddedForces]
 
 
@@ -63,28 +59,6 @@ def no_forces(grid: Grid, states: FloatArray, z: FloatArray) -> AddedForces:
     """Return no added forces."""
     shape = len(grid.t), len(BALANCE)
     return AddedForces(np.zeros(shape), np.zeros((*shape, 0)), np.zeros((*shape, len(MOTION))))
-
-
-@dataclass(frozen=True)
-class Posterior:
-    """A linearized posterior.
-
-    - `covariance`, shape (n_z, n_z). `pairs`, shape (n, 2 n_states, 2 n_states): covariance of the nodes of an interval
-      for given unknowns; `slopes`, shape (n, 2 n_states, n_z): their change with the unknowns.
-    """
-
-    covariance: FloatArray
-    pairs: FloatArray
-    slopes: FloatArray
-
-    def variances(self, J: FloatArray) -> FloatArray:
-        """Return the variances of functions with the Jacobian J, shape (n, n_functions, 2 n_states + n_z)."""
-        n = self.pairs.shape[1]
-        by_z = J[:, :, n:] + J[:, :, :n] @ self.slopes
-        return np.asarray(
-            np.einsum("kri,kij,krj->kr", J[:, :, :n], self.pairs, J[:, :, :n], optimize=True)
-            + np.einsum("kri,ij,krj->kr", by_z, self.covariance, by_z, optimize=True)
-        )
 
 
 @dataclass(frozen=True)
@@ -119,7 +93,7 @@ class Estimate(Posterior):
     def of_part(self, grid: Grid, rows: IntArray) -> tuple[FloatArray, FloatArray]:
         """Return the information on the unknowns of some intervals alone, and the slope of their cost."""
         part, _ = grid.part(rows)
-        factor = _Factor(
+        factor = Factor(
             part, Linear(self.residuals.values[rows], self.residuals.jacobian[rows]), self.states.shape[1], 1e-9
         )
         return factor.schur - np.eye(len(self.z)), factor.slope(np.zeros(len(self.z)))
@@ -131,10 +105,10 @@ class Estimate(Posterior):
         Returns matrix and vector of n_z + n_added.
         """
         J, r, n = self.residuals.jacobian, self.residuals.values, self.states.shape[1]
-        factor, columns = _Factor(grid, self.residuals, n, 1e-9), -added * self.weights[:, :, None]
+        factor, columns = Factor(grid, self.residuals, n, 1e-9), -added * self.weights[:, :, None]
         balance = J[:, -len(BALANCE) :]
         border = factor.at_nodes(np.einsum("kri,krj->kij", balance[:, :, : 2 * n], columns))
-        solved = cho_solve_banded((factor.band, True), border, check_finite=False) if border.size else border
+        solved = factor.solved(border) if border.size else border
         cross = np.einsum("kri,krj->ij", balance[:, :, 2 * n :], columns) - factor.solved_border.T @ border
         corner = np.einsum("kri,krj->ij", columns, columns) - border.T @ solved
         slope = np.einsum("krj,kr->j", columns, r[:, -len(BALANCE) :]) - solved.T @ factor.gradient
@@ -258,10 +232,10 @@ def _estimate(
     lengths = [correlation_length(at.linear.values[:, i], grid.segment) for i in range(-n_balance, 0)]
     scale = np.concatenate([np.ones(len(at.deviations) - n_balance), np.sqrt(lengths)])
     linear = at.linear.weighted(np.tile(1.0 / scale, (len(grid.t), 1)))
-    factor = _Factor(grid, linear, at.states.shape[1], 1e-9)
+    factor = Factor(grid, linear, at.states.shape[1], 1e-9)
     outputs = evaluated(interval.output_chunk, grid, at.states, added.tires(z), interval_data(grid))
     weights = (at.weights / at.deviations / scale)[:, -n_balance:]
-    parts, evidence = vars(_posterior(grid, factor)), -at.criterion - np.linalg.slogdet(at.factor.schur)[1] / 2
+    parts, evidence = vars(posterior_of(grid, factor)), -at.criterion - np.linalg.slogdet(at.factor.schur)[1] / 2
     return Estimate(**parts, states=at.states, z=z, deviations=at.deviations, residuals=linear,
                     outputs=outputs.with_columns(added.further), weights=weights, evidence=float(evidence),
                     size=size, converged=converged)  # fmt: skip
@@ -298,14 +272,14 @@ class _Point:
     deviations: FloatArray
     weights: FloatArray
     linear: Linear
-    factor: _Factor
+    factor: Factor
     criterion: float
     grid: Grid
 
     @cached_property
     def posterior(self) -> Posterior:
         """The linearized posterior."""
-        return _posterior(self.grid, self.factor)
+        return posterior_of(self.grid, self.factor)
 
     def excess(self) -> FloatArray:
         """Return by how much the logarithms of residuals exceed their deviations: 0 at MacKay's fixed point."""
@@ -330,7 +304,7 @@ def _solved(
     linear, damping = at(states), 1e-9
     for _ in range(MAX_STEPS):
         try:
-            factor = _Factor(grid, linear, n, damping)
+            factor = Factor(grid, linear, n, damping)
         except np.linalg.LinAlgError:  # rounding made the matrix indefinite
             damping = 100.0 * damping
             continue
@@ -342,68 +316,12 @@ def _solved(
             states, linear, damping = moved, tried, max(damping / 10, 1e-9)
         else:
             damping = max(damping, 1e-6) * 30
-    factor = _Factor(grid, linear, n, 1e-9)  # the determinant of a damped matrix would be none of the posterior
+    factor = Factor(grid, linear, n, 1e-9)  # the determinant of a damped matrix would be none of the posterior
     # The density of the next motion that the balance gives, and those of the sensors, have the deviations as scales.
     density = np.log(np.abs(np.linalg.det(linear.jacobian[:, -len(BALANCE) :, n + 1 : n + 3]))).sum()
     density -= np.sum((linear.values != 0.0) * np.log(deviations), axis=0)[: -len(BALANCE)].sum()
     criterion = linear.cost(z) + float(np.log(factor.band[0]).sum() - density)
     return _Point(states, deviations, weights, linear, factor, criterion, grid)
-
-
-class _Factor:
-    """The Gauss-Newton matrix, factored: a band of the nodes and, when it is used, a border of the unknowns."""
-
-    def __init__(self, grid: Grid, linear: Linear, n: int, damping: float) -> None:
-        self.n, self._J, self._size = n, linear.jacobian, grid.n_nodes * n
-        self._slopes = np.einsum("kri,kr->ki", linear.jacobian, linear.values)
-        nodes = linear.jacobian[:, :, : 2 * n]
-        blocks = np.matmul(nodes.transpose(0, 2, 1), nodes)
-        at = np.stack([grid.left, grid.right], axis=1)
-        self._rows = (at[:, :, None] * n + np.arange(n)).reshape(len(at), 2 * n)
-        band = np.zeros((2 * n, self._size))
-        for i in range(2 * n):
-            for j in range(i + 1):
-                band[i - j, self._rows[:, j]] += blocks[:, i, j]  # no node is twice at the same end of intervals
-        band[0] = band[0] * (1.0 + damping) + 1e-12
-        self.band = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
-        self.gradient = self.at_nodes(self._slopes[:, : 2 * n, None])[:, 0]
-        self.solved_gradient = cho_solve_banded((self.band, True), self.gradient, check_finite=False)
-
-    def at_nodes(self, parts: FloatArray) -> FloatArray:
-        """Return the sums at the nodes of parts at both ends of the intervals, shape (n_nodes n, n_columns)."""
-        sums = np.zeros((self._size, parts.shape[2]))
-        for end in (slice(0, self.n), slice(self.n, 2 * self.n)):
-            sums[self._rows[:, end]] += parts[:, end]
-        return sums
-
-    @cached_property
-    def _border(self) -> FloatArray:
-        n, J = self.n, self._J
-        blocks = np.matmul(J[:, :, : 2 * n].transpose(0, 2, 1), J[:, :, 2 * n :])
-        return self.at_nodes(blocks)
-
-    @cached_property
-    def solved_border(self) -> FloatArray:
-        """The change of the states with the unknowns, negative."""
-        return np.asarray(cho_solve_banded((self.band, True), self._border, check_finite=False))
-
-    @cached_property
-    def schur(self) -> FloatArray:
-        """The precision of the unknowns, their prior included."""
-        by_z = self._J[:, :, 2 * self.n :].reshape(-1, self._border.shape[1])
-        return np.asarray(by_z.T @ by_z + np.eye(by_z.shape[1]) - self._border.T @ self.solved_border)
-
-    def slope(self, more: FloatArray) -> FloatArray:
-        """Return the derivatives of the cost by the unknowns, for the best states, and `more`."""
-        return np.asarray(self._slopes[:, 2 * self.n :].sum(axis=0) + more - self._border.T @ self.solved_gradient)
-
-    def step(self, slope: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the step of the states and of the unknowns."""
-        gradient = self.slope(slope)
-        change_z = -cho_solve(cho_factor(self.schur), gradient)
-        change_z *= min(1.0, LONGEST_STEP / max(float(np.abs(change_z).max()), 1e-12))
-        change_z = np.clip(z + change_z, -LARGEST, LARGEST) - z
-        return (-self.solved_gradient - self.solved_border @ change_z).reshape(-1, self.n), change_z
 
 
 def _volume_slope(grid: Grid, interval: Interval, at: _Point, z: FloatArray) -> FloatArray:
@@ -420,33 +338,3 @@ def _volume_slope(grid: Grid, interval: Interval, at: _Point, z: FloatArray) -> 
     result = np.einsum("ki,kij->j", slopes[:, :n], at.posterior.slopes)
     result[: len(z)] += slopes[:, n:].sum(axis=0)
     return np.asarray(result)
-
-
-def _posterior(grid: Grid, factor: _Factor) -> Posterior:
-    n = factor.n
-    slopes = -factor.solved_border.reshape(grid.n_nodes, n, -1)
-    of_pairs = np.concatenate([slopes[grid.left], slopes[grid.right]], axis=1)
-    covariance = np.asarray(np.linalg.inv(factor.schur), dtype=np.float64)
-    return Posterior(covariance, _pair_covariances(factor.band, grid, n), of_pairs)
-
-
-def _pair_covariances(band: FloatArray, grid: Grid, n: int) -> FloatArray:
-    """Return the covariances of neighboring nodes from the banded Cholesky factor (Takahashi's recursion by blocks)."""
-    size = grid.n_nodes
-    diagonal, below = np.zeros((2, size, n, n))
-    for i in range(n):
-        for j in range(n):
-            if i >= j:
-                diagonal[:, i, j] = band[i - j, j::n]
-            if n + i - j < len(band):
-                below[:, i, j] = band[n + i - j, j::n]  # row of the next node, column of this one
-    inverse = np.linalg.inv(diagonal)
-    local = np.matmul(inverse.transpose(0, 2, 1), inverse)
-    gain = np.matmul(below, inverse)  # L21 L11^-1
-    node, cross = np.empty((size, n, n)), np.zeros((size, n, n))
-    node[-1] = local[-1]
-    for k in range(size - 2, -1, -1):
-        cross[k] = -node[k + 1] @ gain[k]
-        node[k] = local[k] - gain[k].T @ cross[k]
-    left = grid.left
-    return np.block([[node[left], cross[left].transpose(0, 2, 1)], [cross[left], node[left + 1]]])
