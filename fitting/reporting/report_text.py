@@ -18,7 +18,7 @@ from ..results.records import Bootstrap
 SIGNIFICANT = 4.0
 #: How the table of constraints has its signs: those of the constraints, whatever the convention of the other tables.
 CONSTRAINT_SIGNS = (
-    "Slip stiffness is positive here, as the constraints state it; all else has one sign in every convention."
+    "Slip stiffness is positive here, as in the constraints; all else has one sign in all conventions."
 )
 
 
