@@ -17,9 +17,7 @@ from ..results.records import Bootstrap
 #: Number of standard deviations above which a difference within the data is reported.
 SIGNIFICANT = 4.0
 #: How the table of constraints has its signs: those of the constraints, whatever the convention of the other tables.
-CONSTRAINT_SIGNS = (
-    "Slip stiffness is positive here, as in the constraints; all else has one sign in all conventions."
-)
+CONSTRAINT_SIGNS = "Slip stiffness is positive here, as in the constraints; all else has one sign in all conventions."
 
 
 @dataclass(frozen=True)
