@@ -12,17 +12,17 @@ from hypothesis import strategies as st
 
 from tirefmu.boundary.errors import UnknownName
 from tirefmu.commands.demo import bench_tire
-from tirefmu.fitting.constraints.constraint_functions import measured_values
-from tirefmu.fitting.constraints.physical import (
+from tirefmu.fitting.constraints import (
     KINDS,
     TOLERANCE,
     Constraint,
+    VerifiedConstraints,
     chosen_constraints,
     declared_constraints,
     grid,
+    measured_values,
     operating_range,
 )
-from tirefmu.fitting.constraints.verification import VerifiedConstraints
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
