@@ -148,7 +148,7 @@ class Whitening:
         noise and drift at the beginning of each part.
         """
         innovation, (short, drift) = np.empty_like(parts), states.copy()
-        decay, gain, size = (each[..., channels, None] for each in (self._decay, self._gain, self._size))
+        decay, gain, size = (values[..., channels, None] for values in (self._decay, self._gain, self._size))
         for k, rows in enumerate(parts):
             short *= decay[k, :, 0]
             drift *= decay[k, :, 1]

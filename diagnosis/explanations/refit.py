@@ -88,7 +88,7 @@ def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArr
 
     The skew begins with that of the simulator.
     """
-    problem, coarse = (with_terms(each, explanation).over(simulator) for each in (shared.problem, shared.coarse))
+    problem, coarse = (with_terms(problem, explanation).over(simulator) for problem in (shared.problem, shared.coarse))
     fitted = {*shared.free, *(name for _, form in explanation.forms for name in form.free)}
     free = tuple(sorted(fitted, key=simulator.names.index))
     tried = [coarse.solve(start, free, iterations=COARSE_ITERATIONS, tolerance=COARSE) for start in starts]
