@@ -18,7 +18,7 @@ from ...boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
     from .constraint_functions import ConstraintFunctions, measured_values
-    from .physical import KINDS, TOLERANCE, Constraint, chosen_constraints, declared_constraints, grid, operating_range
+    from .physical import TOLERANCE, Constraint, chosen_constraints, declared_constraints, grid, operating_range
     from .verification import Margin, VerifiedConstraints
 
 __getattr__, __dir__ = on_demand(__name__)
