@@ -28,6 +28,8 @@ MIN_POWER = 1e-6
 BEFORE_START = 1e9
 #: Rows of a part of the recording. The filter passes all parts at the same time and then joins them.
 ROWS_OF_PART = 64
+#: All channels of a recording.
+ALL_CHANNELS = slice(None)
 
 
 @dataclass(frozen=True)
@@ -119,32 +121,34 @@ class Whitening:
         states[0, ..., 0] = states[1, ..., 1] = 1.0
         self._response, self._transfer = self._filtered(np.zeros((*self._size.shape, 2)), states)
 
-    def __call__(self, rows: FloatArray) -> FloatArray:
+    def __call__(self, rows: FloatArray, channels: slice = ALL_CHANNELS) -> FloatArray:
         """Return whitened rows.
 
-        `rows`, shape (n_channels, n, m): weighted.
+        `rows`, shape (n_channels, n, m): weighted. `channels`: those that they are of.
         """
         if rows.ndim == 2:
-            return self(rows[:, :, None])[:, :, 0]
+            return self(rows[:, :, None], channels)[:, :, 0]
         parts = _divided(rows.transpose(1, 0, 2))
-        innovation, ends = self._filtered(parts, np.zeros((2, *parts.shape[1:])))
+        innovation, ends = self._filtered(parts, np.zeros((2, *parts.shape[1:])), channels)
         begins, state = np.empty_like(ends), np.zeros((2, *parts.shape[2:]))
         for k in range(parts.shape[1]):
             begins[:, k] = state
-            state = ends[:, k] + np.einsum("icj,jcm->icm", self._transfer[:, k], state)
+            state = ends[:, k] + np.einsum("icj,jcm->icm", self._transfer[:, k, channels], state)
         for j in range(2):
-            innovation += self._response[..., j, None] * begins[j]
-        whole = innovation.swapaxes(0, 1).reshape(-1, *parts.shape[2:])[: rows.shape[1]]
-        return np.asarray(whole.transpose(1, 0, 2) * self._root[:, :, None])
+            innovation += self._response[:, :, channels, j, None] * begins[j]
+        whole = innovation.swapaxes(0, 1).reshape(parts.shape[0] * parts.shape[1], *parts.shape[2:])[: rows.shape[1]]
+        return np.asarray(whole.transpose(1, 0, 2) * self._root[channels, :, None])
 
-    def _filtered(self, parts: FloatArray, states: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _filtered(
+        self, parts: FloatArray, states: FloatArray, channels: slice = ALL_CHANNELS
+    ) -> tuple[FloatArray, FloatArray]:
         """Return the innovations of all parts and the states at their ends.
 
         `parts`, shape (ROWS_OF_PART, n_parts, n_channels, m). `states`, shape (2, n_parts, n_channels, m): short-range
         noise and drift at the beginning of each part.
         """
         innovation, (short, drift) = np.empty_like(parts), states.copy()
-        decay, gain, size = self._decay[..., None], self._gain[..., None], self._size[..., None]
+        decay, gain, size = (values[..., channels, None] for values in (self._decay, self._gain, self._size))
         for k, rows in enumerate(parts):
             short *= decay[k, :, 0]
             drift *= decay[k, :, 1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -47,6 +48,11 @@ class Shared:
     candidates: Mapping[str, Candidate]
     explained: float
 
+    @cached_property
+    def coarse(self) -> LeastSquares:
+        """The problem with rows of independent noise."""
+        return replace(self.problem, whitening=None)
+
 
 @dataclass(frozen=True, eq=False)
 class Refitted:
@@ -82,10 +88,9 @@ def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArr
 
     The skew begins with that of the simulator.
     """
-    problem = with_terms(shared.problem, explanation).over(simulator)
+    problem, coarse = (with_terms(problem, explanation).over(simulator) for problem in (shared.problem, shared.coarse))
     fitted = {*shared.free, *(name for _, form in explanation.forms for name in form.free)}
     free = tuple(sorted(fitted, key=simulator.names.index))
-    coarse = replace(problem, whitening=None)
     tried = [coarse.solve(start, free, iterations=COARSE_ITERATIONS, tolerance=COARSE) for start in starts]
     start = min(tried, key=lambda solution: graded(solution.cost)).parameters
     best, estimate = _evaluated(shared, explanation, problem, start, free)
@@ -114,7 +119,7 @@ def with_terms(problem: LeastSquares, explanation: Explanation) -> LeastSquares:
     names = tuple(f"{TERM}{i}" for i in range(len(explanation.terms)))
     columns = np.stack([term.column for term in explanation.terms], axis=-1)
     deviation = np.array([term.deviation for term in explanation.terms])
-    return replace(problem, disturbances=problem.disturbances.extended(names, columns, deviation))
+    return problem.extended(names, columns, deviation)
 
 
 def _evaluated(
@@ -192,8 +197,11 @@ def saturated_residual(linear: Linearization, additions: Sequence[Addition]) -> 
     factor = np.linalg.cholesky(whole)
     estimate = scale * cho_solve((factor, True), scale * (normal.target + normal.gradient))
     drawn = scale * solve_triangular(factor, np.random.default_rng(0).standard_normal(len(scale)), trans=1, lower=True)
-    columns = [problem.disturbances.columns, linear.contained, *(addition.columns for addition in additions)]
-    fitted = np.concatenate(columns, axis=-1) @ np.stack([estimate, drawn], axis=-1)
+    both, end = np.stack([estimate, drawn], axis=-1), 0
+    fitted = np.zeros((*problem.inverse_noise.shape, 2))
+    for columns in (problem.disturbances.columns, *linear.contained, *(addition.columns for addition in additions)):
+        begin, end = end, end + columns.shape[-1]
+        fitted += columns @ both[begin:end]
     rest = problem.weighted(problem.misfit(linear.solution.parameters) - fitted[:, :, 0])
     return np.asarray(rest - problem.weighted(fitted[:, :, 1]))
 

@@ -13,8 +13,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.commands.terminal import LINE
-from tirefmu.tires import read_tir
-from tirefmu.tires.signs import convert_signs
+from tirefmu.tires import convert_signs, read_tir
 
 from .conftest import EFFECTS
 

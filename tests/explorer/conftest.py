@@ -6,7 +6,7 @@ import itertools
 
 import pytest
 
-from tirefmu.applications.explorer.explore import explore
+from tirefmu import explore
 from tirefmu.measurements import VirtualBench, alpha_sweeps, concatenate, kappa_sweeps
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire, published, read_tir

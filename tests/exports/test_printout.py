@@ -11,8 +11,7 @@ from itertools import chain, combinations
 import numpy as np
 import pytest
 
-from tirefmu.applications.exports.printout import generate, printed, program_of
-from tirefmu.applications.exports.self_test import operating_conditions, reference
+from tirefmu.applications.exports import generate, operating_conditions, printed, program_of, reference
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.commands.cli import main
 from tirefmu.symbolic.models import MODELS

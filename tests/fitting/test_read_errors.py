@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from tirefmu.fitting.checks.read_errors import ReadErrors
+from tirefmu.fitting.checks import ReadErrors
 
 LOADS = np.linspace(500.0, 2500.0, 9)
 NOISE = 0.03
