@@ -134,8 +134,9 @@ class Whitening:
         for k in range(parts.shape[1]):
             begins[:, k] = state
             state = ends[:, k] + np.einsum("icj,jcm->icm", self._transfer[:, k, channels], state)
-        for j in range(2):
-            innovation += self._response[:, :, channels, j, None] * begins[j]
+        for row, response in zip(innovation, self._response[:, :, channels], strict=True):
+            row += response[..., :1] * begins[0]
+            row += response[..., 1:] * begins[1]
         whole = innovation.swapaxes(0, 1).reshape(parts.shape[0] * parts.shape[1], *parts.shape[2:])[: rows.shape[1]]
         return np.asarray(whole.transpose(1, 0, 2) * self._root[channels, :, None])
 
