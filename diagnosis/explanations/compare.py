@@ -16,7 +16,7 @@ from ...numerics.ties import graded
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import Screen, starts
-from ..thresholds import CONFOUNDED, EFFECT_ODDS, REFIT_MARGIN
+from ..thresholds import CONFOUNDED, EFFECT_ODDS, REFIT_MARGIN, RIVALS
 from ..unexplained.formula_proposal import Dictionary
 from .answer import Answer, answer_of, percent
 from .budget import Budget, Ended
@@ -235,13 +235,15 @@ class _Table:
     def propose(self) -> None:
         """Compare formulas for what the leading explanation, those with one part less, and none of them explain.
 
-        The smallest explanation is the first one. Where another one leads then, the noise is to be estimated again.
+        Those with less lack one of the `RIVALS` parts that are missed least: a formula may be in its place. The smallest
+        explanation is the first one. Where another one leads then, the noise is to be estimated again.
         """
         leader = self.leader
         if UNKNOWN in leader.explanation.parts:
             return
         self._reduce(leader)
         less = [leader.explanation.without(part).parts for part in leader.explanation.effects]
+        less = sorted(less, key=lambda parts: -graded(self.scores.get(parts, -np.inf)))[:RIVALS]
         for parts in dict.fromkeys([(), *less, leader.explanation.parts]):
             if self.leader is not leader or parts not in self.refits:
                 break

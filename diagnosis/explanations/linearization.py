@@ -329,7 +329,7 @@ class Linearization:
         return added
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=2)
 def _columns_and_equations(linear: Linearization) -> tuple[WeightedColumns, NormalEquations]:
     """Return the weighted columns with the misfit, and the normal equations, of what an explanation contains.
 
