@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 
 from ...boundary.escaping import visible
 from ...tires.notebook import html_details, html_summary, html_table
+from ..explanations.answer import percent
 from .findings import FoundEffect
-from .verdict import percent
 
 
 def diagnosis_text(
