@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 #: Columns of the output.
 LINE = 100
-#: Recordings whose selected rows are printed, and the longest name of one there.
+#: Most recordings whose selected rows are printed one by one, and the longest name of one there.
 FEW, LONGEST_SOURCE = 3, 60
 #: How a line begins whose first word is red.
 WARNING = "warning: "
@@ -102,11 +102,13 @@ class Terminal:
     def selection(self, *recordings: Recording) -> None:
         """Print how many rows of each recording were selected, if rows were selected, and what is not read."""
         counts = [(part.source, part.about["selected"]) for part in recordings if part.about.get("selected")]
-        self.print(*(f"{shortened(visible(source), LONGEST_SOURCE)}: {count}" for source, count in counts[:FEW]))
         if len(counts) > FEW:
-            self.print(f"and selected rows of {len(counts) - FEW} more recordings")
-        for text in dict.fromkeys(recording.about.get("ignored", "") for recording in recordings):
-            self.not_read(text)
+            self.print(f"rows are selected in {len(counts)} recordings")
+        else:
+            self.print(*(f"{shortened(visible(source), LONGEST_SOURCE)}: {count}" for source, count in counts))
+        ignored = list(dict.fromkeys(filter(None, (recording.about.get("ignored", "") for recording in recordings))))
+        others = f"; others of {len(ignored) - 1} more" if len(ignored) > 1 else ""
+        self.not_read(f"{ignored[0]}{others}" if ignored else "")
 
     def not_read(self, ignored: str) -> None:
         """Print what of a file is not read; nothing without it."""
