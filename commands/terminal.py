@@ -108,7 +108,7 @@ class Terminal:
             self.print(*(f"{shortened(visible(source), LONGEST_SOURCE)}: {count}" for source, count in counts))
         ignored = list(dict.fromkeys(filter(None, (recording.about.get("ignored", "") for recording in recordings))))
         others = f"; others of {len(ignored) - 1} more" if len(ignored) > 1 else ""
-        self.not_read(f"{ignored[0]}{others}" if ignored else "")
+        self.not_read(shortened(visible(ignored[0]), LONGEST_SOURCE) + others if ignored else "")
 
     def not_read(self, ignored: str) -> None:
         """Print what of a file is not read; nothing without it."""
