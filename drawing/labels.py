@@ -53,8 +53,8 @@ def drawn_value(channel: str, value: Numbers) -> Numbers:
 
 
 def stiffness_unit(slip: str) -> str:
-    """Return the unit of a force's slope over a slip, as drawn."""
-    return "N/deg" if drawn_unit(slip) == "deg" else "N"
+    """Return the unit of a force's slope over a slip: that of the named quantities, also where angles are in deg."""
+    return "N/rad" if _UNITS[slip] == "rad" else "N"
 
 
 def letter(channel: str, signs: str = "iso") -> str:

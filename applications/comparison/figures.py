@@ -51,7 +51,7 @@ def comparison_figures(comparison: Comparison, recordings: Sequence[Recording], 
             continue
         if all(channel in unmeasured_outputs(tire) for tire in comparison.tires):
             continue
-        ranges = sweeps(comparison.tires[1], slip, given)
+        ranges = sweeps(comparison.tires, slip, given)
         if signs == "sae" and not len(ranges[0].rows):
             ranges = [Sweep(slip, {"Fz": -sweep.load}, sweep.low, sweep.high, sweep.rows) for sweep in ranges]
         figures.append(_family(comparison, ranges, channel, signs))
@@ -135,7 +135,7 @@ def _slopes(comparison: Comparison, ranges: Sequence[Sweep], channel: str, signs
     lines = []
     for sweep, color in zip(ranges, level_colors(len(ranges), "Fz"), strict=True):
         x, both = _curves(comparison, sweep, channel, signs)
-        slopes = [np.gradient(y, x) / per_si(slip) for y in both]
+        slopes = [np.gradient(y, x) for y in both]
         slopes = [slope * np.sign(slope[np.abs(x).argmin()]) for slope in slopes]
         lines += _pair(x * per_si(slip), slopes, color, level_text("Fz", sweep.load), _dashes(measured_in))
     y_label = f"∂{channel} / ∂{letter(slip)} ({stiffness_unit(slip)})"
@@ -148,7 +148,7 @@ def _slopes(comparison: Comparison, ranges: Sequence[Sweep], channel: str, signs
 def _over_load(comparison: Comparison, role: str, title: str, signs: str) -> Figure:
     """Return the magnitude of a quantity of both tires over load, in one panel."""
     slip = STIFFNESS_OVER.get(role)
-    scale, unit = (per_si(slip), stiffness_unit(slip)) if slip else (1.0, "-")
+    unit = stiffness_unit(slip) if slip else "-"
     ranges = [tire.ranges.get("Fz", (0.0, 2.0 * tire.values["FNOMIN"])) for tire in comparison.tires]
     measured_by = [tire.symbolic_model.leading(role) not in unmeasured_coefficients(tire) for tire in comparison.tires]
     shown = zip(comparison.tires, comparison.names, ranges, LINES, _dashes(measured_by), strict=True)
@@ -157,7 +157,7 @@ def _over_load(comparison: Comparison, role: str, title: str, signs: str) -> Fig
         quantity = tire.symbolic_model.quantity(role)
         loads = np.linspace(max(low, 0.01 * high), high, _POINTS)  # a formula may have no meaning at other loads
         signed = -loads if signs == "sae" else loads
-        values = _evaluated(tire, {}, "Fz", signed, signs)[quantity].abs() / scale
+        values = _evaluated(tire, {}, "Fz", signed, signs)[quantity].abs()
         series.append(Series("line", loads, values, color, figure_text(name), dashes, size=1.8))
     panel = Panel(f"load {letter('Fz', signs)} (N)", f"{title} ({unit})", tuple(series), width=9.0)
     dotted = (

@@ -123,7 +123,8 @@ def _quantity(tire: Tire, role: str) -> dict[str, Any]:
     name = tire.symbolic_model.quantity(role)
     unit, text = tire.symbolic_model.structure.quantities[name]
     measured = tire.symbolic_model.leading(role) not in unmeasured_coefficients(tire)
-    return {"name": name, "unit": "" if unit == "1" else unit, "text": excerpt(text), "measured": measured}
+    text = excerpt(text.partition(";")[0])  # without its remarks
+    return {"name": name, "unit": "" if unit == "1" else unit, "text": text, "measured": measured}
 
 
 def _state(tire: Tire, name: str) -> dict[str, Any]:
