@@ -62,7 +62,13 @@ def compare(
     if result.characteristics:
         header = ["", *result.names, "unit", "change"]
         rows = [
-            [c.remark, short(c.first), short(c.second), c.unit, f"{c.change:+.1%}" if c.first else ""]
+            [
+                c.remark,
+                short(c.first),
+                short(c.second),
+                "" if c.unit == "1" else c.unit,
+                f"{c.change:+.1%}" if c.first else "",
+            ]
             for c in result.characteristics
         ]
         terminal.table(f"At {short(result.characteristics[0].load)} N, without slip", (header, rows))
@@ -82,7 +88,7 @@ def compare(
         for difference in result.differences
     ]
     header = ["coefficient", *result.names, "unit", "description"]
-    terminal.table(f"Coefficients: {result.counted}", (header, values), most=10_000 if every else 12)
+    terminal.table(result.counted, (header, values), most=10_000 if every else 12)
     terminal.print(f"report: {written[0]}")
     return 0
 

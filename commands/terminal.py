@@ -209,7 +209,9 @@ def _characteristics(tire: Tire, summary: Mapping[str, Any]) -> Table:
     header = [f"{name} ({unit})".replace("(1)", "(-)") for name, unit in units.items()]
     table = plain_table("load (N)", *header, title="Upright, in pure slip, in ISO-W signs")
     for line in lines:
-        table.add_row(f"{line['Fz']:g}", *(f"{line[name]:.{0 if abs(line[name]) >= 1e3 else 3}f}" for name in units))
+        table.add_row(
+            f"{line['Fz']:g}", *(f"{line[name]:{'.0f' if abs(line[name]) >= 1e3 else '.4g'}}" for name in units)
+        )
     return table
 
 

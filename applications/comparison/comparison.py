@@ -127,9 +127,8 @@ class Comparison:
             changes = [f"{c.title} {c.change:+.1%}" for c in self.characteristics if not c.unmeasured and c.differs]
             if not changes:
                 return self.counted
-            return (
-                f"{self.names[1]} against {self.names[0]} at {self.characteristics[0].load:g} N: {', '.join(changes)}"
-            )
+            load = self.characteristics[0].load
+            return f"at {load:g} N, {self.names[1]} against {self.names[0]}: {', '.join(changes)}"
         closer: dict[str, list[str]] = {}
         for channel in dict.fromkeys(error.channel for error in self.errors):
             closer.setdefault(self._closer(channel), []).append(channel)

@@ -121,7 +121,7 @@ def _family(comparison: Comparison, ranges: Sequence[Sweep], channel: str, signs
     shared: dict[str, Any] = {"across": (0.0,), "upright": (0.0,), "x_axis": "slip", "width": 9.0}
     above = Panel(axis_label(slip), axis_label(channel), (*points, *lines), height=4.3, **shared)
     below = Panel(
-        axis_label(slip), axis_label(channel), tuple(differences), f"{second} minus {first}", height=2.2, **shared
+        axis_label(slip), axis_label(channel), tuple(differences), f"{second} minus {first}", height=2.6, **shared
     )
     texts = ["points: measured at zero camber and zero other slip"] * bool(points)
     title = f"Pure slip: {channel} over {letter(slip)}"
@@ -185,5 +185,11 @@ def write_comparison(
 
 
 def short(value: float | None) -> str:
-    """Return a number with five digits, or a dash where there is none."""
-    return "-" if value is None else f"{value:.5g}"
+    """Return a number with five digits, or a dash where there is none.
+
+    >>> short(0.0123456), short(222105.3), short(None)
+    ('0.012346', '222105', '-')
+    """
+    if value is None:
+        return "-"
+    return f"{value:.0f}" if 1e4 <= abs(value) < 1e7 else f"{value:.5g}"
