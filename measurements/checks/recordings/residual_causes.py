@@ -61,18 +61,15 @@ def _finding(source: str, kind: str, measured: Mapping[str, tuple[float, float]]
     several, percent = len(measured) > 1, {name: f"{100.0 * share:.0f} %" for name, (_, share) in measured.items()}
     residuals = f"the residual{'s' * several} of {' and '.join(measured)}"
     if kind == "temperature":
-        follow = f"follow{'s' * (not several)} the tread temperature, or an input that changes with it"
+        follow = f"follow{'s' * (not several)} the tread temperature, or what changes with it,"
         sizes = [f"{100.0 * size:+.2f} % of {name} per K" for name, (size, _) in measured.items()]
         effects: tuple[str, ...] = ("temp_friction", "temp_stiffness")
     else:
         follow = "are" if several else "is"
         sizes = [f"a lag of {1e3 * size:.0f} ms" for size, _ in measured.values()]
         effects = tuple(dict.fromkeys(_LAG_EFFECT[name] for name in measured))
-    joint = "" if kind == "lag" else ","
     shares = f"{' and '.join(percent.values())} of {'their' if several else 'its'} mean square"
-    return DataFinding(
-        kind, f"{source}: {residuals} {follow}{joint} like {' and '.join(sizes)} ({shares})", effects=effects
-    )
+    return DataFinding(kind, f"{source}: {residuals} {follow} like {' and '.join(sizes)} ({shares})", effects=effects)
 
 
 def _causes(recording: Recording, name: str, force: FloatArray) -> Iterator[tuple[str, float, float]]:
