@@ -127,7 +127,7 @@ def diagnose(
             )
     ok = bool(summary["simulated"].get("ok", True))
     write_json(json_file, {"ok": ok, **summary})
-    terminal.print(result.verdict)
+    terminal.print(f"verdict: {result.headline}", *(f"  - {sentence}" for sentence in result.sentences))
     for line in _error_lines(summary):
         terminal.print(line)
     if ignored := [name for name in result.recording["ignored_columns"] if name in CHANNELS]:
@@ -166,14 +166,15 @@ def _diagnose_many(
 
 def _error_lines(summary: dict[str, Any]) -> list[str]:
     """Return lines with the error on the hold-out set and the accuracy of the FMUs."""
+    from ..diagnosis.verdict.summary import before_and_after
+
     lines = [
-        f"  {channel} on the hold-out set: error {gap['before']:.4g} before, {gap['after']:.4g} after, "
-        f"noise floor {gap['floor']:.4g}"
+        f"{channel} on the hold-out set: {before_and_after(channel, gap)}, noise floor {gap['floor']:.4g}"
         for channel, gap in summary["gap"]["holdout"].items() if gap["before"] is not None
     ]  # fmt: skip
     if summary["simulated"]:
         worst = max(summary["simulated"][when]["difference_from_direct_evaluation"] for when in ("before", "after"))
-        lines.append(f"  FMU outputs match direct evaluation (--hold) within {worst:.1e}")
+        lines.append(f"FMU outputs match direct evaluation (--hold) within {worst:.1e}")
     return lines
 
 

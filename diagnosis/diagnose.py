@@ -179,7 +179,7 @@ def _with_source_of_temperature(
     reading = [name for name in effects if TEMPERATURE in candidates[name].requires]
     recorded = TEMPERATURE in recording.table and not start.values.get("THACT")
     source = source_of_temperature(reading, effects, start, recorded)
-    return replace(result, verdict=f"{result.verdict}. {source}") if source else result
+    return replace(result, sentences=(*result.sentences, source)) if source else result
 
 
 def _with_derived_turn_slip(recording: Recording, start: Tire, candidates: Mapping[str, Candidate]) -> Recording:

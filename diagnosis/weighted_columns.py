@@ -32,15 +32,15 @@ class WeightedColumns:
         [[6.0, 3.0], [3.0, 3.0]]
         """
         products = np.zeros((self.number, other.number))
-        for (own, rows), (others, columns) in zip(self.of_channels, other.of_channels, strict=True):
-            products[np.ix_(own, others)] += rows.T @ columns
+        for (chosen, rows), (others, columns) in zip(self.of_channels, other.of_channels, strict=True):
+            products[np.ix_(chosen, others)] += rows.T @ columns
         return products
 
     def along(self, weighted: FloatArray) -> FloatArray:
         """Return the products with weighted rows, shape (n_channels, n), shape (number,)."""
         products = np.zeros(self.number)
-        for (own, rows), channel in zip(self.of_channels, weighted, strict=True):
-            products[own] += channel @ rows
+        for (chosen, rows), channel in zip(self.of_channels, weighted, strict=True):
+            products[chosen] += channel @ rows
         return products
 
 
@@ -51,7 +51,7 @@ def joined(parts: Sequence[WeightedColumns]) -> WeightedColumns:
         int(begins[-1]),
         tuple(
             (
-                np.concatenate([begin + own for begin, (own, _) in zip(begins[:-1], channel, strict=True)]),
+                np.concatenate([begin + chosen for begin, (chosen, _) in zip(begins[:-1], channel, strict=True)]),
                 np.concatenate([rows for _, rows in channel], axis=1),
             )
             for channel in zip(*(part.of_channels for part in parts), strict=True)

@@ -148,7 +148,7 @@ class Whitening:
         `rows`, shape (n_channels, n_parts, ROWS_OF_PART, m). `states`, shape (2, n_channels, n_parts, m): short-range
         noise and drift at the beginning of each part.
         """
-        decay, gain, size = (each[channels, ..., None] for each in (self._decay, self._gain, self._size))
+        decay, gain, size = (values[channels, ..., None] for values in (self._decay, self._gain, self._size))
         short, drift = states.copy()
         for k in range(ROWS_OF_PART):
             short *= decay[:, 0, :, k]

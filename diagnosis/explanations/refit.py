@@ -91,7 +91,7 @@ def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArr
 
     The skew begins with that of the simulator. Raises `Ended` if the time of the comparison is over.
     """
-    problem, coarse = (with_terms(each, explanation.terms).over(simulator) for each in (shared.problem, shared.coarse))
+    problem, coarse = (with_terms(problem, explanation.terms).over(simulator) for problem in (shared.problem, shared.coarse))
     fitted = {*shared.free, *(name for _, form in explanation.forms for name in form.free)}
     free = tuple(sorted(fitted, key=simulator.names.index))
     tried = []

@@ -8,20 +8,28 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from tirefmu.diagnosis.diagnose import _start_model
-from tirefmu.diagnosis.explanations.answer import answer_of, percent
-from tirefmu.diagnosis.explanations.budget import Budget, Ended
-from tirefmu.diagnosis.explanations.compare import compared
-from tirefmu.diagnosis.explanations.discrepancy import effect_discrepancy, model_discrepancy, smooth_functions
-from tirefmu.diagnosis.explanations.evidence import NormalEquations, Projected
-from tirefmu.diagnosis.explanations.explanation import UNKNOWN, Explanation, Term
-from tirefmu.diagnosis.explanations.gains import rivals_of
-from tirefmu.diagnosis.explanations.linearization import Addition, Linearization
-from tirefmu.diagnosis.explanations.refit import shared_problem
-from tirefmu.diagnosis.explanations.terms import unknown_terms
-from tirefmu.diagnosis.probing.baseline_fit import fit_baseline
-from tirefmu.diagnosis.probing.candidates import candidates_for
-from tirefmu.diagnosis.signals.signals import signals_of
-from tirefmu.diagnosis.signals.skew import between_rows
+from tirefmu.diagnosis.explanations import (
+    UNKNOWN,
+    Addition,
+    Budget,
+    Ended,
+    Explanation,
+    Linearization,
+    NormalEquations,
+    Projected,
+    Term,
+    answer_of,
+    compared,
+    effect_discrepancy,
+    model_discrepancy,
+    percent,
+    rivals_of,
+    shared_problem,
+    smooth_functions,
+    unknown_terms,
+)
+from tirefmu.diagnosis.probing import candidates_for, fit_baseline
+from tirefmu.diagnosis.signals import between_rows, signals_of
 from tirefmu.diagnosis.thresholds import EFFECT_ODDS, INEXACT_SHARE
 from tirefmu.measurements import recording_from
 from tirefmu.symbolic.detection import Form

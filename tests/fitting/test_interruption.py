@@ -11,7 +11,7 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from tirefmu.fitting import stage as solution_of_a_stage
-from tirefmu.fitting.solvers.interruption import Interruption
+from tirefmu.fitting.solvers import Interruption
 
 
 def stopping(at_stage, at_iteration, how):
