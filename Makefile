@@ -2,6 +2,8 @@
 VENV ?= .venv
 # Tests run on all processors, those of a file on one, so that they share fixtures. PYTEST_ARGS=... replaces this.
 export PYTEST_ARGS ?= -n auto --dist loadfile
+# Bytecode is written, also where the environment forbids it: hundreds of processes would compile the package again.
+export PYTHONDONTWRITEBYTECODE :=
 BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 INSTALL := $(BIN)/python -m pip install --quiet --no-build-isolation --editable
 
