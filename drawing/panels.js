@@ -332,8 +332,10 @@ function cellText(cells, x, y) {
   return `${cells.label}: ${mean === null ? "-" : short(mean)}, ${count} rows`;
 }
 
-function numbers(text) {
-  return new Float32Array(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
+/** Return the numbers that chart_data.py writes as 16-bit integers; the largest is none. */
+function numbers({ low, unit, steps }) {
+  const integers = new Uint16Array(Uint8Array.from(atob(steps), (letter) => letter.charCodeAt(0)).buffer);
+  return Float64Array.from(integers, (integer) => (integer === 65535 ? NaN : low + unit * integer));
 }
 
 /** Return a number with at most five significant digits. */

@@ -32,6 +32,8 @@ DPI = 120
 PAGE_DPI = 90
 #: Sizes of texts in points, readable where a page shows a figure of two panels a third smaller than drawn.
 NAME_SIZE, TITLE_SIZE, NOTE_SIZE = 10.0, 10.5, 9.0
+#: Most parts of an x axis per inch, so that numbers of five digits do not touch.
+TICKS = 1.2
 
 
 @own_settings()
@@ -121,8 +123,10 @@ def _draw(ax: Axes, panel: Panel, figure: Figure) -> None:
     ax.set_ylabel(panel.y, parse_math=False)
     x_limits, y_limits = figure.limits(panel)
     ax.set(xlim=x_limits, ylim=y_limits)
+    ax.locator_params(axis="x", nbins=max(4, int(TICKS * panel.width)))
     if panel.equal:
         ax.set_aspect("equal", adjustable="datalim")
+        ax.set_autoscale_on(True)  # a fixed limit would be reported as ignored
     for label, color, height in figure.names(panel):
         at: dict[str, Any] = {
             "xy": (1.0, height),

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from ...boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
-    from .answer import RankedExplanation, answer_of
-    from .budget import Budget
+    from .answer import RankedExplanation, answer_of, percent
+    from .budget import Budget, Ended
     from .compare import compared
     from .discrepancy import effect_discrepancy, model_discrepancy, smooth_functions
     from .evidence import NormalEquations, Projected

@@ -38,7 +38,7 @@ class Addition:
     """A form of an effect at a point of its grid, or terms of the unknown component, that could be added.
 
     - `form`: of an effect.
-    - `columns`, shape (n_channels, n, k): change of the forces, N and N m.
+    - `columns`, shape (n_channels, n, k): change of the forces, N and N m; none if they are weighted.
     - `deviation`, shape (k,): of the priors of their coefficients.
     - `log_prior`: logarithm of the prior odds of the explanation with it.
     - `weighted_columns`: the columns in noise standard deviations, if they are known.
@@ -53,7 +53,11 @@ class Addition:
 
     def weighted(self, problem: LeastSquares) -> Addition:
         """Return the addition with its columns in the noise standard deviations of a problem."""
-        return replace(self, weighted_columns=problem.weighted_columns(self.columns))
+        return replace(
+            self,
+            columns=np.zeros((*self.columns.shape[:2], 0)),
+            weighted_columns=problem.weighted_columns(self.columns),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -289,9 +293,10 @@ class Linearization:
             deviations.append(float(np.min(spread)) if form.scalable else 1.0)
         return np.stack(columns, axis=-1), np.array(deviations)
 
-    def additions(self) -> dict[str, list[Addition]]:
-        """Return the effects that the explanation lacks, by name."""
-        return {name: self.of_effect(name) for name in self.candidates if name not in self.explanation.effects}
+    @property
+    def lacking(self) -> list[str]:
+        """The names of the effects that the explanation lacks."""
+        return [name for name in self.candidates if name not in self.explanation.effects]
 
     def unknown(self) -> Addition:
         """Return all terms that an unknown component could have, features alone, as one addition."""
@@ -324,7 +329,7 @@ class Linearization:
         return added
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=2)
 def _columns_and_equations(linear: Linearization) -> tuple[WeightedColumns, NormalEquations]:
     """Return the weighted columns with the misfit, and the normal equations, of what an explanation contains.
 

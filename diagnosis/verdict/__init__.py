@@ -14,6 +14,6 @@ if TYPE_CHECKING:
     from .fit_error import DeliveredResiduals, delivered_residuals, fit_errors, floors_of
     from .improved_tire import tire_of
     from .residual_location import residual_maps, time_course
-    from .verdict import percent, verdict_text
+    from .verdict import headline_text, verdict_sentences
 
 __getattr__, __dir__ = on_demand(__name__)

@@ -36,7 +36,8 @@ RESULTS = {
     "export": {"fmi": 3, "inputs": "slip", "bytes": 2048},
     "check": {"ok": True, "channels": {"Fy": {"rmse": 1.0, "unit": "N", "r2": 0.5}},
               "statements": {"fmu": {"grade": "good", "text": "exact"}, "tire": {"grade": "good", "text": "close"}}},
-    "diagnose": {"verdict": "nothing is missing", "found": [], "adequacy": {"Fy": {"adequate": True}},
+    "diagnose": {"headline": "Nothing is missing", "verdict": "nothing is missing (a, b)", "found": [],
+                 "adequacy": {"Fy": {"adequate": True}},
                  "gap": {"holdout": {"Fy": {"before": 2.0, "after": 1.0, "floor": None}}}},
 }  # fmt: skip
 
@@ -227,12 +228,12 @@ def test_a_command_is_ended_at_its_time_limit(project, tmp_path):
 def test_the_page_links_to_every_result(project):
     run_project(project, Commands(project, {"fit": 1}), Terminal(quiet=True))
     page = (project.folder / "index.html").read_text(encoding="utf-8")
-    assert re.search(r'<p class="verdict bad">Tire good; FMU check passed; no missing effect', page)
+    assert re.search(r'<p class="verdict bad">Tire good; FMU check passed; nothing is missing', page)
     for step in steps_of(project):
         for output in step.outputs:
             file = output if output.suffix else output / "report.html"
             assert f'href="./{file.relative_to(project.folder).as_posix()}"' in page
-    for text in ("too few loads", "model mf96", "data would mislead a fit", "nothing is missing"):
+    for text in ("too few loads", "model mf96", "data would mislead a fit", "nothing is missing (a, b)"):
         assert text in page
 
 

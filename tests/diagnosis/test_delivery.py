@@ -21,8 +21,9 @@ from tirefmu.diagnosis.verdict import (
     adequacies,
     composition,
     density_gain,
+    headline_text,
     reasons_against,
-    verdict_text,
+    verdict_sentences,
 )
 from tirefmu.numerics.noise_floor import NoiseFloor
 
@@ -175,7 +176,8 @@ def test_a_residual_far_above_the_floor_is_inadequate():
 
 def test_a_coefficient_at_its_bound_is_in_the_verdict():
     one = FoundEffect("load_lag", ("Fy",), {}, 0.0, 0.5, 0.1, 0.87, at_bounds=("LLEN",))
-    text = verdict_text([one], (), {}, (), (), {}, (), {"periodic": [], "derived_columns": [], "ignored_columns": []})
+    nothing = {"periodic": [], "derived_columns": [], "ignored_columns": []}
+    (text,) = verdict_sentences([one], (), {}, (), (), {}, (), nothing)
     assert text == "Missing: load_lag (probability 87 %; at its bound: LLEN)"
 
 
@@ -184,12 +186,27 @@ def test_an_effect_that_is_more_probably_absent_is_not_called_missing():
         FoundEffect(name, ("Fy",), {}, 0.0, 0.5, 0.1, sure) for name, sure in (("load_lag", 0.87), ("conicity", 0.2))
     ]
     nothing = {"periodic": [], "derived_columns": [], "ignored_columns": []}
-    text = verdict_text(findings, (), {}, (), (), {}, (), nothing)
-    head, tail = text.split(". ")
+    head, tail = verdict_sentences(findings, (), {}, (), (), {}, (), nothing)
     assert "load_lag" in head
     assert "conicity" not in head
     assert "conicity (probability 20 %)" in tail
-    assert "Missing" not in verdict_text(findings[1:], (), {}, (), (), {}, (), nothing)
+    assert "Missing" not in verdict_sentences(findings[1:], (), {}, (), (), {}, (), nothing)[0]
+
+
+def test_the_headline_has_what_is_missing_and_where_something_else_is():
+    """The same effects as the sentences, in a few words, and never that nothing is missing beside them."""
+    lag, conicity = (FoundEffect(n, ("Fy",), {}, 0.0, 0.5, 0.1, p) for n, p in (("load_lag", 0.87), ("conicity", 0.2)))
+    unknown = FoundEffect("UNKNOWN", ("Fy",), {}, 0.0, 0.5, 0.1, 0.9)
+    red = (Adequacy("Mx", 40.0, 10.0, "", (), False),)
+    assert headline_text([lag, conicity], (), True, False) == "Missing: load_lag"
+    assert headline_text([lag], red, True, False) == (
+        "Missing: load_lag; something else is missing and was not identified in Mx"
+    )
+    assert headline_text([conicity], (), True, False) == "No effect is identified as missing"
+    assert headline_text([unknown], red, True, False) == "An effect is missing that is not in the library"
+    assert headline_text([], red, False, True) == (
+        "Best explanation so far: something is missing in Mx; the improved tire is not delivered"
+    )
 
 
 # ------------------------------------------------------------------ evidence for an effect

@@ -1,5 +1,6 @@
 """Probabilities of explanations: the evidence is that of the Gaussian model, and the answer is a distribution."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from tirefmu.diagnosis.explanations import (
     UNKNOWN,
     Addition,
     Budget,
+    Ended,
     Explanation,
     Linearization,
     NormalEquations,
@@ -20,6 +22,7 @@ from tirefmu.diagnosis.explanations import (
     compared,
     effect_discrepancy,
     model_discrepancy,
+    percent,
     rivals_of,
     shared_problem,
     smooth_functions,
@@ -28,7 +31,6 @@ from tirefmu.diagnosis.explanations import (
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
 from tirefmu.diagnosis.signals import between_rows, signals_of
 from tirefmu.diagnosis.thresholds import EFFECT_ODDS, INEXACT_SHARE
-from tirefmu.diagnosis.verdict import percent
 from tirefmu.measurements import recording_from
 from tirefmu.symbolic.detection import Form
 
@@ -276,14 +278,31 @@ def test_a_comparison_that_ends_early_has_the_best_so_far(sideways):
     assert comparison.leader.explanation.parts in {one.parts for one in comparison.answer.explanations}
 
 
+def test_a_comparison_that_ends_within_a_refit_has_what_was_complete_before(sideways):
+    def ending_after(number):
+        budget, checks = unlimited(), itertools.count()
+
+        def check():
+            if budget.answered and next(checks) >= number:
+                raise Ended
+
+        budget.check = check
+        return compared(*sideways, budget)
+
+    early, late = ending_after(1), ending_after(30)
+    assert early.leader.explanation.parts == ()
+    assert late.leader.score > early.leader.score
+    assert late.leader.explanation.parts in {one.parts for one in late.answer.explanations}
+
+
 def test_a_misfit_counts_less_where_more_is_explained(sideways):
     problem, solution, candidates = sideways
     linear = Linearization(Explanation(), problem, solution, candidates)
-    additions = [addition for forms in linear.additions().values() for addition in forms]
+    additions = [addition for name in linear.lacking for addition in linear.of_effect(name)]
     misfit = problem.misfit(solution.parameters)[:, :, None]
     squares = []
     for explained in (0.0, 1.0 / INEXACT_SHARE, 9.0 / INEXACT_SHARE):
-        shared = shared_problem(linear, solution, additions, explained)
+        shared = shared_problem(linear, solution, additions, explained, unlimited())
         squares.append(float(np.sum(shared.problem.weighted(misfit) ** 2)))
     assert squares == pytest.approx([squares[0], squares[0] / 2.0, squares[0] / 10.0], rel=1e-6)
 

@@ -33,6 +33,7 @@ PAGES = (
 #: Reports of one recording: none is higher, px at 1,400 px, or larger, bytes.
 REPORTS = (
     "demo/index.html",
+    "results/fit.html",
     "demo/inspection.html",
     "demo/check.html",
     "demo/diagnosis/report.html",
