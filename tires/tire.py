@@ -262,7 +262,7 @@ class Tire(TireDefinition):
         from .drawing.tire_figures import points_of
 
         if isinstance(data, str):
-            data, kind = None, data
+            kind, data = data, None
         points = None if data is None else points_of(self, data)
         return plot(self, kind, loads=loads, signs=signs, points=points)
 
