@@ -36,6 +36,8 @@ class CheckResult(Compared):
         The same rows of the recording: ``t`` (equal steps if it had none), inputs and measured outputs, ISO signs.
     starts : tuple of int
         The first row of each segment.
+    not_fitted : tuple of str
+        Measured outputs that the data of the embedded tire did not show: they say nothing about it.
     """
 
     def _repr_html_(self) -> str:
