@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from math import isfinite
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from ..symbolic.declarations import Coefficient
@@ -91,7 +92,8 @@ def _characteristics(tire: Tire) -> list[dict[str, float]]:
     rows = pd.DataFrame({"Fz": default_loads(tire)})
     computed = tire.evaluate(rows, signs="iso", steady=True)
     names = [tire.symbolic_model.quantity(role) for role in CHARACTERISTICS]
-    return computed[["Fz", *(name for name in names if name in computed)]].to_dict("records")
+    shown = computed[["Fz", *(name for name in names if name in computed)]]
+    return [dict(zip(shown, row, strict=True)) for row in shown.to_numpy(dtype=np.float64).tolist()]
 
 
 def limits_of(tire: TireDefinition) -> list[str]:
