@@ -91,7 +91,8 @@ def _characteristics(tire: Tire) -> list[dict[str, float]]:
     rows = pd.DataFrame({"Fz": default_loads(tire)})
     computed = tire.evaluate(rows, signs="iso", steady=True)
     names = [tire.symbolic_model.quantity(role) for role in CHARACTERISTICS]
-    return computed[["Fz", *(name for name in names if name in computed)]].to_dict("records")
+    shown = computed[["Fz", *(name for name in names if name in computed)]]
+    return [{str(name): float(value) for name, value in row.items()} for row in shown.to_dict("records")]
 
 
 def limits_of(tire: TireDefinition) -> list[str]:
