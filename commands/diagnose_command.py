@@ -96,6 +96,7 @@ def diagnose(
     from ..applications.batch.diagnose_many import write_answer
     from ..diagnosis import diagnose as run
     from ..diagnosis.diagnose import STEPS
+    from ..fitting.solvers.interruption import Interruption
     from ..measurements import CHANNELS, check_columns, data_findings, recordings_from
     from ..measurements.turn_slip import with_turn_slip
     from ..tires import tire_from
@@ -120,9 +121,10 @@ def diagnose(
             (stages.begin if sentence in STEPS else stages.event)(sentence)
 
         result = run(recording, **given, candidates=tested, progress=progress)
-        summary = write_answer(
-            result, recording, output, fmus=fmus, others=further, command=command_line(), begin=stages.begin
-        )
+        with Interruption():  # an answer that was computed is written
+            summary = write_answer(
+                result, recording, output, fmus=fmus, others=further, command=command_line(), begin=stages.begin
+            )
     ok = bool(summary["simulated"].get("ok", True))
     write_json(json_file, {"ok": ok, **summary})
     terminal.print(f"verdict: {result.headline}", *(f"  - {sentence}" for sentence in result.sentences))

@@ -120,7 +120,7 @@ def diagnose(
     if derived:
         candidates_tried["turn_slip"] = replace(candidates_tried["turn_slip"], has_states=True)
     signals = signals_of(turning.table, start, recording.signs, derived=derived)
-    with one_blas_thread():
+    with one_blas_thread(), Budget(report, time_limit) as budget:
         report(BASELINE)
         problem, solution = fit_baseline(start, signals, fitted=tire is not None)
         recorded = signals_of(turning.table, start, recording.signs, smooth=False, derived=derived)
@@ -132,8 +132,7 @@ def diagnose(
             reading = {name: tried for name, tried in candidates_tried.items() if TEMPERATURE in tried.requires}
             candidates_tried |= {name: replace(tried, has_states=True) for name, tried in reading.items()}
         report(COMPARING)
-        with Budget(report, time_limit) as budget:
-            comparison = compared(problem, solution, candidates_tried, budget)
+        comparison = compared(problem, solution, candidates_tried, budget)
         report(FINAL)
         read = _read(comparison.leader.explanation, candidates_tried)
         derived_table = complete.table[[name for name in complete.table if name in recording.table or name in read]]

@@ -80,10 +80,17 @@ def html_image(figure: Figure) -> str:
 
 @own_settings()
 def rendered(figure: MatplotlibFigure, suffix: str, dpi: float, **options: Any) -> bytes:
-    """Return a drawn figure as a file's bytes; a letter that the font lacks is drawn as a box, without a warning."""
+    """Return a drawn figure as a file's bytes; a letter that the font lacks is drawn as a box, without a warning.
+
+    Axes are placed before: to place them, `savefig` would draw the whole figure once more.
+    """
     buffer = BytesIO()
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing from font", category=UserWarning)
+        if engine := figure.get_layout_engine():
+            figure.set_dpi(dpi)
+            engine.execute(figure)
+            figure.set_layout_engine(None)
         figure.savefig(buffer, format=suffix, dpi=dpi, **options)
     return buffer.getvalue()
 

@@ -126,6 +126,11 @@ class Tire(TireDefinition):
             negative Fz; if a load is far beyond those of the tire (above five times FZMAX, or 25 times FNOMIN without
             it); or if the shapes do not broadcast. The formula itself has values beyond 90 deg: a table of
             `tirefmu.evaluate` that declares ``alpha [deg]`` may have such rows, and so may inputs of an FMU.
+
+        Warns
+        -----
+        UserWarning
+            If |kappa| of most values is above 1: right for a wheel that spins, and probable for slip in percent.
         """
         return forces(self, checked_inputs(self, inputs), code)
 

@@ -55,6 +55,7 @@ class Simulator:
     #: The courses of states for the coefficients of their equations, and what drives them.
     _stored: Callable[[bytes, tuple[int, ...], tuple[str, ...]], FloatArray] = field(init=False)
     _driving: Callable[[tuple[int, ...]], dict[str, FloatArray]] = field(init=False)
+    _active: Callable[[tuple[int, ...]], FloatArray] = field(init=False)
     #: Parameters at which forces drive the states, empty for those of the trial; the states at them, (n_states, n).
     _driven_at: FloatArray = field(init=False, default_factory=lambda: np.empty(0))
     _held: FloatArray = field(init=False, default_factory=lambda: np.empty((0, 0)))
@@ -128,6 +129,12 @@ class Simulator:
         """Keep courses of states at all rows: they serve for any of these."""
         self._stored = lru_cache(STORED)(self._followed)
         self._driving = lru_cache(1)(self._driving_values)
+        self._active = lru_cache(1)(self._computed_active)
+
+    def forget(self) -> None:
+        """Free the memory of what was computed; it is computed again when it is needed."""
+        self._remember()
+        self._store()
 
     def with_signals(self, signals: Signals) -> Simulator:
         """Return a simulator of the same tire over other signals."""
@@ -186,12 +193,13 @@ class Simulator:
             return np.where(self._determines_lag, parameters, self._off).tobytes()
         return np.where(self._determines_lag & self._lags, parameters, self._driven_at).tobytes()
 
-    def _active(self, unused: tuple[int, ...]) -> FloatArray:
+    def _computed_active(self, unused: tuple[int, ...]) -> FloatArray:
         """Return the inputs of all rows, with 0 in unused ones."""
         if not self.signals.inputs[list(unused)].any():
             return self.signals.inputs
         inputs = self.signals.inputs.copy()
         inputs[list(unused)] = 0.0
+        inputs.flags.writeable = False  # shared by all callers
         return inputs
 
     def _computed_acting(self, relevant: bytes, unused: tuple[int, ...]) -> FloatArray:

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from ...boundary.escaping import visible
 from ...drawing.labels import drawn_unit
 from ...tires.notebook import html_details, html_summary, html_table
+from ..explanations.answer import percent
 from .findings import FoundEffect
-from .verdict import percent
 
 
 def before_and_after(channel: str, error: Mapping[str, float]) -> str:

@@ -7,6 +7,7 @@ from math import hypot
 from typing import Any
 
 from ...numerics.ties import graded
+from ..explanations.answer import percent
 from ..thresholds import CHANNEL_SHARE
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
@@ -86,20 +87,6 @@ def _missing(
         certain.append(f"{finding.effect} (probability {percent(finding.probability)}{bounds}{confounded_with})")
     headed = (("Missing", missing), ("The fit is better with, but does not identify", uncertain))
     return [f"{head}: {'; '.join(names)}" for head, names in headed if names]
-
-
-def percent(probability: float) -> str:
-    """Return a probability in percent; beyond 10 and 90 % only that it is so.
-
-    Of the effects with more than 90 %, 86 to 92 % were missing in the suites of docs/discovery.md: the digits of a
-    larger number would mean nothing.
-
-    >>> percent(0.9999), percent(0.625)
-    ('over 90 %', '62 %')
-    """
-    if not 0.1 <= probability <= 0.9:
-        return "over 90 %" if probability > 0.5 else "under 10 %"
-    return f"{100.0 * probability:.0f} %"
 
 
 def _removed(waves: Sequence[Mapping[str, Any]], adequacy: Sequence[Adequacy]) -> str:

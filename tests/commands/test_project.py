@@ -11,10 +11,16 @@ import pytest
 
 from tests.hostile import HOSTILE, Skeleton
 from tests.json_schemas import check_file
-from tirefmu.applications.project.project_file import SECTIONS, project_text, read_project
-from tirefmu.applications.project.records import Records
-from tirefmu.applications.project.run import TimeLimitReached, run_limited, run_project
-from tirefmu.applications.project.steps import steps_of
+from tirefmu.applications.project import (
+    SECTIONS,
+    Records,
+    TimeLimitReached,
+    project_text,
+    read_project,
+    run_limited,
+    run_project,
+    steps_of,
+)
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.commands.cli import cli
 from tirefmu.commands.terminal import Terminal

@@ -11,18 +11,13 @@ from markupsafe import escape
 import tirefmu
 from tirefmu.boundary.errors import DataError, TirefmuError, UnknownName
 from tirefmu.boundary.escaping import visible
-from tirefmu.diagnosis.diagnose import diagnose
-from tirefmu.diagnosis.explanations.answer import RankedExplanation
-from tirefmu.diagnosis.reporting import report
+from tirefmu.diagnosis import Diagnosis, diagnose
+from tirefmu.diagnosis.explanations import RankedExplanation
+from tirefmu.diagnosis.reporting import report, report_page
 from tirefmu.diagnosis.reporting.gain_figure import gain_figure
 from tirefmu.diagnosis.reporting.memory_figure import memory_figure
-from tirefmu.diagnosis.reporting.report import report_page
-from tirefmu.diagnosis.unexplained.formula_proposal import Unknown
-from tirefmu.diagnosis.verdict.adequacy import Adequacy
-from tirefmu.diagnosis.verdict.extrapolation import Extrapolation
-from tirefmu.diagnosis.verdict.findings import CoefficientInterval, FoundEffect
-from tirefmu.diagnosis.verdict.result import Diagnosis
-from tirefmu.diagnosis.verdict.verdict import verdict_sentences
+from tirefmu.diagnosis.unexplained import Unknown
+from tirefmu.diagnosis.verdict import Adequacy, CoefficientInterval, Extrapolation, FoundEffect, verdict_sentences
 from tirefmu.drawing import picture as drawn
 from tirefmu.drawing.figure import Figure, Panel
 from tirefmu.measurements import Recording

@@ -6,12 +6,18 @@ import numpy as np
 import pytest
 
 from tirefmu.diagnosis.diagnose import with_library
-from tirefmu.diagnosis.probing.baseline_fit import reweighted
-from tirefmu.diagnosis.signals.measurement_artefacts import quantisation, ripple
+from tirefmu.diagnosis.probing import reweighted
+from tirefmu.diagnosis.signals import quantisation, ripple
 from tirefmu.diagnosis.thresholds import MAX_CHANGE, OUTLIER
-from tirefmu.diagnosis.verdict.extrapolation import extrapolations, outside
-from tirefmu.diagnosis.verdict.fit_error import delivered_residuals, fit_errors, floors_of
-from tirefmu.diagnosis.verdict.residual_location import residual_maps, time_course
+from tirefmu.diagnosis.verdict import (
+    delivered_residuals,
+    extrapolations,
+    fit_errors,
+    floors_of,
+    outside,
+    residual_maps,
+    time_course,
+)
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire

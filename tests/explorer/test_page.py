@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tirefmu.applications.explorer.explore import explore
+from tirefmu import explore
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire, read_tir
 from tirefmu.tires.evaluation import quantities

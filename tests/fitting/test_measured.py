@@ -10,9 +10,8 @@ import pytest
 from scipy.ndimage import uniform_filter1d
 
 from tirefmu.fitting import fit
-from tirefmu.fitting.constraints.physical import chosen_constraints
-from tirefmu.fitting.reporting.load_table import stiffness_by_load
-from tirefmu.fitting.reporting.report_text import significant_differences
+from tirefmu.fitting.constraints import chosen_constraints
+from tirefmu.fitting.reporting import significant_differences, stiffness_by_load
 from tirefmu.measurements import read_recording
 from tirefmu.tires.code import fastest_code
 

@@ -11,12 +11,11 @@ import pandas as pd
 import pytest
 
 from tirefmu.boundary.errors import DataError, FmuError
-from tirefmu.fmu import check
+from tirefmu.fmu import check, export
 from tirefmu.fmu.comparison.check import largest_difference
 from tirefmu.fmu.comparison.figures import draw_check
-from tirefmu.fmu.packaging.export import export
-from tirefmu.measurements.recording import Recording
-from tirefmu.tires.signs import convert_signs
+from tirefmu.measurements import Recording
+from tirefmu.tires import convert_signs
 
 from .programs import unzipped, zipped
 

@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 from tirefmu.boundary.errors import DataError, UnknownName
 from tirefmu.measurements import CHANNELS, Recording, recording_from
-from tirefmu.tires.signs import REVERSED, SIGNS
+from tirefmu.tires import SIGNS
+from tirefmu.tires.signs import REVERSED
 
 
 def table_of_ones() -> pd.DataFrame:

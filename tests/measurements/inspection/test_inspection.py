@@ -6,10 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu import inspect
 from tirefmu.drawing.style import LIGHT_GRAY
-from tirefmu.measurements import Recording
-from tirefmu.measurements.inspection.figures import inspection_figures
-from tirefmu.measurements.inspection.inspection import inspect, inspected
+from tirefmu.measurements import Recording, inspected, inspection_figures
 
 
 @pytest.fixture(scope="module")
