@@ -141,7 +141,7 @@ class PanelChart {
 
   options() {
     const axis = (label, i) => ({
-      label, font: FONT, labelFont: FONT, labelSize: 22, stroke: "#333", size: i ? AXIS.y : AXIS.x,
+      label, font: FONT, labelFont: FONT, labelSize: 22, stroke: "#333", size: i ? AXIS.y : AXIS.x, space: i ? 22 : 50,
       grid: { stroke: "#e4e4e4", width: 1 }, ticks: { stroke: "#999", width: 1, size: 4 },
     });
     return {
