@@ -118,7 +118,7 @@ class PanelChart {
 
   /** Return the width of the names beside the axes. */
   margin() {
-    this.names.style.width = "";
+    this.names.style.width = `${this.size().width}px`; // the names are out of its flow
     const widest = Math.max(0, ...Array.from(this.names.children, (each) => each.offsetWidth));
     const width = Math.min(widest + 4, NAMES * this.size().width);
     this.names.style.width = `${width}px`;
