@@ -130,7 +130,7 @@ class Tire(TireDefinition):
         Warns
         -----
         UserWarning
-            If |kappa| of most values is above 1: right for a wheel that spins, and probable for slip in percent.
+            If |kappa| of most values is 2 or more: right for a wheel that spins, and probable for slip in percent.
         """
         return forces(self, checked_inputs(self, inputs), code)
 

@@ -31,11 +31,14 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Number of estimates of the noise, of extended explanations for each, and of terms of a part; growth of the variance
 #: of the noise after which it is estimated again. Conventions: computing time.
-ESTIMATES, COMPARED, TERMS, GROWTH = 8, 12, 3, 1.5
+ESTIMATES, COMPARED, TERMS, GROWTH = 5, 12, 3, 1.5
+#: Decrease of the score without a part, from which the part is not tried again while the leading explanation changes:
+#: ten margins. Convention: computing time.
+CERTAIN = -10.0 * REFIT_MARGIN
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class ComparedExplanations:
     """The answer, the most probable explanation with its refit, and what all explanations have in common.
 
     - `stopped`: why explanations were not compared; empty if all were.
@@ -49,7 +52,7 @@ class Comparison:
 
 def compared(
     problem: LeastSquares, baseline: Solution, candidates: Mapping[str, Candidate], budget: Budget
-) -> Comparison:
+) -> ComparedExplanations:
     """Compare explanations of a recording.
 
     Parameters
@@ -62,7 +65,7 @@ def compared(
 
     Returns
     -------
-    Comparison
+    ComparedExplanations
         The best so far if the budget ends.
     """
     few = problem.subsampled(some_rows(problem.simulator))
@@ -76,16 +79,16 @@ def compared(
         stopped = budget.ended
     # A table that was stopped at its beginning has compared less than the one before.
     table = max(tables, key=lambda table: len(table.scores)) if stopped else tables[-1]
-    return Comparison(answer_of(table.divided_scores(), candidates), table.leader, table.shared, stopped)
+    return ComparedExplanations(answer_of(table.divided_scores(), candidates), table.leader, table.shared, stopped)
 
 
 def _compare(
     linear: Linearization, few: LeastSquares, baseline: Solution, budget: Budget, tables: list[_Table]
 ) -> None:
     """Compare explanations under the noise of each leading one in turn; the last tables are left in the list."""
-    seen, explained = set[tuple[str, ...]](), 0.0
+    seen, explained, losses = set[tuple[str, ...]](), 0.0, dict[str, float]()
     for remaining in reversed(range(ESTIMATES)):
-        table = _table(linear, baseline, explained, budget)
+        table = _table(linear, baseline, explained, budget, losses)
         tables[:] = [*tables[-1:], table]
         table.climb(linear)
         seen.add(linear.explanation.parts)
@@ -98,10 +101,13 @@ def _compare(
         explained, linear = table.explained, _with_own_noise(table.leader, few)
 
 
-def _table(linear: Linearization, baseline: Solution, explained: float, budget: Budget) -> _Table:
+def _table(
+    linear: Linearization, baseline: Solution, explained: float, budget: Budget, losses: dict[str, float]
+) -> _Table:
     """Return an empty table under the noise of a linearization.
 
     `explained`: logarithm of the likelihood by which the explanation of the linearization is better than none.
+    `losses`: of the table before.
     """
     additions = dict[str, list[Addition]]()
     for name in linear.lacking:
@@ -110,7 +116,7 @@ def _table(linear: Linearization, baseline: Solution, explained: float, budget: 
     every = [addition for forms in additions.values() for addition in forms]
     shared = shared_problem(linear, baseline, every, explained, budget)
     weighted = {name: [addition.weighted(shared.problem) for addition in forms] for name, forms in additions.items()}
-    return _Table(shared, baseline.parameters, weighted)
+    return _Table(shared, baseline.parameters, weighted, losses)
 
 
 def _with_own_noise(leader: Refitted, problem: LeastSquares) -> Linearization:
@@ -130,6 +136,7 @@ class _Table:
 
     - `absent`, shape (n_parameters,): of the baseline model.
     - `additions`: by name, to the first explanation that lacks the part. Their columns serve for all explanations.
+    - `losses`: by how much the score was smaller without a part when this was tried last.
     - `refits`: those that were refitted.
     - `proposed`: those for which a formula was searched.
     - `expanded`: those that were extended and reduced.
@@ -140,6 +147,7 @@ class _Table:
     shared: Shared
     absent: FloatArray
     additions: dict[str, list[Addition]]
+    losses: dict[str, float]
     refits: dict[tuple[str, ...], Refitted] = field(default_factory=dict)
     scores: dict[tuple[str, ...], float] = field(default_factory=dict)
     proposed: set[tuple[str, ...]] = field(default_factory=set)
@@ -217,11 +225,12 @@ class _Table:
             best = self.leader
             self._extend(best)
             if best is self.leader:
-                self._reduce(best)
+                self._reduce(best, [part for part in best.explanation.parts if self.losses.get(part, 0.0) < CERTAIN])
                 self.expanded.add(best.explanation.parts)
 
     def compare(self) -> None:
         """Extend the best explanations, and reduce those that nearly lead, until none of them is left."""
+        self._reduce(self.leader, self.leader.explanation.parts)
         while self._goes_on:
             remaining = [parts for parts in self._near() if parts not in self.expanded]
             if not remaining:
@@ -229,19 +238,19 @@ class _Table:
             refit = self.refits[remaining[0]]
             self._extend(refit)
             if refit in self._roots or self.scores[remaining[0]] > max(self.scores.values()) + REFIT_MARGIN:
-                self._reduce(refit)
+                self._reduce(refit, refit.explanation.parts)
             self.expanded.add(remaining[0])
 
     def propose(self) -> None:
         """Compare formulas for what the leading explanation, those with one part less, and none of them explain.
 
-        Those with less lack one of the `RIVALS` parts that are missed least: a formula may be in its place. The smallest
-        explanation is the first one. Where another one leads then, the noise is to be estimated again.
+        Those with less lack one of the `RIVALS` parts that are missed least: a formula may be in its place. The
+        smallest explanation is the first one. Where another one leads then, the noise is to be estimated again.
         """
         leader = self.leader
         if UNKNOWN in leader.explanation.parts:
             return
-        self._reduce(leader)
+        self._reduce(leader, leader.explanation.parts)
         less = [leader.explanation.without(part).parts for part in leader.explanation.effects]
         less = sorted(less, key=lambda parts: -graded(self.scores.get(parts, -np.inf)))[:RIVALS]
         for parts in dict.fromkeys([(), *less, leader.explanation.parts]):
@@ -344,14 +353,15 @@ class _Table:
                 other.linear.simulator.forget()
         self.shared.budget.answered = True
 
-    def _reduce(self, refit: Refitted) -> None:
-        """Refit an explanation without each of its parts."""
+    def _reduce(self, refit: Refitted, parts: Collection[str]) -> None:
+        """Refit an explanation without each of some parts."""
         simulator, explanation = refit.linear.simulator, refit.explanation
-        for part in explanation.parts:
+        for part in parts:
             less = explanation.without(part)
             if less.parts not in self.refits:
                 self._report(f"comparing {part} with other explanations")
                 self._add(refitted(self.shared, less, [self._start_without(refit, less)], simulator))
+            self.losses[part] = refit.score - self.refits[less.parts].score
 
     def _start_without(self, refit: Refitted, less: Explanation) -> FloatArray:
         """Return the coefficients of a refit, those of the effects that a smaller explanation lacks absent."""

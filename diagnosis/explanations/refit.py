@@ -91,7 +91,8 @@ def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArr
 
     The skew begins with that of the simulator. Raises `Ended` if the time of the comparison is over.
     """
-    problem, coarse = (with_terms(problem, explanation.terms).over(simulator) for problem in (shared.problem, shared.coarse))
+    problems = (shared.problem, shared.coarse)
+    whole, coarse = (with_terms(problem, explanation.terms).over(simulator) for problem in problems)
     fitted = {*shared.free, *(name for _, form in explanation.forms for name in form.free)}
     free = tuple(sorted(fitted, key=simulator.names.index))
     tried = []
@@ -99,13 +100,13 @@ def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArr
         shared.budget.check()
         tried.append(coarse.solve(start, free, iterations=COARSE_ITERATIONS, tolerance=COARSE))
     start = min(tried, key=lambda solution: graded(solution.cost)).parameters
-    best, estimate = _evaluated(shared, explanation, problem, start, free)
+    best, estimate = _evaluated(shared, explanation, whole, start, free)
     for _ in range(ALIGNMENTS if simulator.signals.timed else 0):
         signals, skew = best.linear.simulator.signals, float(estimate[best.linear.skew_index])
         step = float(np.clip(signals.skew + skew, -MAX_SKEW, MAX_SKEW)) - signals.skew
         if best.linear.error_of_skew(step) < SAME_EVIDENCE:
             break
-        delayed = problem.over(simulator.with_signals(signals.delayed(step)))
+        delayed = whole.over(simulator.with_signals(signals.delayed(step)))
         other, estimate = _evaluated(shared, explanation, delayed, best.linear.solution.parameters, free)
         if other.evidence <= best.evidence:
             break

@@ -1,6 +1,7 @@
 """Probabilities of explanations: the evidence is that of the Gaussian model, and the answer is a distribution."""
 
 import itertools
+import signal
 from dataclasses import replace
 
 import numpy as np
@@ -265,11 +266,17 @@ def test_the_best_explanation_is_the_true_one(sideways):
     assert comparison.shared.explained > 0.0  # the last comparison counts by what the leader explains
 
 
-def test_a_comparison_that_ends_early_has_the_best_so_far(sideways):
-    def cancelled(sentence):
-        raise KeyboardInterrupt
+def cancelled(sentence):
+    raise KeyboardInterrupt
 
-    with Budget(cancelled, None) as budget:
+
+def ended(sentence):
+    signal.raise_signal(signal.SIGTERM)
+
+
+@pytest.mark.parametrize("how", [cancelled, ended])
+def test_a_comparison_that_ends_early_has_the_best_so_far(sideways, how):
+    with Budget(how, None) as budget:
         comparison = compared(*sideways, budget)
     assert comparison.stopped == "stopped on request"
     assert sum(explanation.probability for explanation in comparison.answer.explanations) == pytest.approx(1.0)
