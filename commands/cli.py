@@ -52,8 +52,8 @@ def main(arguments: list[str] | None = None) -> int:
 def run(command: click.Command, name: str, arguments: list[str] | None) -> int:
     """Run a command and return its exit code; an error is one line.
 
-    In a process of its own, each BLAS has one thread, also that of CasADi: matrices are too small for more, whose threads
-    would wait for one another.
+    In a process of its own, each BLAS has one thread, also that of CasADi: matrices are too small for more threads,
+    which would wait for one another.
     """
     if arguments is None:
         os.environ.setdefault("OMP_NUM_THREADS", "1")  # NumPy is imported later

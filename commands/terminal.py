@@ -155,7 +155,7 @@ class Terminal:
         lines += [f"  {key}: {text}" for key, text in summary["about"].items()]
         for name, value in summary["nominal"].items():
             low, high = summary["ranges"].get(name, (None, None))
-            at, *ends = (f"{drawn_value(name, each):.5g}" for each in (value, low, high) if each is not None)
+            at, *ends = (f"{drawn_value(name, number):.5g}" for number in (value, low, high) if number is not None)
             unit = drawn_unit(name).replace("-", "")
             lines.append(f"  {name}: nominal {at} {unit}".rstrip() + f", valid from {' to '.join(ends)}" * bool(ends))
         lines.append(f"  UNLOADED_RADIUS: {tire.values['UNLOADED_RADIUS']:g} m")

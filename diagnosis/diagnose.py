@@ -161,7 +161,7 @@ def _read(explanation: Explanation, candidates: Mapping[str, Candidate]) -> set[
 
 def _over(problem: LeastSquares, recording: Recording, start: Tire, derived: set[str]) -> LeastSquares:
     """Return a problem over a recording with further columns that were derived."""
-    smooth = any(problem.simulator.signals.input_noise.values())
+    smooth = any(problem.simulator.signals.origin.noise.values())
     signals = signals_of(recording.table, start, recording.signs, smooth=smooth, derived=derived)
     return problem.over(problem.simulator.with_signals(signals))
 

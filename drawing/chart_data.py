@@ -57,8 +57,8 @@ def _cells(cells: Cells) -> dict[str, Any]:
 
 def _encoded(values: npt.NDArray[np.float64]) -> dict[str, Any]:
     """Return the lowest value, the unit of the integers, and the integers; the largest integer is no number."""
-    known = values[np.isfinite(values)]
-    low = float(known.min()) if len(known) else 0.0
-    unit = float(np.ptp(known)) / (MISSING - 1) if len(known) else 0.0
+    finite = values[np.isfinite(values)]
+    low = float(finite.min()) if len(finite) else 0.0
+    unit = float(np.ptp(finite)) / (MISSING - 1) if len(finite) else 0.0
     steps = np.nan_to_num((values - low) / (unit or 1.0), nan=MISSING, posinf=MISSING, neginf=MISSING)
     return {"low": low, "unit": unit, "steps": b64encode(np.rint(steps).astype("<u2").tobytes()).decode("ascii")}

@@ -103,6 +103,7 @@ class PanelChart {
     for (const [name, , height] of this.panel.names) {
       const button = element("button", "", this.names);
       button.type = "button";
+      button.title = name;
       button.style.bottom = `${100 * height}%`;
       button.setAttribute("aria-pressed", "true");
       drawSample(element("canvas", "", button), this.series.filter((each) => each.label === name && each.kind !== "band"));
@@ -117,8 +118,11 @@ class PanelChart {
 
   /** Return the width of the names beside the axes. */
   margin() {
+    this.names.style.width = "";
     const widest = Math.max(0, ...Array.from(this.names.children, (each) => each.offsetWidth));
-    return Math.min(widest + 4, NAMES * this.size().width);
+    const width = Math.min(widest + 4, NAMES * this.size().width);
+    this.names.style.width = `${width}px`;
+    return width;
   }
 
   /** Show or hide the series with a name or of a kind. */

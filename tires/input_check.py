@@ -32,8 +32,10 @@ BACKWARD_SLIP = -1.05
 #: Fraction of the rows. A bench that brakes to lock overshoots -1 in a few rows. One in percent does so in many, and
 #: one up to 10 % is within the limits of the channel. Judgement.
 MAX_BACKWARD_ROWS = 0.1
-#: Fraction of the values. If more slips than this are beyond a locked wheel, or one that turns at twice the speed of
-#: the road, they are probably in percent. A wheel that spins has such slips: they are evaluated, with a warning.
+#: |kappa| of a wheel that turns at three times the speed of the road, or as fast backwards as the road moves.
+FAR_SLIP = 2.0
+#: Fraction of the values. If more slips are as far, they are probably in percent. Those of a wheel that spins may be:
+#: they are evaluated, with a warning.
 MAX_FAR_SLIPS = 0.5
 #: The head of a column whose name declares a unit: ``alpha [deg]``, ``p (kPa)``.
 _HEAD = re.compile(r"\s*(\w+)\s*[\[(]")
@@ -205,7 +207,7 @@ def _problem(name: str, values: FloatArray) -> str:
 
 def _warn_of_percent(name: str, values: FloatArray) -> None:
     """Warn of slips of which most are those of a wheel that spins or turns backwards."""
-    if name == "kappa" and values.size and np.mean(np.abs(values) > -BACKWARD_SLIP) > MAX_FAR_SLIPS:
+    if name == "kappa" and values.size and np.mean(np.abs(values) >= FAR_SLIP) > MAX_FAR_SLIPS:
         sentence = f"kappa {_extent(values)} is that of a wheel that spins: it is {CHANNELS[name].hint}"
         warnings.warn(sentence, UserWarning, stacklevel=4)
 

@@ -130,7 +130,7 @@ class Tire(TireDefinition):
         Warns
         -----
         UserWarning
-            If |kappa| of most values is above 1: right for a wheel that spins, and probable for slip in percent.
+            If |kappa| of most values is 2 or more: right for a wheel that spins, and probable for slip in percent.
         """
         return forces(self, checked_inputs(self, inputs), code)
 
@@ -261,7 +261,8 @@ class Tire(TireDefinition):
         from .drawing.surface_figure import plot  # imports matplotlib, which is slow
         from .drawing.tire_figures import points_of
 
-        data, kind = (None, data) if isinstance(data, str) and not Path(data).suffix else (data, kind)
+        if isinstance(data, str):
+            kind, data = data, None
         points = None if data is None else points_of(self, data)
         return plot(self, kind, loads=loads, signs=signs, points=points)
 

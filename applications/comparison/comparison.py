@@ -13,7 +13,7 @@ from ...boundary.escaping import visible
 from ...boundary.named_options import named
 from ...measurements import Recording, TableLike, exclude_rows, recordings_from
 from ...tires import Tire, TireLike, tire_from
-from ...tires.property_file.names import unmeasured_coefficients
+from ...tires.property_file.names import is_measured, unmeasured_coefficients
 from ...tires.tire_argument import tire_label
 
 #: Quantities over load, by role, and what they are.
@@ -231,11 +231,7 @@ def _characteristics(tires: tuple[Tire, Tire], given: tuple[str, str]) -> Iterat
                 load,
                 values[0],
                 values[1],
-                tuple(
-                    name
-                    for name, tire in zip(given, tires, strict=True)
-                    if tire.symbolic_model.leading(role) in unmeasured_coefficients(tire)
-                ),
+                tuple(name for name, tire in zip(given, tires, strict=True) if not is_measured(tire, role)),
             )
 
 

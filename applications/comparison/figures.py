@@ -23,7 +23,7 @@ from ...drawing.style import DASHED, DOTTED, SOLID, level_colors
 from ...measurements import Recording
 from ...tires import Tire
 from ...tires.evaluation import Conventions, evaluate
-from ...tires.property_file.names import unmeasured_coefficients, unmeasured_outputs
+from ...tires.property_file.names import is_measured, unmeasured_outputs
 from .comparison import ROLES, Comparison
 from .sweeps import FURTHER, Sweep, sweeps
 
@@ -60,9 +60,7 @@ def comparison_figures(comparison: Comparison, recordings: Sequence[Recording], 
     figures += slopes
     for role, title in ROLES.items():
         names = [tire.symbolic_model.leading(role) for tire in comparison.tires]
-        if all(names) and not all(
-            n in unmeasured_coefficients(t) for n, t in zip(names, comparison.tires, strict=True)
-        ):
+        if all(names) and any(is_measured(tire, role) for tire in comparison.tires):
             figures.append(_over_load(comparison, role, title, signs))
     return figures
 
@@ -150,7 +148,7 @@ def _over_load(comparison: Comparison, role: str, title: str, signs: str) -> Fig
     slip = STIFFNESS_OVER.get(role)
     unit = stiffness_unit(slip) if slip else "-"
     ranges = [tire.ranges.get("Fz", (0.0, 2.0 * tire.values["FNOMIN"])) for tire in comparison.tires]
-    measured_by = [tire.symbolic_model.leading(role) not in unmeasured_coefficients(tire) for tire in comparison.tires]
+    measured_by = [is_measured(tire, role) for tire in comparison.tires]
     shown = zip(comparison.tires, comparison.names, ranges, LINES, _dashes(measured_by), strict=True)
     series = []
     for tire, name, (low, high), (color, _), dashes in shown:

@@ -24,7 +24,7 @@ from .inputs.plausibility import check_load_class, check_log, check_wheel_speeds
 from .inputs.unknowns import Unknowns, check_factors, unknowns_of
 from .interval import BALANCE, POSE, interval_of
 from .result import Drive, wheel_table
-from .rivals import DriveExplanation, forces_of, lacking, probabilities_of, rivals_of
+from .rivals import DriveExplanation, explaining, forces_of, lacking, probabilities_of, rivals_of
 from .simulation import simulated
 from .trust.contradiction import Contradiction, contradiction_of
 from .trust.left_out import Parts, is_better, left_out, parts_of, widened
@@ -130,6 +130,8 @@ def _answer(
     wide = widened(answer.estimate, parts)
     answer = replace(answer, estimate=wide)
     contradiction = contradiction_of(wide, unknowns)
+    if contradiction.certain:
+        contradiction = replace(contradiction, unless=explaining(ranked))
     probable = probabilities_of(answer.grid, wide, unknowns)
     factors = factors_of(wide, unknowns, delivered, answer.grid.step, probable.factors)
     new = scaled_tires(delivered, factors)
@@ -137,7 +139,8 @@ def _answer(
     certain = _certain(parts, delivered, factors, contradiction) if answer.estimate.converged else frozenset()
     factors = believed(factors, certain)
     if contradiction.certain:
-        factors = withheld(factors, "the drive contradicts the car file")
+        other = " or the tires lack an effect" if contradiction.unless else ""
+        factors = withheld(factors, f"the drive contradicts the car file{other}")
     elif not answer.estimate.converged:
         factors = withheld(factors, "the estimate did not converge")
     predicted = left_out(parts, of_base, tires, delivered) if parts and of_base else None

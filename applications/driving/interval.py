@@ -42,6 +42,9 @@ POSE_ERROR = 3e-3
 LIFTED = 0.02
 #: Force per mass within which driving changes into braking, m/s^2.
 COASTING = 0.2
+#: Half the difference of the longitudinal forces of the wheels of an axle over their sum, error of a measured slip, and
+#: slip within which a force is linear. Judgement: brakes of a car differ by 4 %, rolling radii by 0.2 %.
+UNEQUAL, SLIP_NOISE, SMALL_SLIP = 0.02, 0.002, 0.01
 #: Names of the arguments of `two_track` that describe the car, and the entries that they are.
 BODY = {
     "m": "mass", "I_z": "yaw_inertia", "l_f": "cg_to_front", "l_r": "cg_to_rear", "w_f": "track_front",
@@ -133,10 +136,14 @@ def interval_of(
     kappa = _kappa_of_spins(rims, wheels, spins) if spins else slips
     forces = {axle: _forces(tires[axle], axle, wheels, kappa[i], factors[axle]) for i, axle in enumerate(AXLES)}
     body = [p[entry] for entry in BODY.values()]
-    # A differential gives both wheels of an axle the same torque: their longitudinal forces are equal.
-    order = [*(pull / 2 for pull in pulls for _ in "lr"), *(forces[axle][1][side] for axle in AXLES for side in (0, 1))]
+    Fx = []
+    for i, axle in enumerate(AXLES):
+        stiffness = [slip_stiffness(tires[axle]) * wheels[f"Fz_{axle[0]}{side}"] for side in "lr"]
+        apart = _apart(pulls[i], kappa[i], forces[axle][0][:2], stiffness) if len(spins) == len(CORNERS) else 0.0
+        Fx += [pulls[i] / 2 + apart, pulls[i] / 2 - apart]
+    order = [*Fx, *(forces[axle][1][side] for axle in AXLES for side in (0, 1))]
     balance = dict(zip(_RESULTS, two_track.balance(*motion, *turned, *body, *order, xp=ARRAYS), strict=True))
-    measured = _readings(p, middle, rate, pose)
+    measured = _readings(p, middle, rate, lag, pose)
     for i, axle in enumerate(AXLES):
         mean = sum(wheels[f"V_{corner}"] - late[corner] for corner in (f"{axle[0]}l", f"{axle[0]}r")) / 2
         measured[f"rim_{axle}"] = mean * (1 + slips[i][0]) / scales[axle]
@@ -225,13 +232,13 @@ def _forces(
     return [result[0] for result in results], [result[1] for result in results], pair
 
 
-def _readings(p: Mapping[str, Any], middle: list[Any], rate: list[Any], pose: bool) -> dict[str, Any]:
+def _readings(p: Mapping[str, Any], middle: list[Any], rate: list[Any], lag: list[Any], pose: bool) -> dict[str, Any]:
     """Return what the sensors measure."""
     motion = (*middle[:3], *rate[:3])
-    ax, ay, _, _ = two_track.sensor(*motion, *(p[name] for name in SENSOR), xp=ARRAYS)
+    ax, ay, _, _ = two_track.sensor(*motion, *lag, *(p[name] for name in SENSOR), xp=ARRAYS)
     delay = p["motion_delay"]
     late = [value - delay * slope for value, slope in zip(middle, rate, strict=True)]
-    *_, vx, vy = two_track.sensor(*late[:3], *rate[:3], p["reference_x"], p["reference_y"], 0, 0, xp=ARRAYS)
+    *_, vx, vy = two_track.sensor(*late[:3], *rate[:3], 0, 0, p["reference_x"], p["reference_y"], 0, 0, xp=ARRAYS)
     readings = {
         "yaw_rate": p["yaw_rate_gain"] * middle[2] + p["yaw_rate_offset"],
         "ax": ax + p["ax_offset"],
@@ -278,6 +285,22 @@ def _kappa_of_pulls(pulls: list[Any], p: Mapping[str, Any], tires: Mapping[str, 
     """Return the longitudinal slip of each axle that gives its longitudinal force, to first order in the slip."""
     loads = loads_of(p)
     return [[pulls[i] / (loads[i] * slip_stiffness(tires[axle]))] * 2 for i, axle in enumerate(AXLES)]
+
+
+def _apart(pull: Any, kappa: list[Any], Fx: list[Any], stiffness: list[Any]) -> Any:
+    """Return half the difference of the longitudinal forces of the wheels of an axle, which add to a given one.
+
+    Torques are equal (brakes, a differential), but a wheel near its limit cannot transmit its half. The tires say so at
+    the measured slips, whose errors are independent. Both statements have the weights of their variances.
+    """
+    squares = [  # of the secants, which of a small slip are those of a linear tire
+        (force**2 + (slope * SMALL_SLIP) ** 2) / (slip**2 + SMALL_SLIP**2)
+        for force, slip, slope in zip(Fx, kappa, stiffness, strict=True)
+    ]
+    both = squares[0] + squares[1] + 1e-9
+    difference = (Fx[0] - Fx[1] + (squares[0] - squares[1]) / both * (pull - Fx[0] - Fx[1])) / 2
+    of_torques, of_slips = (UNEQUAL * pull) ** 2, squares[0] * squares[1] / both * SLIP_NOISE**2 + 1e-9
+    return difference * of_torques / (of_torques + of_slips)
 
 
 def slip_stiffness(tire: Tire) -> float:

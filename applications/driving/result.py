@@ -121,6 +121,7 @@ class Drive:
                     "deviation": contradiction.deviation,
                     "p": contradiction.p,
                     "degrees_of_freedom": contradiction.degrees_of_freedom,
+                    "unless": list(contradiction.unless),
                 },
                 "entries": entries,
             },
@@ -224,6 +225,7 @@ class ContradictionContent(TypedDict):
     deviation: Annotated[float, "chi-squared"]
     degrees_of_freedom: int
     p: Annotated[float, "probability of a larger deviation if the file is right"]
+    unless: Annotated[list[str], "effects with which the car agrees with its file, if the tires lack one"]
 
 
 class LeftOutContent(TypedDict):

@@ -26,6 +26,7 @@ from .inputs.car import Car
 from .inputs.grid import Grid
 from .inputs.unknowns import CHANGED, FACTOR_SPREAD, SAME_SPREAD, Unknowns
 from .interval import BALANCE, MOTION, AddedForces
+from .trust.contradiction import is_agreement
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -88,12 +89,14 @@ def evidence_of(information: FloatArray, score: FloatArray, spread: FloatArray) 
 class Rival:
     """An effect that the tires may lack, or none: `missing` is None.
 
-    - `u`: standardized deviations of its coefficients. `probability`: of this explanation.
+    - `u`: standardized deviations of its coefficients. `probability`: of this explanation. `agrees`: whether the car
+      agrees with its file if the tires lack the effect.
     """
 
     missing: Missing | None
     u: FloatArray
     probability: float = 0.0
+    agrees: bool = False
 
 
 @dataclass(frozen=True)
@@ -115,8 +118,8 @@ def rivals_of(base: DriveExplanation, unknowns: Unknowns, car: Car, tires: dict[
     length = np.mean([correlation_length(row, base.grid.segment) for row in residuals])
     factors, motion = factor_values(unknowns, base.estimate.z), motion_of(base.grid, base.estimate, unknowns, car)
     for missing, u, power in _shortlist(base, motion, tires, factors):
-        evidence, u = _fitted(base, motion, unknowns, missing, u, factors)
-        rivals.append(Rival(missing, u))
+        evidence, u, agrees = _fitted(base, motion, unknowns, missing, u, factors)
+        rivals.append(Rival(missing, u, agrees=agrees))
         logs.append(float((evidence - without) * power / length) + _log_prior(missing))
     share = np.exp(np.array(logs) - max(logs))
     ranked = [replace(rival, probability=float(p)) for rival, p in zip(rivals, share / share.sum(), strict=True)]
@@ -126,6 +129,12 @@ def rivals_of(base: DriveExplanation, unknowns: Unknowns, car: Car, tires: dict[
 def lacking(ranked: Sequence[Rival]) -> float:
     """Return the probability that the tires lack an effect of the library."""
     return sum(rival.probability for rival in ranked if rival.missing)
+
+
+def explaining(ranked: Sequence[Rival]) -> tuple[str, ...]:
+    """Return the effects that explain a drive as well as another car would: with one, the car agrees with its file."""
+    none = next(rival.probability for rival in ranked if not rival.missing)
+    return tuple(rival.missing.name for rival in ranked if rival.missing and rival.agrees and rival.probability > none)
 
 
 def _log_prior(missing: Missing) -> float:
@@ -145,8 +154,11 @@ def _with_wrong_car(information: FloatArray, score: FloatArray, unknowns: Unknow
 def _fitted(
     base: DriveExplanation, motion: Motion, unknowns: Unknowns, missing: Missing, u: FloatArray,
     factors: Mapping[str, Mapping[str, float]],
-) -> tuple[float, FloatArray]:  # fmt: skip
-    """Return the evidence of an effect for the linearized rest of the drive, and its coefficients (Gauss-Newton)."""
+) -> tuple[float, FloatArray, bool]:  # fmt: skip
+    """Return the evidence of an effect for the linearized rest of the drive, and its coefficients (Gauss-Newton).
+
+    Third: whether the car agrees with its file.
+    """
     k, without = len(u), motion.side_forces(missing.off(factors))
 
     def added(u: FloatArray) -> FloatArray:
@@ -162,12 +174,14 @@ def _fitted(
         information, rest = both[:-1, :-1], score[:-1] - both[:-1, -1]
         constant = score[-1] - both[-1, -1] / 2
         evidence = constant + _with_wrong_car(information, rest, unknowns)
-        best = np.linalg.solve(information + np.eye(len(rest)), rest)[-k:]
-        change = np.clip(best - u, -1.0, 1.0)
+        covariance: FloatArray = np.asarray(np.linalg.inv(information + np.eye(len(rest))), dtype=np.float64)
+        z = covariance @ rest
+        change = np.clip(z[-k:] - u, -1.0, 1.0)
         if np.abs(change).max() < SMALL_CHANGE:
             break
         u = u + change
-    return float(evidence), u
+    n_car = len(unknowns.car)
+    return float(evidence), u, is_agreement(z[:n_car], covariance[:n_car, :n_car])
 
 
 def forces_of(rival: Rival, unknowns: Unknowns, car: Car, base: DriveExplanation) -> Forces:

@@ -121,7 +121,7 @@ def verdict_on(
     of_car = tuple(
         CarFinding(name, values[name], car.values[name], float(z), wrong[name])
         for name, z in zip(unknowns.car, estimate.z, strict=False)
-        if contradiction.certain
+        if contradiction.of_car
         and wrong[name] > CERTAIN
         and abs(z) > DEVIATING
         and not contradiction_of(estimate, unknowns, name).certain
@@ -153,11 +153,17 @@ def verdict_on(
 def _contradiction_line(contradiction: Contradiction, estimate: Estimate, unknowns: Unknowns) -> str:
     deviations = np.abs(estimate.z[: len(unknowns.car)])
     strongest = [unknowns.car[i] for i in np.argsort(-deviations, kind="stable")[:NAMED]]
-    return (
-        f"the drive contradicts the car file: chi-squared {contradiction.deviation:.3g} with "
-        f"{contradiction.degrees_of_freedom} degrees of freedom (p {contradiction.p:.1g}), most in "
-        f"{', '.join(strongest)}: no conclusion about the tires is possible"
+    numbers = (
+        f"chi-squared {contradiction.deviation:.3g} with {contradiction.degrees_of_freedom} degrees of freedom "
+        f"(p {contradiction.p:.1g}), most in {', '.join(strongest)}"
     )
+    if contradiction.unless:
+        names = " or ".join(contradiction.unless)
+        return (
+            f"the drive contradicts the car file ({numbers}), or the tires lack {names}, with which the car agrees "
+            "with its file: no further conclusion about the tires is possible"
+        )
+    return f"the drive contradicts the car file: {numbers}: no conclusion about the tires is possible"
 
 
 def _prediction_line(predicted: LeftOut | None, something: bool) -> str:

@@ -17,7 +17,7 @@ from ...symbolic.declarations import Coefficient, Quantity
 from ...tires import Tire
 from ...tires.channels import CHANNELS
 from ...tires.definition import RANGES as RANGE_KEYS
-from ...tires.property_file.names import ASSUMED, listed, unmeasured_coefficients, unmeasured_outputs
+from ...tires.property_file.names import ASSUMED, is_measured, listed, unmeasured_coefficients, unmeasured_outputs
 from ...tires.property_file.writing import tir_text
 
 #: Units of the sliders, and the factors from SI values; all other units are SI units.
@@ -122,7 +122,7 @@ def tire_data(
 def _quantity(tire: Tire, role: str) -> dict[str, Any]:
     name = tire.symbolic_model.quantity(role)
     unit, text = tire.symbolic_model.structure.quantities[name]
-    measured = tire.symbolic_model.leading(role) not in unmeasured_coefficients(tire)
+    measured = is_measured(tire, role)
     text = excerpt(text.partition(";")[0])  # without its remarks
     return {"name": name, "unit": "" if unit == "1" else unit, "text": text, "measured": measured}
 

@@ -38,7 +38,7 @@ CERTAIN = -10.0 * REFIT_MARGIN
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class ComparedExplanations:
     """The answer, the most probable explanation with its refit, and what all explanations have in common.
 
     - `stopped`: why explanations were not compared; empty if all were.
@@ -52,7 +52,7 @@ class Comparison:
 
 def compared(
     problem: LeastSquares, baseline: Solution, candidates: Mapping[str, Candidate], budget: Budget
-) -> Comparison:
+) -> ComparedExplanations:
     """Compare explanations of a recording.
 
     Parameters
@@ -65,7 +65,7 @@ def compared(
 
     Returns
     -------
-    Comparison
+    ComparedExplanations
         The best so far if the budget ends.
     """
     few = problem.subsampled(some_rows(problem.simulator))
@@ -79,7 +79,7 @@ def compared(
         stopped = budget.ended
     # A table that was stopped at its beginning has compared less than the one before.
     table = max(tables, key=lambda table: len(table.scores)) if stopped else tables[-1]
-    return Comparison(answer_of(table.divided_scores(), candidates), table.leader, table.shared, stopped)
+    return ComparedExplanations(answer_of(table.divided_scores(), candidates), table.leader, table.shared, stopped)
 
 
 def _compare(

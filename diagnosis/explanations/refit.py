@@ -91,7 +91,8 @@ def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArr
 
     The skew begins with that of the simulator. Raises `Ended` if the time of the comparison is over.
     """
-    whole, coarse = (with_terms(each, explanation.terms).over(simulator) for each in (shared.problem, shared.coarse))
+    problems = (shared.problem, shared.coarse)
+    whole, coarse = (with_terms(problem, explanation.terms).over(simulator) for problem in problems)
     fitted = {*shared.free, *(name for _, form in explanation.forms for name in form.free)}
     free = tuple(sorted(fitted, key=simulator.names.index))
     tried = []

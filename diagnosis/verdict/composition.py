@@ -336,7 +336,7 @@ def confounded_with(outcome: DiagnosisOutcome, tested: Sequence[Tried]) -> dict[
             size[other] = max(value, size.get(other, 0.0))
         contained = outcome.candidates[name].contains
         confounded[name] = {other: value for other, value in size.items() if value > REPORTED and other != contained}
-        if "distance" in outcome.candidates[name].requires and "T" not in outcome.signals.recorded:
+        if "distance" in outcome.candidates[name].requires and "T" not in outcome.signals.origin.recorded:
             confounded[name][UNRECORDED_TEMPERATURE] = 1.0
     return {name: others for name, others in confounded.items() if others}
 

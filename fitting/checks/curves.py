@@ -227,7 +227,7 @@ class MeasuredCurves:
         everywhere = np.array(held_levels(self.table[channel]) or held)
         near = [float(everywhere[np.abs(everywhere - level).argmin()]) for level in held]
         tolerance = self.tolerance(channel)
-        return [other if abs(other - own) <= tolerance else own for own, other in zip(held, near, strict=True)]
+        return [other if abs(other - level) <= tolerance else level for level, other in zip(held, near, strict=True)]
 
     def _smallest(self, rows: pd.DataFrame, channel: str) -> float:
         return min(self._levels(rows, channel), key=_size)

@@ -109,6 +109,8 @@ class CheckResult:
         The same rows of the recording: ``t`` (equal steps if it had none), inputs and measured outputs, ISO signs.
     starts : tuple of int
         The first row of each segment.
+    not_fitted : tuple of str
+        Measured outputs that the data of the embedded tire did not show: they say nothing about it.
     """
 
     fmu: str
@@ -123,6 +125,7 @@ class CheckResult:
     simulated: pd.DataFrame = field(default_factory=pd.DataFrame, repr=False)
     recording: pd.DataFrame = field(default_factory=pd.DataFrame, repr=False)
     starts: tuple[int, ...] = ()
+    not_fitted: tuple[str, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -150,10 +153,13 @@ class CheckResult:
     @property
     def of_tire(self) -> Statement:
         """Whether the tire describes this recording. It decides about `ok` by the tolerance only."""
-        described = [channel for channel in self.channels if channel.r2 >= GOOD_R2]
-        poor = [channel for channel in self.channels if channel not in described]
+        judged = [channel for channel in self.channels if channel.name not in self.not_fitted]
+        described = [channel for channel in judged if channel.r2 >= GOOD_R2]
+        poor = [channel for channel in judged if channel not in described]
         numbers = ", ".join(f"{channel.name} {channel.r2:.3g}" for channel in (*described, *poor))
-        if not poor:
+        if not judged:
+            grade, text = "limited", "the tire was not fitted to what this recording measures"
+        elif not poor:
             grade, text = "good", "the tire describes this recording"
         elif described and all(channel.r2 > WRONG_R2 for channel in poor):
             names = ", ".join(channel.name for channel in poor)
@@ -166,7 +172,9 @@ class CheckResult:
         if self.beyond_tolerance:
             names = ", ".join(channel.name for channel in self.beyond_tolerance)
             grade, text = "bad", f"{text}; the error of {names} exceeds {self.tolerance:.3g} of the largest value"
-        return Statement(grade, f"{text} (R2: {numbers})")
+        text += f" (R2: {numbers})" if numbers else ""
+        text += f"; the tire was not fitted to {', '.join(self.not_fitted)}" if judged and self.not_fitted else ""
+        return Statement(grade, text)
 
     def to_json(self) -> dict[str, Any]:
         """Return the result as plain values for json.dump; NaN and infinity become None."""

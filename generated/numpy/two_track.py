@@ -106,11 +106,13 @@ def accelerations(v_x, v_y, yaw_rate, delta_f, delta_r, m, I_z, l_f, l_r, w_f, w
     )
 
 
-def sensor(v_x, v_y, yaw_rate, v_x_dot, v_y_dot, yaw_rate_dot, s_x, s_y, roll_gradient, misalignment, xp=np):
+def sensor(v_x, v_y, yaw_rate, v_x_dot, v_y_dot, yaw_rate_dot, a_x_lag, a_y_lag, s_x, s_y, roll_gradient,
+    misalignment, xp=np):
     """What a sensor in the vehicle measures."""
     a_x = v_x_dot - v_y*yaw_rate
     a_y = v_y_dot + v_x*yaw_rate
-    roll = a_y*roll_gradient
+    a_y_rolled = a_y + a_y_lag
+    roll = a_y_rolled*roll_gradient
     a_x_there = a_x - s_x*yaw_rate**2 - s_y*yaw_rate_dot
     a_y_there = a_y + 9.80665*roll + s_x*yaw_rate_dot - s_y*yaw_rate**2
     sensor_a_x = a_x_there + a_y_there*misalignment

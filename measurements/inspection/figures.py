@@ -88,14 +88,14 @@ def _slip_of(inspection: Inspection, output: str) -> str:
 
     Its own; or the other one, if only that was swept, at a level of its own that is not zero.
     """
-    own = SLIP[output]
+    slip = SLIP[output]
     table, swept = inspection.recording.table, {name for sweep in inspection.sweeps for name in sweep.moving}
     varied = [name for name in ("kappa", "alpha") if name in table and np.ptp(table[name]) > 0.0]
     usable = [name for name in varied if name in swept] or varied
-    if own in usable or not usable or own not in table:
-        return own if own in usable else ""
-    held = held_levels(table[own])
-    return usable[0] if held and max(map(abs, held)) > level_tolerance(table[own], own) else ""
+    if slip in usable or not usable or slip not in table:
+        return slip if slip in usable else ""
+    held = held_levels(table[slip])
+    return usable[0] if held and max(map(abs, held)) > level_tolerance(table[slip], slip) else ""
 
 
 def _slip_panel(included: pd.DataFrame, slip: str, name: str, signs: str) -> Panel:
@@ -112,7 +112,7 @@ def _slip_panel(included: pd.DataFrame, slip: str, name: str, signs: str) -> Pan
     return Panel(axis_label(slip), axis_label(name), tuple(series), held_text(signs, held), (0.0,), (0.0,))
 
 
-def _held(rows: pd.DataFrame, slip: str, own: str) -> tuple[dict[str, float], BoolArray]:
+def _held(rows: pd.DataFrame, slip: str, slip_of_output: str) -> tuple[dict[str, float], BoolArray]:
     """Return levels of the inputs other than slip and load, and the rows at them.
 
     The other slip and the camber are nearest to zero, but the slip of the output itself is at its largest level;
@@ -127,11 +127,12 @@ def _held(rows: pd.DataFrame, slip: str, own: str) -> tuple[dict[str, float], Bo
         tolerance = level_tolerance(values, name)
         levels = held_levels(rows[name])
         if name in ("kappa", "alpha"):
-            levels = [max(levels, key=abs)] if name == own and levels else [0.0]
+            levels = [max(levels, key=abs)] if name == slip_of_output and levels else [0.0]
         counts = {level: int((at_levels & (np.abs(values - level) <= tolerance)).sum()) for level in levels}
         if present := [level for level, count in counts.items() if count]:
             near = 0.0 if name == "gamma" else float(np.median(values))
-            held[name] = min(present, key=lambda level, near=near: graded(abs(level - near)))
+            distances = [graded(abs(level - near)) for level in present]
+            held[name] = present[distances.index(min(distances))]
             at_levels &= np.abs(values - held[name]) <= tolerance
     return held, at_levels
 

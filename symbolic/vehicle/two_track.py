@@ -86,7 +86,7 @@ line(BODY, "e_front", (lr*beyond_y + beyond_n) / (lf + lr))
 line(BODY, "e_rear",  (lf*beyond_y - beyond_n) / (lf + lr))
 
 # What a sensor measures.
-roll = line(SENSOR, "roll", roll_gradient*ay, "rad", "roll angle of the body")
+roll = line(SENSOR, "roll", roll_gradient*rolled, "rad", "roll angle of the body")
 along = line(SENSOR, "a_x_there", ax - r_dot*sy - r**2*sx, "m/s^2", "longitudinal acceleration at the sensor")
 left  = line(SENSOR, "a_y_there", ay + r_dot*sx - r**2*sy + g*roll, "m/s^2", "lateral acceleration, with gravity")
 line(SENSOR, "sensor_a_x", along + misalignment*left, "m/s^2", "longitudinal acceleration that the sensor measures")
@@ -112,6 +112,7 @@ FUNCTIONS = tuple(
          (*car.MOTION, *car.RATES, *car.TURNED, *car.CAR, *car.FORCES), car.BALANCE),
         ("accelerations", "Rates of the motion that the forces of the tires cause.",
          (*car.MOTION, *car.TURNED, *car.CAR, *car.FORCES), car.ACCELERATIONS),
-        ("sensor", "What a sensor in the vehicle measures.", (*car.MOTION, *car.RATES, *car.SENSOR), car.READINGS),
+        ("sensor", "What a sensor in the vehicle measures.", (*car.MOTION, *car.RATES, *car.LAG, *car.SENSOR),
+         car.READINGS),
     )
 )  # fmt: skip

@@ -142,7 +142,7 @@ def test_a_ripple_once_per_revolution_is_found_in_its_channel(at_true_values):
     speed = np.full((1, len(signals.t)), 10.0)
     signals = replace(signals, names=(*signals.names, "V"), inputs=np.concatenate([signals.inputs, speed]))
     assert ripple(signals, rng.normal(size=signals.measured.shape), 0.3) == {}  # V is nominal: not recorded
-    signals = replace(signals, recorded=signals.recorded | {"V"})
+    signals = replace(signals, origin=replace(signals.origin, recorded=signals.origin.recorded | {"V"}))
     rest = rng.normal(size=signals.measured.shape)
     assert ripple(signals, rest, 0.3) == {}
     turning = 10.0 * (1.0 + signals.inputs[signals.names.index("kappa")])

@@ -154,6 +154,21 @@ def test_what_the_estimate_explains_of_the_steering_is_no_refusal(change, car):
     checked(turning(change), car)
 
 
+def test_braking_that_is_faster_than_the_steering_shortens_the_intervals(car):
+    t = 0.01 * np.arange(2000)
+    steer = 0.3 * np.sin(0.5 * t)
+    braking = np.where(t % 4.0 < 1.0, -6.0, 2.0)
+    noise = 0.1 * np.random.default_rng(3).standard_normal((2, len(t)))
+    steps = []
+    for ax in (noise[0], braking + noise[0]):
+        ay = 15.0**2 * steer / car.values["ratio"] / 2.5
+        motion = {"speed": 15.0, "yaw_rate": ay / 15.0, "ax": ax, "ay": ay + noise[1]}
+        recorded = read_log(pd.DataFrame({"t": t, "steer": steer, **motion}))
+        steps.append(gridded(recorded, car, forward_speed(recorded, car)).step)
+    assert steps[0] == 0.1  # noise is no motion
+    assert steps[1] < 0.1
+
+
 @pytest.mark.parametrize("change", OWN.values(), ids=OWN)
 @pytest.mark.parametrize("late", [-1900, 1300])
 def test_the_log_of_another_drive_is_refused(change, late, car):

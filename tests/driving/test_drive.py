@@ -334,7 +334,7 @@ def test_a_tire_of_another_load_class_is_refused(nominal, message, log, car, tir
 
 
 def test_the_command_writes_the_answer(log, tire, tmp_path, capsys):
-    log[:900].rename(columns={"ay": "AccY"}).assign(AccY=log["ay"] / 9.80665).to_csv(tmp_path / "log.csv", index=False)
+    log[:520].rename(columns={"ay": "AccY"}).assign(AccY=log["ay"] / 9.80665).to_csv(tmp_path / "log.csv", index=False)
     tire.save(tmp_path / "front.tir")
     lines = [f"[{name}]\n" + "\n".join(f"{k} = {v}" for k, v in of.items()) for name, of in road.car_content().items()]
     (tmp_path / "car.toml").write_text("\n".join(lines), encoding="utf-8")

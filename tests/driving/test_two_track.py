@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import road
 
+from tirefmu.applications.driving.interval import _apart
 from tirefmu.tires.code.modules import two_track
 
 BODY = (1250.0, 1700.0, 1.2, 1.3, 1.5, 1.48, 0.52, 0.56, 0.0)
@@ -47,6 +48,24 @@ def test_compliance_turns_the_wheels_towards_understeer():
     motion = 15.0, 0.0, 0.3, 0.0, 0.0, 0.0
     front, rear, inclination = two_track.turned(*motion, 0.0, 0.0, 0.05, 1e-3, 2e-3, 3e-3)
     np.testing.assert_allclose([front, rear, inclination], [0.05 - 4.5e-3, 9e-3, 13.5e-3])
+
+
+def test_the_roll_that_an_accelerometer_feels_lags_as_the_load_does():
+    motion, sensor = (15.0, 0.0, 0.3, 0.0, 0.0, 0.0), (0.0, 0.0, 0.01, 0.0)
+    upright = two_track.sensor(*motion, 0.0, -4.5, *sensor)[1]
+    assert upright == pytest.approx(4.5)
+    assert two_track.sensor(*motion, 0.0, 0.0, *sensor)[1] == pytest.approx(4.5 + 9.80665 * 0.045)
+
+
+def test_a_wheel_at_its_limit_transmits_less_than_the_other_one():
+    stiffness = 30000.0, 90000.0
+    # Both wheels are linear, and their slips say that the forces differ by 300 N: brakes are more equal than that.
+    assert abs(_apart(2000.0, [0.0283, 0.0128], [850.0, 1150.0], stiffness)) < 0.5 * 150.0
+    # The unloaded wheel spins at its limit: the other one has the rest of the pull, whatever its own slip says.
+    apart = _apart(4800.0, [0.11, 0.03], [1900.0, 2600.0], stiffness)
+    assert -500.0 < apart < -0.6 * 500.0
+    assert _apart(4800.0, [0.03, 0.11], [2600.0, 1900.0], stiffness[::-1]) == pytest.approx(-apart)
+    assert _apart(0.0, [0.001, -0.001], [30.0, -90.0], stiffness) == pytest.approx(0.0, abs=1e-6)
 
 
 def test_slips_and_loads_are_those_of_the_independent_program():

@@ -128,7 +128,7 @@ def scanned(tire, recordings):
     return {name: q.max() for name, q in zip(code.quantities_names, quantities, strict=True) if name.startswith("E_")}
 
 
-@pytest.mark.parametrize("model", ["mf61", "mf52", "mf96"])
+@pytest.mark.parametrize("model", ["mf61", *(pytest.param(name, marks=pytest.mark.slow) for name in ("mf52", "mf96"))])
 def test_no_curvature_factor_exceeds_1_anywhere_in_the_range(measured, recordings, model):
     """An independent scan. MF6.2 has the lines of E of MF6.1; the other models are fitted to every eighth row."""
     some = [replace(each, table=each.table.iloc[::8].reset_index(drop=True)) for each in recordings]

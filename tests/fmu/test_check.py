@@ -146,6 +146,11 @@ def test_an_exact_fmu_of_a_wrong_tire_is_stated_apart(fmu, table):
     silent = check(fmu, table.assign(Fx=table["Fx"].mean() + noise).drop(columns="Mz").query("kappa == 0"))
     assert silent.of_tire.grade == "limited" or silent.channels[0].r2 < -1.0
     assert "Fx" in silent.of_tire.text
+    unfitted = replace(wrong, not_fitted=("Fx", "Fy", "Mz"))
+    assert (unfitted.of_tire.grade, unfitted.ok) == ("limited", True)
+    partly = replace(check(fmu, table.assign(Fx=noise)), not_fitted=("Fx",))
+    assert partly.of_tire.grade == "good"
+    assert partly.of_tire.text.endswith("; the tire was not fitted to Fx")
     refused = check(fmu, table.assign(Fy=1.1 * table["Fy"]), tolerance=0.01)
     assert (refused.of_fmu.grade, refused.of_tire.grade, refused.ok) == ("good", "bad", False)
     assert "Fy exceeds 0.01" in refused.of_tire.text

@@ -129,7 +129,8 @@ def test_a_channel_that_occurs_twice_is_refused():
 
 def test_what_a_simulation_needs_is_accepted():
     assert not TIRE.forces(kappa=[0.1, 9.0], Fz=0.0)["Fx"].any()
-    assert np.isfinite(TIRE.forces(kappa=[-1.0, -1.6, 0.3, 0.9, 1.4, -0.2])["Fx"]).all()
+    for spinning in ([-1.0, -1.6, -1.8], 1.5, [0.5, 3.0, 1.2]):  # backwards, or in the first gear
+        assert np.isfinite(TIRE.forces(kappa=spinning)["Fx"]).all()
     assert np.isfinite(TIRE.forces(kappa=np.array([-1.0, 0.0, 10.0]), V=[0.0, -3.0, 80.0])["Fx"]).all()
     np.testing.assert_array_equal(np.isnan(TIRE.forces(alpha=[0.1, np.nan])["Fy"]), [False, True])
     lifted = pd.DataFrame({"alpha": 0.1, "Fz": [900.0, 400.0, -3.0]})  # noise of a load cell

@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 from scipy.stats import chi2
 
 from ..estimate import Estimate
 from ..inputs.unknowns import Unknowns
+
+FloatArray = npt.NDArray[np.float64]
 
 #: Share of the variance of the file that a drive takes away from a combination of entries that it can contradict.
 SEEN = 0.1
@@ -26,17 +29,24 @@ class Contradiction:
     - `deviation`: chi-squared: squares of the deviations of independent combinations of entries, over the variances
       that they have if the file is right. `degrees_of_freedom`: their number.
     - `p`: probability of a larger deviation if the file is right. `converged`: whether the estimate did.
+    - `unless`: effects of the library with which the car agrees with its file, if the tires lack one.
     """
 
     deviation: float
     degrees_of_freedom: int
     p: float
     converged: bool
+    unless: tuple[str, ...] = ()
 
     @property
     def certain(self) -> bool:
-        """Whether the drive contradicts the car: an estimate that is not at its optimum says nothing about it."""
+        """Whether car and tires together contradict the drive: an estimate that is not at its optimum says nothing."""
         return self.converged and self.p < IMPROBABLE
+
+    @property
+    def of_car(self) -> bool:
+        """Whether it is the car that contradicts its file: no effect that the tires may lack explains the drive."""
+        return self.certain and not self.unless
 
 
 def contradiction_of(estimate: Estimate, unknowns: Unknowns, without: str = "") -> Contradiction:
@@ -52,8 +62,21 @@ def contradiction_of(estimate: Estimate, unknowns: Unknowns, without: str = "") 
         free = precision - np.diag(np.arange(len(z)) == unknowns.car.index(without)).astype(np.float64) * (1.0 - UNTOLD)
         covariance = np.asarray(np.linalg.inv(free), dtype=np.float64)
         z = covariance @ (precision @ z)
-    values, vectors = np.linalg.eigh(np.eye(len(kept)) - covariance[np.ix_(kept, kept)])
+    deviation, degrees = joint_deviation(z[kept], covariance[np.ix_(kept, kept)])
+    return Contradiction(deviation, degrees, _chance(deviation, degrees), estimate.converged)
+
+
+def joint_deviation(z: FloatArray, covariance: FloatArray) -> tuple[float, int]:
+    """Return the joint deviation of standardized entries, shape (n,), with a posterior covariance, and its freedom."""
+    values, vectors = np.linalg.eigh(np.eye(len(z)) - covariance)
     seen = values > SEEN
-    deviation = float(np.sum((vectors.T @ z[kept])[seen] ** 2 / values[seen]))
-    degrees = int(seen.sum())
-    return Contradiction(deviation, degrees, float(chi2.sf(deviation, max(degrees, 1))), estimate.converged)
+    return float(np.sum((vectors.T @ z)[seen] ** 2 / values[seen])), int(seen.sum())
+
+
+def is_agreement(z: FloatArray, covariance: FloatArray) -> bool:
+    """Return whether entries with a posterior covariance agree with their file; see `joint_deviation`."""
+    return _chance(*joint_deviation(z, covariance)) >= IMPROBABLE
+
+
+def _chance(deviation: float, degrees: int) -> float:
+    return float(chi2.sf(deviation, max(degrees, 1)))

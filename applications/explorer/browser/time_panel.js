@@ -114,7 +114,7 @@ class TimePanel {
       for (const [style, tire, response] of shown) {
         const label = { loaded: "as loaded", other: tire.data.name, now: "this tire" }[style];
         members.forEach((name, i) => {
-          const { zero } = this.states.find((each) => each.name === name) ?? { zero: 0 };
+          const zero = this.states.find((each) => each.name === name)?.zero ?? 0;
           const y = response[kind].map((each) => each[name] - zero);
           const own = members.length > 1 ? { label: `${name}, ${label}`, color: LOAD_COLORS[i] } : { label };
           if (Number.isFinite(y[0])) curves.push({ ...own, style, x: response.t, y });

@@ -10,7 +10,14 @@ from ....boundary.errors import DataError
 from ....numerics.arrays import FloatArray
 from ....numerics.ties import graded
 from ....tires.channels import CHANNELS
-from ....tires.input_check import BACKWARD_SLIP, MAX_BACKWARD_ROWS, MAX_FAR_SLIPS, MAX_WRONG_LOADS, SMALLEST_PRESSURE
+from ....tires.input_check import (
+    BACKWARD_SLIP,
+    FAR_SLIP,
+    MAX_BACKWARD_ROWS,
+    MAX_FAR_SLIPS,
+    MAX_WRONG_LOADS,
+    SMALLEST_PRESSURE,
+)
 from ...recording import Recording
 from ...thresholds import LARGEST_BAR, LARGEST_PSI, RATIO_TOLERANCE, SMALLEST_LOAD
 from ...units import to_si
@@ -105,11 +112,11 @@ def _spinning_wheel(recording: Recording, declared: list[str]) -> Iterator[str]:
     kappa = recording.table["kappa"].to_numpy(dtype=np.float64)[recording.table["Fx"].notna().to_numpy()]
     advice = "in percent? declare it: 'kappa [%]' (or 'kappa [1]')"
     backwards = float(np.mean(kappa < BACKWARD_SLIP)) if len(kappa) else 0.0
-    far = float(np.mean(np.abs(kappa) > -BACKWARD_SLIP)) if len(kappa) else 0.0
+    far = float(np.mean(np.abs(kappa) >= FAR_SLIP)) if len(kappa) else 0.0
     if backwards > MAX_BACKWARD_ROWS:
         yield f"kappa is below -1 in {100.0 * backwards:.0f} % of the rows, a wheel that turns backwards: {advice}"
     if far > MAX_FAR_SLIPS:
-        yield f"|kappa| is above 1 in {100.0 * far:.0f} % of the rows, a wheel that spins: {advice}"
+        yield f"|kappa| is 2 or more in {100.0 * far:.0f} % of the rows, a wheel that spins: {advice}"
 
 
 def _wrong_load_sign(recording: Recording) -> Iterator[str]:

@@ -52,27 +52,24 @@ def residual_findings(recordings: Sequence[Recording], predicted: Sequence[pd.Da
             if name in recording.table and name in forces:
                 for kind, coefficient, share in _causes(recording, name, forces[name].to_numpy(dtype=np.float64)):
                     causes[kind][name] = coefficient, share
-        findings += [_finding(recording.source, kind, found) for kind, found in causes.items() if found]
+        findings += [_finding(recording.source, kind, measured) for kind, measured in causes.items() if measured]
     return findings
 
 
-def _finding(source: str, kind: str, found: Mapping[str, tuple[float, float]]) -> DataFinding:
+def _finding(source: str, kind: str, measured: Mapping[str, tuple[float, float]]) -> DataFinding:
     """Return the finding on a cause: its coefficient and the share that it explains, by channel."""
-    several, percent = len(found) > 1, {name: f"{100.0 * share:.0f} %" for name, (_, share) in found.items()}
-    residuals = f"the residual{'s' * several} of {' and '.join(found)}"
+    several, percent = len(measured) > 1, {name: f"{100.0 * share:.0f} %" for name, (_, share) in measured.items()}
+    residuals = f"the residual{'s' * several} of {' and '.join(measured)}"
     if kind == "temperature":
-        follow = f"follow{'s' * (not several)} the tread temperature, or an input that changes with it"
-        sizes = [f"{100.0 * size:+.2f} % of {name} per K" for name, (size, _) in found.items()]
+        follow = f"follow{'s' * (not several)} the tread temperature, or what changes with it,"
+        sizes = [f"{100.0 * size:+.2f} % of {name} per K" for name, (size, _) in measured.items()]
         effects: tuple[str, ...] = ("temp_friction", "temp_stiffness")
     else:
         follow = "are" if several else "is"
-        sizes = [f"a lag of {1e3 * size:.0f} ms" for size, _ in found.values()]
-        effects = tuple(dict.fromkeys(_LAG_EFFECT[name] for name in found))
-    joint = "" if kind == "lag" else ","
+        sizes = [f"a lag of {1e3 * size:.0f} ms" for size, _ in measured.values()]
+        effects = tuple(dict.fromkeys(_LAG_EFFECT[name] for name in measured))
     shares = f"{' and '.join(percent.values())} of {'their' if several else 'its'} mean square"
-    return DataFinding(
-        kind, f"{source}: {residuals} {follow}{joint} like {' and '.join(sizes)} ({shares})", effects=effects
-    )
+    return DataFinding(kind, f"{source}: {residuals} {follow} like {' and '.join(sizes)} ({shares})", effects=effects)
 
 
 def _causes(recording: Recording, name: str, force: FloatArray) -> Iterator[tuple[str, float, float]]:

@@ -23,7 +23,7 @@ def recording(signs="iso", declared="", **columns) -> Recording:
         ({"gamma": [0.0, 4.0]}, "gamma reaches 4 rad: in degrees?"),
         (
             {"kappa": [0.0, 2.0, 5.0, 8.0], "Fx": [0.0, 9.0, 9.0, 9.0]},
-            "above 1 in 75 % of the rows, a wheel that spins: in percent?",
+            "|kappa| is 2 or more in 75 % of the rows, a wheel that spins: in percent?",
         ),
         ({"kappa": [-4.0, 4.0], "Fx": [-1.0, 1.0]}, "backwards: in percent? declare it: 'kappa [%]' (or 'kappa [1]')"),
         ({"kappa": [-15.0, 100.0]}, "kappa reaches 100: in percent? declare it: 'kappa [%]'"),
