@@ -131,7 +131,8 @@ def _held(rows: pd.DataFrame, slip: str, slip_of_output: str) -> tuple[dict[str,
         counts = {level: int((at_levels & (np.abs(values - level) <= tolerance)).sum()) for level in levels}
         if present := [level for level, count in counts.items() if count]:
             near = 0.0 if name == "gamma" else float(np.median(values))
-            held[name] = min(present, key=lambda level, near=near: graded(abs(level - near)))
+            distances = [graded(abs(level - near)) for level in present]
+            held[name] = present[distances.index(min(distances))]
             at_levels &= np.abs(values - held[name]) <= tolerance
     return held, at_levels
 
