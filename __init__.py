@@ -34,30 +34,6 @@ if TYPE_CHECKING:
 
     __version__: str
 
-#: The names of each package or module; `load` is a name of this one.
-_NAMES = {
-    "applications.batch.diagnose_many": ("diagnose_many",),
-    "applications.batch.fit_many": ("fit_many",),
-    "applications.batch.intervals": ("bootstrap",),
-    "applications.batch.study": ("study",),
-    "applications.comparison.comparison": ("compare",),
-    "applications.explorer.explore": ("explore",),
-    "applications.exports.convert": ("convert",),
-    "applications.exports.lint": ("lint",),
-    "applications.planning.plan": ("plan",),
-    "boundary.errors": ("TirefmuError",),
-    "diagnosis": ("Diagnosis", "diagnose"),
-    "applications.driving.drive": ("drive",),
-    "applications.driving.result": ("Drive",),
-    "measurements.evaluation": ("evaluate",),
-    "measurements.inspection.inspection": ("inspect",),
-    "fitting": ("FitResult", "fit"),
-    "fmu": ("CheckResult", "ProofResult", "add_proof", "check", "export", "repeat_proof"),
-    "measurements": ("Recording", "VirtualBench", "read_recording"),
-    "tires": ("Tire", "published"),
-    "tires.drawing.files": ("draw",),
-}
-
 __all__ = [
     "CheckResult",
     "Diagnosis",
@@ -92,8 +68,7 @@ __all__ = [
     "study",
 ]
 
-
-_get, _ = on_demand(__name__, {name: module for module, names in _NAMES.items() for name in names})
+_get, _ = on_demand(__name__)
 
 
 def __getattr__(name: str) -> Any:
@@ -101,10 +76,6 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version  # takes as long as the rest of the import
 
         return version("tirefmu")
-    if name == "load":
-        from .tires import read_tir
-
-        return read_tir
     return _get(name)
 
 

@@ -9,6 +9,7 @@ import contextlib
 import io
 import runpy
 import subprocess
+import warnings
 from collections.abc import Callable
 from itertools import combinations
 from pathlib import Path
@@ -66,10 +67,13 @@ def refused(**inputs: object) -> Use:
     """Return the use of `Tire.forces` with inputs."""
 
     def use(_: Path) -> str:
-        try:
-            return f"evaluated: Fy {TIRE.forces(**inputs)['Fy']}"
-        except TirefmuError as error:
-            return f"refused: {error}"
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            try:
+                side = TIRE.forces(**inputs)["Fy"]
+            except TirefmuError as error:
+                return f"refused: {error}"
+        return f"warning: {caught[0].message}" if caught else f"evaluated: Fy {side}"
 
     return use
 
@@ -175,6 +179,7 @@ def uses() -> dict[str, Use]:
         "array: camber in degrees": refused(gamma=[0.0, 2.0, 4.0]),
         "array: slips in percent": refused(kappa=20.0 * ramp),
         "array: slips in percent, up to 10": refused(kappa=10.0 * ramp),
+        "array: slips in percent, up to 8, of one sign": refused(kappa=[0.0, 2.0, 5.0, 8.0]),
         "array: negative loads": refused(Fz=-900.0 * np.ones(3)),
         "array: loads far beyond the range": refused(Fz=[900.0, 90e3]),
         "array: shapes that do not broadcast": refused(alpha=np.zeros(3), Fz=np.full(2, 900.0)),

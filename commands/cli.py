@@ -7,6 +7,7 @@ A command imports its packages when it runs and its files exist: SymPy, pandas, 
 from __future__ import annotations
 
 import io
+import os
 import shlex
 import sys
 from importlib import import_module
@@ -49,7 +50,13 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def run(command: click.Command, name: str, arguments: list[str] | None) -> int:
-    """Run a command and return its exit code; an error is one line."""
+    """Run a command and return its exit code; an error is one line.
+
+    In a process of its own, each BLAS has one thread, also that of CasADi: matrices are too small for more threads,
+    which would wait for one another.
+    """
+    if arguments is None:
+        os.environ.setdefault("OMP_NUM_THREADS", "1")  # NumPy is imported later
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # for encodings that lack a character of a file name
     try:

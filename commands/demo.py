@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import signal
 import time
-from collections.abc import Mapping
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from dataclasses import replace
 from multiprocessing import get_context
@@ -22,10 +21,11 @@ from ..diagnosis import diagnose, draw_residual_maps, residual_map
 from ..diagnosis.diagnose import with_library
 from ..diagnosis.reporting.gain_figure import gain_figure
 from ..diagnosis.reporting.residual_map import residual_map_figure
+from ..drawing.figure import Figure
 from ..drawing.labels import drawn_unit
 from ..drawing.picture import write_figures
 from ..fitting import FitResult, fit
-from ..fitting.reporting.figures import draw_figures, figures_of
+from ..fitting.reporting.figures import figures_of
 from ..fmu import check, export
 from ..fmu.comparison.figures import check_figures
 from ..fmu.comparison.report import write_check
@@ -91,7 +91,8 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
         diagnosis = _diagnosis(reduced, recording, folder, terminal, chapters)
         with terminal.working("drawing figures"):
             drawn = figures.result()
-    terminal.print(f"  {len(drawn)} figures of both fits: {folder / 'figures'}")
+    chapters[1] = replace(chapters[1], figures=tuple(f for f in drawn if f.name in ("pure_Fy", "stiffness")))
+    terminal.print(f"  {len(drawn)} figures of the fit of all coefficients: {folder / 'figures'}")
     shown = {"fit": chapters[1], "fmu_check": chapters[2], "diagnosis": chapters[4]}
     pictures = write_figures([replace(c.figures[0], name=name) for name, c in shown.items() if c.figures], folder)
     terminal.print(f"  the results in three pictures: {', '.join(map(str, pictures))}")
@@ -134,7 +135,7 @@ def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[DemoSte
     table = recording.table
     text = (
         f"{len(table)} rows, loads {table.Fz.min():.0f} to {table.Fz.max():.0f} N, "
-        f"{np.degrees(table.gamma.max()):.0f} deg camber, with noise and drift"
+        f"camber 0 to {np.degrees(table.gamma.max()):.0f} deg, with noise and drift"
     )
     terminal.print(f"  {text}: {folder / 'bench.csv'}")
     files = (folder / "inspection.html", folder / "bench.csv", folder / "truth.tir")
@@ -144,7 +145,7 @@ def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[DemoSte
 
 def _fits(
     truth: Tire, recording: Recording, folder: Path, terminal: Terminal, chapters: list[DemoStep], second: Executor
-) -> tuple[FitResult, FitResult, Future[list[Path]]]:
+) -> tuple[FitResult, FitResult, Future[list[Figure]]]:
     terminal.heading("2 Fit.", "The thirteen stages of the report, and all coefficients simultaneously")
     nominal = {"Fz0": truth.values["FNOMIN"], "R0": truth.values["UNLOADED_RADIUS"]}
     results, lines = {}, []
@@ -159,27 +160,19 @@ def _fits(
     for line in _stiffness_lines(truth, results):
         lines.append(line)
         terminal.print(f"  {line}")
-    tires = {recipe: result.tire for recipe, result in results.items()}
-    figures = second.submit(_drawn_fits, tires, truth, recording, folder)
-    shown = [
-        figure
-        for figure in figures_of(tires["joint"], [recording], truth=truth)
-        if figure.name in ("pure_Fy", "stiffness")
-    ]
+    figures = second.submit(_drawn_fit, results["joint"].tire, truth, recording, folder)
     files = (folder / "explorer.html", folder / "joint.tir", folder / "trento.tir")
     texts = (f"RMSE of all coefficients in one fit: {errors}.", *(f"{line}." for line in lines))
-    chapters.append(DemoStep("The fit", texts, tuple(shown), files))
+    chapters.append(DemoStep("The fit", texts, (), files))
     return results["joint"], results["trento"], figures
 
 
-def _drawn_fits(tires: Mapping[str, Tire], truth: Tire, recording: Recording, folder: Path) -> list[Path]:
-    """Draw the fitted tires, by recipe, and write the page with sliders."""
-    explore(tires["joint"], folder / "explorer.html", tables=[recording])
-    return [
-        path
-        for recipe, tire in tires.items()
-        for path in draw_figures(tire, [recording], folder / "figures", prefix=f"{recipe}_", truth=truth)
-    ]
+def _drawn_fit(tire: Tire, truth: Tire, recording: Recording, folder: Path) -> list[Figure]:
+    """Draw a fitted tire, write the page with sliders, and return the figures."""
+    explore(tire, folder / "explorer.html", tables=[recording])
+    figures = figures_of(tire, [recording], truth=truth)
+    write_figures(figures, folder / "figures")
+    return figures
 
 
 def _stiffness_lines(truth: Tire, results: dict[str, FitResult]) -> list[str]:
@@ -236,8 +229,9 @@ def _missing_effect(
     with terminal.fitting() as progress:
         reduced = fit([recording], "mf96", start=full.tire, without=["camber_thrust"], progress=progress)
     reduced.tire.save(folder / "without_camber_thrust.tir")
+    given = recording.with_signs("iso")
     maps = [
-        (title, residual_map(result.tire, recording, "Fy", over=("alpha", "gamma")))
+        (title, residual_map(result.tire, given, "Fy", over=("alpha", "gamma")))
         for title, result in (("without camber thrust", reduced), ("with camber thrust", full))
     ]
     draw_residual_maps(maps, folder / "missing_effect.png")

@@ -96,6 +96,7 @@ def diagnose(
     from ..applications.batch.diagnose_many import write_answer
     from ..diagnosis import diagnose as run
     from ..diagnosis.diagnose import STEPS
+    from ..fitting.solvers.interruption import Interruption
     from ..measurements import CHANNELS, check_columns, data_findings, recordings_from
     from ..measurements.turn_slip import with_turn_slip
     from ..tires import tire_from
@@ -120,12 +121,13 @@ def diagnose(
             (stages.begin if sentence in STEPS else stages.event)(sentence)
 
         result = run(recording, **given, candidates=tested, progress=progress)
-        summary = write_answer(
-            result, recording, output, fmus=fmus, others=further, command=command_line(), begin=stages.begin
-        )
+        with Interruption():  # an answer that was computed is written
+            summary = write_answer(
+                result, recording, output, fmus=fmus, others=further, command=command_line(), begin=stages.begin
+            )
     ok = bool(summary["simulated"].get("ok", True))
     write_json(json_file, {"ok": ok, **summary})
-    terminal.print(result.verdict)
+    terminal.print(f"verdict: {result.headline}", *(f"  - {sentence}" for sentence in result.sentences))
     for line in _error_lines(summary):
         terminal.print(line)
     if ignored := [name for name in result.recording["ignored_columns"] if name in CHANNELS]:
@@ -164,14 +166,15 @@ def _diagnose_many(
 
 def _error_lines(summary: dict[str, Any]) -> list[str]:
     """Return lines with the error on the hold-out set and the accuracy of the FMUs."""
+    from ..diagnosis.verdict.summary import before_and_after
+
     lines = [
-        f"  {channel} on the hold-out set: error {gap['before']:.4g} before, {gap['after']:.4g} after, "
-        f"noise floor {gap['floor']:.4g}"
+        f"{channel} on the hold-out set: {before_and_after(channel, gap)}, noise floor {gap['floor']:.4g}"
         for channel, gap in summary["gap"]["holdout"].items() if gap["before"] is not None
     ]  # fmt: skip
     if summary["simulated"]:
         worst = max(summary["simulated"][when]["difference_from_direct_evaluation"] for when in ("before", "after"))
-        lines.append(f"  FMU outputs match direct evaluation (--hold) within {worst:.1e}")
+        lines.append(f"FMU outputs match direct evaluation (--hold) within {worst:.1e}")
     return lines
 
 

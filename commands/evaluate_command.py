@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
+from warnings import catch_warnings, simplefilter
 
 import click
 
@@ -85,11 +86,13 @@ def evaluate(
         raise TirefmuError(f"{table}: {incomplete}: evaluate needs every input of every row")
     terminal.selection(recording)
     with terminal.working(f"evaluating {len(recording)} rows"):
-        result = loaded.evaluate(recording, code=code, **conventions)
+        with catch_warnings(record=True) as caught:
+            simplefilter("always")
+            result = loaded.evaluate(recording, code=code, **conventions)
         write_table(result, output)
     rows, columns = len(result), list(result.columns)
     absent = [name for name in loaded.inputs if name not in recording.table]
-    warnings = column_notes(recording, fitted=False)
+    warnings = [*column_notes(recording, fitted=False), *(str(warning.message) for warning in caught)]
     summary = {
         "ok": True, "rows": rows, "signs": recording.signs, **conventions, "nominal": absent,
         "warnings": warnings,

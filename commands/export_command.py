@@ -36,6 +36,15 @@ class InterfaceOptions:
 
 
 @dataclass(frozen=True)
+class SystemOptions:
+    """The file of a system of tires, the vehicle in it, and whether tires of the other side are mirrored."""
+
+    ssp: Path | None
+    vehicle: Path | None
+    mirror: bool
+
+
+@dataclass(frozen=True)
 class Proof:
     """The table of a proof, and the result of the fit; `table` may be "none"."""
 
@@ -112,10 +121,9 @@ class Proof:
 @click.option("--fit", type=FILE, help="With --proof: JSON of the fit, whose verdict becomes part of the proof.")
 @tables_read
 @common
-@grouped(interface=InterfaceOptions, proof=Proof)
+@grouped(system=SystemOptions, interface=InterfaceOptions, proof=Proof)
 def export(
-    tires: tuple[Path, ...], output: Path | None, ssp: Path | None, vehicle: Path | None, mirror: bool,
-    radius: float | None,
+    tires: tuple[Path, ...], output: Path | None, system: SystemOptions, radius: float | None,
     interface: InterfaceOptions, proof: Proof, selection: TableOptions, kind: str, platforms: str,
     arrays: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
@@ -124,6 +132,7 @@ def export(
     The FMU is native (Co-Simulation and Model Exchange, no Python) or contains editable Python. --ssp exports several
     tires as a system.
     """
+    ssp, vehicle = system.ssp, system.vehicle
     target = output or ssp
     if target is None or (output and ssp):
         raise TirefmuError("export writes one file: give -o or --ssp")
@@ -159,8 +168,8 @@ def export(
     shared: dict[str, Any] = {"fmi": version, "inputs": inputs, "axes": interface.axes}
     with terminal.working("compiling" if kind in ("native", "sti") else "packing"):
         if ssp:
-            system: dict[str, Any] = {"quantities": interface.quantities, "platforms": platforms, "vehicle": vehicle}
-            written = export_system(loaded, target, **shared, **system, mirror=mirror)
+            packed: dict[str, Any] = {"quantities": interface.quantities, "platforms": platforms, "vehicle": vehicle}
+            written = export_system(loaded, target, **shared, **packed, mirror=system.mirror)
         elif kind == "ssv":
             written = export_parameters(loaded[0], target, **shared)
         elif kind == "sti":
@@ -182,7 +191,10 @@ def export(
     }[what]
     shown = "" if kind == "sti" else f"{inputs} inputs, "
     terminal.print(f"{form}, {tires_of}{shown}{size / 1024:.0f} KB: {written}")
-    notes = [*(side_notes(loaded, mirror) if ssp else ()), *(note for tire in loaded for note in use_notes(tire))]
+    notes = [
+        *(side_notes(loaded, system.mirror) if ssp else ()),
+        *(note for tire in loaded for note in use_notes(tire)),
+    ]
     terminal.print(*(f"note: {note}" for note in dict.fromkeys(notes)))
     if (inputs != "slip" or kind == "sti") and (note := with_lengths(loaded[0])[1]):
         terminal.print(f"note: {note}")

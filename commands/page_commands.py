@@ -59,6 +59,19 @@ def compare(
         written = write_comparison(result, recordings, output, signs=draw_signs or selection.signs or "iso")
     write_json(json_file, {**result.to_json(), "files": [str(path) for path in written]})
     terminal.print(f"verdict: {result.verdict}")
+    if result.characteristics:
+        header = ["", *result.names, "unit", "change"]
+        rows = [
+            [
+                c.remark,
+                short(c.first),
+                short(c.second),
+                "" if c.unit == "1" else c.unit,
+                f"{c.change:+.1%}" if c.first else "",
+            ]
+            for c in result.characteristics
+        ]
+        terminal.table(f"At {short(result.characteristics[0].load)} N, without slip", (header, rows))
     for name, names in zip(result.names, result.effects, strict=True):
         if names:
             terminal.print(f"effects of {name} only: {', '.join(names)}")
@@ -74,7 +87,8 @@ def compare(
         [difference.name, short(difference.first), short(difference.second), difference.unit, difference.remark]
         for difference in result.differences
     ]
-    terminal.table("", (["coefficient", *result.names, "unit", "description"], values), most=10_000 if every else 12)
+    header = ["coefficient", *result.names, "unit", "description"]
+    terminal.table(result.counted, (header, values), most=10_000 if every else 12)
     terminal.print(f"report: {written[0]}")
     return 0
 

@@ -16,6 +16,7 @@ from rich.text import Text
 
 from ..boundary.escaping import shortened, visible
 from ..boundary.terminal_table import plain_table
+from ..drawing.labels import drawn_unit, drawn_value
 from ..tires import Tire
 from . import progress
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
 #: Columns of the output.
 LINE = 100
-#: Recordings whose selected rows are printed, and the longest name of one there.
+#: Most recordings whose selected rows are printed one by one, and the longest name of one there.
 FEW, LONGEST_SOURCE = 3, 60
 #: How a line begins whose first word is red.
 WARNING = "warning: "
@@ -102,11 +103,13 @@ class Terminal:
     def selection(self, *recordings: Recording) -> None:
         """Print how many rows of each recording were selected, if rows were selected, and what is not read."""
         counts = [(part.source, part.about["selected"]) for part in recordings if part.about.get("selected")]
-        self.print(*(f"{shortened(visible(source), LONGEST_SOURCE)}: {count}" for source, count in counts[:FEW]))
         if len(counts) > FEW:
-            self.print(f"and selected rows of {len(counts) - FEW} more recordings")
-        for text in dict.fromkeys(recording.about.get("ignored", "") for recording in recordings):
-            self.not_read(text)
+            self.print(f"rows are selected in {len(counts)} recordings")
+        else:
+            self.print(*(f"{shortened(visible(source), LONGEST_SOURCE)}: {count}" for source, count in counts))
+        ignored = list(dict.fromkeys(filter(None, (recording.about.get("ignored", "") for recording in recordings))))
+        others = f"; others of {len(ignored) - 1} more" if len(ignored) > 1 else ""
+        self.not_read(shortened(visible(ignored[0]), LONGEST_SOURCE) + others if ignored else "")
 
     def not_read(self, ignored: str) -> None:
         """Print what of a file is not read; nothing without it."""
@@ -152,9 +155,10 @@ class Terminal:
         lines += [f"  {key}: {text}" for key, text in summary["about"].items()]
         for name, value in summary["nominal"].items():
             low, high = summary["ranges"].get(name, (None, None))
-            valid = f", valid from {low:g} to {high:g}" if low is not None else ""
-            unit = _unit(tire, name)
-            lines.append(f"  {name}: nominal {value:g}{'' if unit == '1' else ' ' + unit}{valid}")
+            at, *ends = (f"{drawn_value(name, number):.5g}" for number in (value, low, high) if number is not None)
+            unit = drawn_unit(name).replace("-", "")
+            lines.append(f"  {name}: nominal {at} {unit}".rstrip() + f", valid from {' to '.join(ends)}" * bool(ends))
+        lines.append(f"  UNLOADED_RADIUS: {tire.values['UNLOADED_RADIUS']:g} m")
         for key, title in (
             ("effects", "effects"),
             ("effects_at_neutral", "effects with all coefficients neutral"),
@@ -166,13 +170,11 @@ class Terminal:
         self.print(*lines)
         if summary["implausible"]:
             self._out.print(_doubts(summary))
-        self._out.print(_values(tire, summary, every))
-        if not every:
+        self._out.print(_characteristics(tire, summary))
+        if every:
+            self._out.print(_values(tire, summary))
+        else:
             self.print("--all lists every coefficient, assumed values, and other contents of the file")
-
-
-def _unit(tire: Tire, name: str) -> str:
-    return next(quantity.unit for quantity in tire.symbolic_model.inputs if quantity.name == name)
 
 
 def _about_the_file(summary: Mapping[str, Any], every: bool) -> list[str]:
@@ -200,13 +202,25 @@ def _doubts(summary: Mapping[str, Any]) -> Table:
     return table
 
 
-def _values(tire: Tire, summary: Mapping[str, Any], every: bool) -> Table:
-    """Return the coefficients: those that are given and not neutral, or all."""
+def _characteristics(tire: Tire, summary: Mapping[str, Any]) -> Table:
+    """Return friction and slip stiffness over load."""
+    lines = summary["characteristics"]
+    units = {name: tire.symbolic_model.structure.quantities[name][0] for name in lines[0] if name != "Fz"}
+    header = [f"{name} ({unit})".replace("(1)", "(-)") for name, unit in units.items()]
+    table = plain_table("load (N)", *header, title="Upright, in pure slip, in ISO-W signs")
+    for line in lines:
+        table.add_row(
+            f"{line['Fz']:g}", *(f"{line[name]:{'.0f' if abs(line[name]) >= 1e3 else '.4g'}}" for name in units)
+        )
+    return table
+
+
+def _values(tire: Tire, summary: Mapping[str, Any]) -> Table:
+    """Return all coefficients."""
     table = plain_table("coefficient", "value", "unit", "", "description")
     for name, declared in tire.symbolic_model.coefficients.items():
         origin = "missing" if name in summary["missing"] else ""
         if name in summary["coefficients_at_neutral"]:
             origin = " ".join([origin, "neutral"]).strip()
-        if every or not origin:
-            table.add_row(name, f"{tire.values[name]:.6g}", declared.unit, origin, declared.description)
+        table.add_row(name, f"{tire.values[name]:.6g}", declared.unit, origin, declared.description)
     return table

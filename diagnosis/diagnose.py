@@ -120,7 +120,7 @@ def diagnose(
     if derived:
         candidates_tried["turn_slip"] = replace(candidates_tried["turn_slip"], has_states=True)
     signals = signals_of(turning.table, start, recording.signs, derived=derived)
-    with one_blas_thread():
+    with one_blas_thread(), Budget(report, time_limit) as budget:
         report(BASELINE)
         problem, solution = fit_baseline(start, signals, fitted=tire is not None)
         recorded = signals_of(turning.table, start, recording.signs, smooth=False, derived=derived)
@@ -132,8 +132,7 @@ def diagnose(
             reading = {name: tried for name, tried in candidates_tried.items() if TEMPERATURE in tried.requires}
             candidates_tried |= {name: replace(tried, has_states=True) for name, tried in reading.items()}
         report(COMPARING)
-        with Budget(report, time_limit) as budget:
-            comparison = compared(problem, solution, candidates_tried, budget)
+        comparison = compared(problem, solution, candidates_tried, budget)
         report(FINAL)
         read = _read(comparison.leader.explanation, candidates_tried)
         derived_table = complete.table[[name for name in complete.table if name in recording.table or name in read]]
@@ -162,7 +161,7 @@ def _read(explanation: Explanation, candidates: Mapping[str, Candidate]) -> set[
 
 def _over(problem: LeastSquares, recording: Recording, start: Tire, derived: set[str]) -> LeastSquares:
     """Return a problem over a recording with further columns that were derived."""
-    smooth = any(problem.simulator.signals.input_noise.values())
+    smooth = any(problem.simulator.signals.origin.noise.values())
     signals = signals_of(recording.table, start, recording.signs, smooth=smooth, derived=derived)
     return problem.over(problem.simulator.with_signals(signals))
 
@@ -180,7 +179,7 @@ def _with_source_of_temperature(
     reading = [name for name in effects if TEMPERATURE in candidates[name].requires]
     recorded = TEMPERATURE in recording.table and not start.values.get("THACT")
     source = source_of_temperature(reading, effects, start, recorded)
-    return replace(result, verdict=f"{result.verdict}. {source}") if source else result
+    return replace(result, sentences=(*result.sentences, source)) if source else result
 
 
 def _with_derived_turn_slip(recording: Recording, start: Tire, candidates: Mapping[str, Candidate]) -> Recording:

@@ -14,6 +14,7 @@ from ..numerics.gauss_newton import Damping, minimize
 from ..numerics.noise_model import Whitening
 from .signals.disturbances import Disturbances
 from .signals.simulation import Simulator
+from .weighted_columns import WeightedColumns, joined
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -68,6 +69,15 @@ class LeastSquares:
     def _with_same_columns(self, other: LeastSquares) -> LeastSquares:
         """Return a problem with the same disturbances and weights, which does not compute their products again."""
         other.__dict__["disturbance_products"] = self.disturbance_products
+        return other
+
+    def extended(self, names: tuple[str, ...], columns: FloatArray, deviation: FloatArray) -> LeastSquares:
+        """Return the problem with additional columns among its disturbances (`Disturbances.extended`)."""
+        other = replace(self, disturbances=self.disturbances.extended(names, columns, deviation))
+        (first, products), added = self.disturbance_products, self.weighted_columns(columns)
+        cross = first.times(added)
+        whole = np.block([[products, cross], [cross.T, added.times(added)]])
+        other.__dict__["disturbance_products"] = joined([first, added]), whole
         return other
 
     def bounds(self, free: Sequence[str]) -> tuple[FloatArray, FloatArray]:
@@ -165,7 +175,7 @@ class LeastSquares:
 
     def best_disturbance(self, misfit: FloatArray) -> FloatArray:
         """Return the best-fitting disturbances for a misfit."""
-        target = self.weighted(misfit).ravel() @ self.disturbance_products[0]
+        target = self.disturbance_products[0].along(self.weighted(misfit))
         return np.asarray(cho_solve(self._disturbance_factor, target, check_finite=False))
 
     def weighted(self, rows: FloatArray) -> FloatArray:
@@ -173,12 +183,20 @@ class LeastSquares:
         over = self.inverse_noise.reshape(*self.inverse_noise.shape, *(1,) * (rows.ndim - 2)) * rows
         return self.whitening(over) if self.whitening else np.asarray(over)
 
+    def weighted_columns(self, columns: FloatArray) -> WeightedColumns:
+        """Return columns, shape (n_channels, n, k), divided by their noise."""
+        parts = []
+        for i, of_channel in enumerate(columns):
+            used = np.flatnonzero(np.any(of_channel, axis=0))
+            rows = self.inverse_noise[i][:, None] * of_channel[:, used]
+            parts.append((used, self.whitening(rows[None], slice(i, i + 1))[0] if self.whitening else rows))
+        return WeightedColumns(columns.shape[-1], tuple(parts))
+
     @cached_property
-    def disturbance_products(self) -> tuple[FloatArray, FloatArray]:
-        """Weighted columns of the disturbances, shape (n_channels * n, k), and their cross products, shape (k, k)."""
-        weighted = self.weighted(self.disturbances.columns)
-        flat = weighted.reshape(-1, weighted.shape[-1])
-        return flat, flat.T @ flat
+    def disturbance_products(self) -> tuple[WeightedColumns, FloatArray]:
+        """Weighted columns of the disturbances, and their cross products, shape (k, k)."""
+        weighted = self.weighted_columns(self.disturbances.columns)
+        return weighted, weighted.times(weighted)
 
     @cached_property
     def _disturbance_factor(self) -> tuple[FloatArray, bool]:
@@ -196,23 +214,24 @@ class LeastSquares:
 
     def tangent(self, parameters: FloatArray, free: Sequence[str]) -> FloatArray:
         """Return weighted derivatives by coefficients and disturbances, shape (n_channels * n, n_free + n_dist)."""
-        jacobian = self.weighted(self.simulator.jacobian(parameters, free))
-        return np.concatenate([jacobian.reshape(-1, len(free)), self.disturbance_products[0]], axis=-1)
+        jacobian = self.simulator.jacobian(parameters, free)
+        whole = self.weighted(np.concatenate([jacobian, self.disturbances.columns], axis=-1))
+        return whole.reshape(-1, whole.shape[-1])
 
     def _normal(
         self, parameters: FloatArray, free: Sequence[str], disturbance: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Return Gauss-Newton matrix and descent direction in the coefficients, the disturbances eliminated."""
-        jacobian = self.weighted(self.simulator.jacobian(parameters, free)).reshape(-1, len(free))
+        jacobian = self.weighted_columns(self.simulator.jacobian(parameters, free))
         columns, factor = self.disturbance_products[0], self._disturbance_factor
-        residual = self.weighted(self.misfit(parameters) - self.disturbances.columns @ disturbance).ravel()
+        residual = self.weighted(self.misfit(parameters) - self.disturbances.columns @ disturbance)
         center, deviation = self.prior(free)
         values = parameters[[self.simulator.index[name] for name in free]]
-        slope = jacobian.T @ residual - (values - center) / deviation**2
-        along = columns.T @ residual - disturbance / self.disturbances.deviation**2
-        cross = columns.T @ jacobian
+        slope = jacobian.along(residual) - (values - center) / deviation**2
+        along = columns.along(residual) - disturbance / self.disturbances.deviation**2
+        cross = columns.times(jacobian)
         inner = cho_solve(factor, np.column_stack([cross, along]), check_finite=False)
-        matrix = jacobian.T @ jacobian + np.diag(deviation**-2.0)
+        matrix = jacobian.times(jacobian) + np.diag(deviation**-2.0)
         return matrix - cross.T @ inner[:, :-1], slope - cross.T @ inner[:, -1]
 
     def subsampled(self, rows: slice | None) -> LeastSquares:

@@ -21,6 +21,8 @@ Limits = tuple[float | None, float | None]
 MARGIN = 0.05
 #: Height of a line of a name beside the axes, inches.
 LINE = 0.2
+#: Height of an x axis below its panel in a page, inches.
+AXIS = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +154,8 @@ class Figure:
             if series.label and len(y):
                 ends[series.label] = series.color, min(max((float(y[-1]) - low) / (high - low), 0.0), 1.0)
         named = sorted(ends, key=lambda label: -graded(ends[label][1]))
-        sizes = np.array([LINE * (label.count("\n") + 1) / panel.height for label in named])
+        room = max(panel.height - AXIS, LINE)
+        sizes = np.array([LINE * (label.count("\n") + 1) / room for label in named])
         gaps = 0.5 * (sizes[1:] + sizes[:-1])  # between the middles of names
         heights = np.array([ends[label][1] for label in named])
         for i in range(1, len(heights)):

@@ -1,18 +1,25 @@
-"""Words and units of figures, tables and messages: SI units, but degrees for angles and kPa for pressures."""
+"""Words and units of figures, tables and messages: SI units, but degrees for angles, kPa for pressures, deg C."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from math import degrees
+from typing import TypeVar
+
+import numpy as np
+import numpy.typing as npt
 
 from ..symbolic import quantities
 from ..symbolic.declarations import Quantity
 
+Numbers = TypeVar("Numbers", float, npt.NDArray[np.float64])
 _UNITS = {"t": "s"} | {
     quantity.name: quantity.unit for quantity in vars(quantities).values() if isinstance(quantity, Quantity)
 }
 _WRITTEN = {"1": "-", "degC": "deg C"}
-_DRAWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3)}
+_DRAWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3), "K": ("deg C", 1.0)}
+#: The temperature that is drawn as 0, K.
+ZERO_CELSIUS = 273.15
 _GREEK = {"kappa": "κ", "alpha": "α", "gamma": "γ", "phit": "φt"}
 #: The name of the levels of a channel.
 LEVEL = {"Fz": "load", "gamma": "camber", "p": "pressure", "V": "speed"}
@@ -25,20 +32,29 @@ _CONVENTION = {
 
 
 def drawn_unit(channel: str) -> str:
-    """Return the unit in which a channel is drawn: its SI unit, but degrees and kPa."""
+    """Return the unit in which a channel is drawn: its SI unit, but degrees, kPa and deg C."""
     unit = _UNITS[channel]
     return _DRAWN[unit][0] if unit in _DRAWN else _WRITTEN.get(unit, unit)
 
 
 def per_si(channel: str) -> float:
-    """Return the factor from a channel's SI value to the drawn value."""
+    """Return the factor from a change of a channel's SI value to that of its drawn value."""
     unit = _UNITS[channel]
     return _DRAWN[unit][1] if unit in _DRAWN else 1.0
 
 
+def drawn_value(channel: str, value: Numbers) -> Numbers:
+    """Return an SI value of a channel in its drawn unit.
+
+    >>> drawn_value("T_road", 310.15), drawn_value("p", 83e3)
+    (37.0, 83.0)
+    """
+    return (value - (ZERO_CELSIUS if _UNITS[channel] == "K" else 0.0)) * per_si(channel)
+
+
 def stiffness_unit(slip: str) -> str:
-    """Return the unit of a force's slope over a slip, as drawn."""
-    return "N/deg" if drawn_unit(slip) == "deg" else "N"
+    """Return the unit of a force's slope over a slip: that of the named quantities, also where angles are in deg."""
+    return "N/rad" if _UNITS[slip] == "rad" else "N"
 
 
 def letter(channel: str, signs: str = "iso") -> str:
@@ -69,7 +85,7 @@ def level_text(channel: str, level: float) -> str:
         return f"{abs(level):.0f} N"
     if drawn_unit(channel) == "-":
         return f"{round(level, 3) + 0.0:g}"
-    return f"{round(level * per_si(channel), 1) + 0.0:.3g} {drawn_unit(channel)}"  # + 0.0: no -0
+    return f"{round(drawn_value(channel, level), 1) + 0.0:.3g} {drawn_unit(channel)}"  # + 0.0: no -0
 
 
 def held_text(signs: str, held: Mapping[str, float]) -> str:

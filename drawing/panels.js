@@ -103,6 +103,7 @@ class PanelChart {
     for (const [name, , height] of this.panel.names) {
       const button = element("button", "", this.names);
       button.type = "button";
+      button.title = name;
       button.style.bottom = `${100 * height}%`;
       button.setAttribute("aria-pressed", "true");
       drawSample(element("canvas", "", button), this.series.filter((each) => each.label === name && each.kind !== "band"));
@@ -117,8 +118,11 @@ class PanelChart {
 
   /** Return the width of the names beside the axes. */
   margin() {
+    this.names.style.width = `${this.size().width}px`; // the names are out of its flow
     const widest = Math.max(0, ...Array.from(this.names.children, (each) => each.offsetWidth));
-    return Math.min(widest + 4, NAMES * this.size().width);
+    const width = Math.min(widest + 4, NAMES * this.size().width);
+    this.names.style.width = `${width}px`;
+    return width;
   }
 
   /** Show or hide the series with a name or of a kind. */
@@ -137,7 +141,7 @@ class PanelChart {
 
   options() {
     const axis = (label, i) => ({
-      label, font: FONT, labelFont: FONT, labelSize: 22, stroke: "#333", size: i ? AXIS.y : AXIS.x,
+      label, font: FONT, labelFont: FONT, labelSize: 22, stroke: "#333", size: i ? AXIS.y : AXIS.x, space: i ? 22 : 50,
       grid: { stroke: "#e4e4e4", width: 1 }, ticks: { stroke: "#999", width: 1, size: 4 },
     });
     return {
@@ -332,8 +336,10 @@ function cellText(cells, x, y) {
   return `${cells.label}: ${mean === null ? "-" : short(mean)}, ${count} rows`;
 }
 
-function numbers(text) {
-  return new Float32Array(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
+/** Return the numbers that chart_data.py writes as 16-bit integers; the largest is none. */
+function numbers({ low, unit, steps }) {
+  const integers = new Uint16Array(Uint8Array.from(atob(steps), (letter) => letter.charCodeAt(0)).buffer);
+  return Float64Array.from(integers, (integer) => (integer === 65535 ? NaN : low + unit * integer));
 }
 
 /** Return a number with at most five significant digits. */

@@ -32,6 +32,8 @@ DPI = 120
 PAGE_DPI = 90
 #: Sizes of texts in points, readable where a page shows a figure of two panels a third smaller than drawn.
 NAME_SIZE, TITLE_SIZE, NOTE_SIZE = 10.0, 10.5, 9.0
+#: Most parts of an x axis per inch, so that numbers of five digits do not touch.
+TICKS = 1.2
 
 
 @own_settings()
@@ -78,10 +80,17 @@ def html_image(figure: Figure) -> str:
 
 @own_settings()
 def rendered(figure: MatplotlibFigure, suffix: str, dpi: float, **options: Any) -> bytes:
-    """Return a drawn figure as a file's bytes; a letter that the font lacks is drawn as a box, without a warning."""
+    """Return a drawn figure as a file's bytes; a letter that the font lacks is drawn as a box, without a warning.
+
+    Axes are placed before: to place them, `savefig` would draw the whole figure once more.
+    """
     buffer = BytesIO()
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing from font", category=UserWarning)
+        if engine := figure.get_layout_engine():
+            figure.set_dpi(dpi)
+            engine.execute(figure)
+            figure.set_layout_engine(None)
         figure.savefig(buffer, format=suffix, dpi=dpi, **options)
     return buffer.getvalue()
 
@@ -114,8 +123,10 @@ def _draw(ax: Axes, panel: Panel, figure: Figure) -> None:
     ax.set_ylabel(panel.y, parse_math=False)
     x_limits, y_limits = figure.limits(panel)
     ax.set(xlim=x_limits, ylim=y_limits)
+    ax.locator_params(axis="x", nbins=max(4, int(TICKS * panel.width)))
     if panel.equal:
         ax.set_aspect("equal", adjustable="datalim")
+        ax.set_autoscale_on(True)  # a fixed limit would be reported as ignored
     for label, color, height in figure.names(panel):
         at: dict[str, Any] = {
             "xy": (1.0, height),

@@ -84,9 +84,14 @@ def _panel(column: pd.Series, residual: FloatArray, channel: str, signs: str) ->
 
 
 def bins(x: FloatArray, measured: npt.NDArray[np.bool_]) -> Sequence[npt.NDArray[np.intp]]:
-    """Return the rows of bins with about equal numbers of rows; rows with equal input share one."""
+    """Return the rows of bins with about equal numbers of rows; rows with nearly equal input share one."""
     edges = np.unique(np.quantile(x[measured], np.linspace(0.0, 1.0, BINS + 1)))
     # The largest value also begins a bin: otherwise the two highest levels of a held input would share one.
     number = np.searchsorted(edges, x, side="right")
-    bins = [np.flatnonzero(measured & (number == i)) for i in range(1, len(edges) + 1)]
-    return [rows for rows in bins if len(rows) >= MIN_ROWS]
+    parts: list[npt.NDArray[np.intp]] = []
+    for rows in (np.flatnonzero(measured & (number == i)) for i in range(1, len(edges) + 1)):
+        if len(parts) and len(rows) and np.median(x[rows]) - np.median(x[parts[-1]]) <= MIN_RANGE * np.ptp(edges):
+            parts[-1] = np.concatenate([parts[-1], rows])
+        elif len(rows):
+            parts.append(rows)
+    return [rows for rows in parts if len(rows) >= MIN_ROWS]

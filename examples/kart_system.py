@@ -38,7 +38,8 @@ def build(folder: Path) -> tuple[Path, Path, Path]:
     # In a separate process: pythonfmu runs the script to find its variables.
     subprocess.run([sys.executable, "-m", "pythonfmu", "build", "-f", script, "-d", folder, *resources], check=True)
     wheel, body = replace(tire(), other_entries=entries), folder / "Kart.fmu"
-    system = export_system([wheel] * 4, folder / "kart.ssp", inputs="hub-torque", vehicle=body)
+    # Not mirrored, as in kart.py: the same tire at each corner.
+    system = export_system([wheel] * 4, folder / "kart.ssp", inputs="hub-torque", vehicle=body, mirror=False)
     return system, body, export(wheel, folder / "tire.fmu", fmi=2, inputs="hub-torque")
 
 

@@ -11,21 +11,17 @@ from .options import FitOptions
 if TYPE_CHECKING:
     from .checks.diagnostics import Findings
     from .cross_validation import assign_folds, cross_validate
+    from .family import Family
     from .fit_result import FitResult
+    from .options import declared_options
     from .problem.recipe import RECIPES, load_recipe
     from .reporting.figures import draw_figures
     from .results.records import HeldOut
+    from .stage import StageSolver
 
 __all__ = [
     "RECIPES", "Findings", "FitOptions", "FitResult", "HeldOut", "assign_folds", "cross_validate", "draw_figures",
     "fit", "load_recipe",
 ]  # fmt: skip
 
-#: The module of each name that loads pandas, CasADi or Matplotlib.
-_ON_DEMAND = {
-    "Findings": "checks.diagnostics", "assign_folds": "cross_validation", "cross_validate": "cross_validation",
-    "FitResult": "fit_result", "RECIPES": "problem.recipe", "load_recipe": "problem.recipe",
-    "draw_figures": "reporting.figures", "HeldOut": "results.records",
-}  # fmt: skip
-
-__getattr__, __dir__ = on_demand(__name__, _ON_DEMAND)
+__getattr__, __dir__ = on_demand(__name__)

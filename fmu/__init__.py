@@ -11,25 +11,12 @@ from ..boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
     from .comparison.check import check
-    from .comparison.result import CheckedChannel, CheckResult, WorstPoint
+    from .comparison.compared import CheckedChannel, WorstPoint
+    from .comparison.result import CheckResult
     from .packaging.export import export
     from .packaging.system import export_parameters, export_system
     from .proof.repetition import ProofResult, repeat_proof
     from .proof.writing import add_proof
-
-#: The module of each name.
-_ON_DEMAND = {
-    "CheckedChannel": "comparison.result",
-    "CheckResult": "comparison.result",
-    "ProofResult": "proof.repetition",
-    "WorstPoint": "comparison.result",
-    "add_proof": "proof.writing",
-    "check": "comparison.check",
-    "export": "packaging.export",
-    "export_parameters": "packaging.system",
-    "export_system": "packaging.system",
-    "repeat_proof": "proof.repetition",
-}
 
 __all__ = [
     "CheckResult",
@@ -44,4 +31,4 @@ __all__ = [
     "repeat_proof",
 ]  # fmt: skip
 
-__getattr__, __dir__ = on_demand(__name__, _ON_DEMAND)
+__getattr__, __dir__ = on_demand(__name__)

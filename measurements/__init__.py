@@ -20,15 +20,23 @@ if TYPE_CHECKING:
     from .checks.rows.coverage import Coverage, coverage, coverage_notes
     from .checks.rows.outliers import Outlier, outliers
     from .checks.rows.row_exclusion import EXCLUSION_REASONS, RowExclusion, exclude_rows
+    from .evaluation import predicted_outputs
     from .files.reading import READERS, read_recording
     from .files.writing import write_table
+    from .inspection.figures import inspection_figures
+    from .inspection.inspection import inspected
+    from .interpretation import Interpretation
+    from .nominal_values import check_nominal, check_radius
     from .operating_conditions.grouping import Grouping, group_by_condition
     from .operating_conditions.levels import held_levels, level_tolerance, levels
     from .operating_conditions.phases import Phase, phases, transitions
+    from .provenance import table_digest
     from .recording import Recording
     from .row_selection.selected import selected
+    from .state_starts import with_fitted_starts
     from .table_argument import TableLike, recording_from, recordings_from
-    from .units import to_si
+    from .turn_slip import with_turn_slip
+    from .units import POUND, PSI, UNITS, to_si, unit_named
     from .virtual_bench.bench import TestedTire, VirtualBench
     from .virtual_bench.programs import (
         Program,
@@ -39,36 +47,7 @@ if TYPE_CHECKING:
         steady_points,
         trento_program,
     )
-    from .virtual_bench.sensor_noise import ChannelNoise, Noise
-
-#: The names of each module.
-_ON_DEMAND = {
-    ".tires.channels": ("CHANNELS", "Channel", "INPUTS", "OUTPUTS", "channel"),
-    "checks.columns.check": ("check_columns", "column_notes"),
-    "checks.columns.limits": ("check_plausible",),
-    "files.reading": ("READERS", "read_recording"),
-    "files.writing": ("write_table",),
-    "checks.recordings.data_findings": ("data_findings",),
-    "checks.recordings.finding": ("DataFinding",),
-    "checks.recordings.one_recording": ("incomplete_rows",),
-    "checks.recordings.residual_causes": ("residual_findings",),
-    "operating_conditions.grouping": ("Grouping", "group_by_condition"),
-    "operating_conditions.levels": ("held_levels", "level_tolerance", "levels"),
-    "operating_conditions.phases": ("Phase", "phases", "transitions"),
-    "checks.rows.coverage": ("Coverage", "coverage", "coverage_notes"),
-    "checks.rows.outliers": ("Outlier", "outliers"),
-    "checks.rows.row_exclusion": ("EXCLUSION_REASONS", "RowExclusion", "exclude_rows"),
-    "recording": ("Recording",),
-    "row_selection.selected": ("selected",),
-    "table_argument": ("TableLike", "recording_from", "recordings_from"),
-    "units": ("to_si",),
-    "virtual_bench.bench": ("TestedTire", "VirtualBench"),
-    "virtual_bench.programs": (
-        "Program", "alpha_sweeps", "concatenate", "kappa_sweeps", "small_tire_program", "steady_points",
-        "trento_program",
-    ),
-    "virtual_bench.sensor_noise": ("ChannelNoise", "Noise"),
-}  # fmt: skip
+    from .virtual_bench.sensor_noise import ChannelNoise, Noise, correlated
 
 __all__ = [
     "CHANNELS", "EXCLUSION_REASONS", "INPUTS", "OUTPUTS", "READERS", "Channel", "ChannelNoise", "Coverage",
@@ -81,4 +60,4 @@ __all__ = [
     "to_si", "transitions", "trento_program", "write_table",
 ]  # fmt: skip
 
-__getattr__, __dir__ = on_demand(__name__, {name: module for module, names in _ON_DEMAND.items() for name in names})
+__getattr__, __dir__ = on_demand(__name__)

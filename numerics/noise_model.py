@@ -28,6 +28,8 @@ MIN_POWER = 1e-6
 BEFORE_START = 1e9
 #: Rows of a part of the recording. The filter passes all parts at the same time and then joins them.
 ROWS_OF_PART = 64
+#: All channels of a recording.
+ALL_CHANNELS = slice(None)
 
 
 @dataclass(frozen=True)
@@ -112,47 +114,51 @@ class Whitening:
         for i, channel in enumerate(noise):
             gain[i], variance[i] = _kalman_gains(channel, decay[i], size[i], present[i])
         self._root = np.where(present, 1.0 / np.sqrt(variance), 0.0)
-        self._decay, self._gain = _divided(decay.transpose(2, 1, 0)), _divided(gain.transpose(2, 1, 0))
-        self._size = _divided(size.T)
+        self._decay, self._gain, self._size = _divided(decay), _divided(gain), _divided(size)
         # Each part's answer to a state of 1 at its beginning, and the states at its end.
-        states = np.zeros((2, *self._size.shape[1:], 2))
+        self._response = np.zeros((*self._size.shape, 2))
+        states = np.zeros((2, *self._size.shape[:2], 2))
         states[0, ..., 0] = states[1, ..., 1] = 1.0
-        self._response, self._transfer = self._filtered(np.zeros((*self._size.shape, 2)), states)
+        self._transfer = self._filter(self._response, states, ALL_CHANNELS)
 
-    def __call__(self, rows: FloatArray) -> FloatArray:
+    def __call__(self, rows: FloatArray, channels: slice = ALL_CHANNELS) -> FloatArray:
         """Return whitened rows.
 
-        `rows`, shape (n_channels, n, m): weighted.
+        `rows`, shape (n_channels, n, m): weighted. `channels`: those that they are of.
         """
         if rows.ndim == 2:
-            return self(rows[:, :, None])[:, :, 0]
-        parts = _divided(rows.transpose(1, 0, 2))
-        innovation, ends = self._filtered(parts, np.zeros((2, *parts.shape[1:])))
-        begins, state = np.empty_like(ends), np.zeros((2, *parts.shape[2:]))
-        for k in range(parts.shape[1]):
-            begins[:, k] = state
-            state = ends[:, k] + np.einsum("icj,jcm->icm", self._transfer[:, k], state)
-        for j in range(2):
-            innovation += self._response[..., j, None] * begins[j]
-        whole = innovation.swapaxes(0, 1).reshape(-1, *parts.shape[2:])[: rows.shape[1]]
-        return np.asarray(whole.transpose(1, 0, 2) * self._root[:, :, None])
+            return self(rows[:, :, None], channels)[:, :, 0]
+        innovation = _divided(rows, axis=1)
+        ends = self._filter(innovation, np.zeros((2, *innovation.shape[:2], rows.shape[2])), channels)
+        begins, state = np.empty_like(ends), np.zeros((2, len(rows), rows.shape[2]))
+        for k in range(innovation.shape[1]):
+            begins[:, :, k] = state
+            state = ends[:, :, k] + np.einsum("icj,jcm->icm", self._transfer[:, channels, k], state)
+        response = self._response[channels, ..., None]
+        for k in range(ROWS_OF_PART):
+            innovation[:, :, k] += response[:, :, k, 0] * begins[0]
+            innovation[:, :, k] += response[:, :, k, 1] * begins[1]
+        whole = innovation.reshape(len(rows), innovation.shape[1] * ROWS_OF_PART, rows.shape[2])[:, : rows.shape[1]]
+        whole *= self._root[channels, :, None]
+        return whole
 
-    def _filtered(self, parts: FloatArray, states: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the innovations of all parts and the states at their ends.
+    def _filter(self, rows: FloatArray, states: FloatArray, channels: slice) -> FloatArray:
+        """Replace the rows of all parts by their innovations, and return the states at their ends.
 
-        `parts`, shape (ROWS_OF_PART, n_parts, n_channels, m). `states`, shape (2, n_parts, n_channels, m): short-range
+        `rows`, shape (n_channels, n_parts, ROWS_OF_PART, m). `states`, shape (2, n_channels, n_parts, m): short-range
         noise and drift at the beginning of each part.
         """
-        innovation, (short, drift) = np.empty_like(parts), states.copy()
-        decay, gain, size = self._decay[..., None], self._gain[..., None], self._size[..., None]
-        for k, rows in enumerate(parts):
-            short *= decay[k, :, 0]
-            drift *= decay[k, :, 1]
-            new = rows - short - size[k] * drift
-            innovation[k] = new
-            short += gain[k, :, 0] * new
-            drift += gain[k, :, 1] * new
-        return innovation, np.stack([short, drift])
+        decay, gain, size = (values[channels, ..., None] for values in (self._decay, self._gain, self._size))
+        short, drift = states.copy()
+        for k in range(ROWS_OF_PART):
+            short *= decay[:, 0, :, k]
+            drift *= decay[:, 1, :, k]
+            new = rows[:, :, k] - short
+            new -= size[:, :, k] * drift
+            rows[:, :, k] = new
+            short += gain[:, 0, :, k] * new
+            drift += gain[:, 1, :, k] * new
+        return np.stack([short, drift])
 
 
 def _kalman_gains(
@@ -179,9 +185,11 @@ def _kalman_gains(
     return np.array(gains).T, np.array(variances)
 
 
-def _divided(rows: FloatArray) -> FloatArray:
-    """Return rows, shape (n, ...), as parts, shape (ROWS_OF_PART, n_parts, ...), the last one filled with 0."""
-    n_parts = -(-len(rows) // ROWS_OF_PART)
-    filled = np.zeros((n_parts * ROWS_OF_PART, *rows.shape[1:]))
-    filled[: len(rows)] = rows
-    return np.ascontiguousarray(filled.reshape(n_parts, ROWS_OF_PART, *rows.shape[1:]).swapaxes(0, 1))
+def _divided(rows: FloatArray, axis: int = -1) -> FloatArray:
+    """Return a copy with an axis of rows divided into parts and ROWS_OF_PART, the last part filled with 0."""
+    axis %= rows.ndim
+    before, n, after = rows.shape[:axis], rows.shape[axis], rows.shape[axis + 1 :]
+    n_parts = -(-n // ROWS_OF_PART)
+    filled = np.zeros((*before, n_parts * ROWS_OF_PART, *after))
+    filled[(*(slice(None),) * axis, slice(n))] = rows
+    return filled.reshape(*before, n_parts, ROWS_OF_PART, *after)

@@ -119,6 +119,10 @@ class PropertyFile:
     strict: bool = False
 
 
+#: The kinds of constraints, by which a fit selects them. Each has a function below.
+CONSTRAINT_KINDS = ("signs", "curvature", "friction_falling", "stiffness_saturating", "extrapolation")
+
+
 @dataclass(frozen=True)
 class PhysicalConstraint:
     """A named quantity, or how it changes with load, that stays within bounds.
@@ -127,7 +131,7 @@ class PhysicalConstraint:
     - `lower`, `upper`: in the quantity's unit, in adapted SAE signs.
     - `over`: the inputs on which the quantity depends.
     - `size`: a typical value, for the solver.
-    - `kind`: "signs", "curvature", "friction_falling", "stiffness_saturating" or "extrapolation".
+    - `kind`: one of `CONSTRAINT_KINDS`.
     - `measure`: what is bounded: the "value" q, its "growth" Fz dq/dFz, or its "excess" Fz dq/dFz - q, by which it
       grows faster than load.
     - `effect`: without this effect the quantity has no meaning; empty if it always has a meaning.

@@ -50,6 +50,12 @@ def lag(eq: Chapter, x: sp.Expr, u: sp.Expr, u_end: sp.Expr, way: sp.Expr) -> sp
     return decay * x + ((u_end - u) * (1 - share) - u * expm1(-way))
 
 
+def lag_held(eq: Chapter, x: sp.Expr, u: sp.Expr, way: sp.Expr) -> sp.Expr:
+    """Lag x' = r (u - x) with a constant target; way is the integral of r, also infinite."""
+    gone = eq("law", "gone", -expm1(-way), named=False)
+    return (1 - gone) * x + gone * u
+
+
 def lag_curved(eq: Chapter, x: sp.Expr, u: sp.Expr, u_half: sp.Expr, u_end: sp.Expr, way: sp.Expr) -> sp.Expr:
     """Lag x' = r (u - x) with a target on the parabola through u, u_half and u_end; way is r times the step."""
     slope, bend = _parabola(eq, u, u_half, u_end)
@@ -224,6 +230,7 @@ def _parts(
 LAWS: dict[str, LineFunction] = {
     law.__name__: _law(law)
     for law in (
-        lag, lag_curved, sum_linear, sum_curved, oscillator, oscillator_speed, dahl, dahl_size, play, play_size
+        lag, lag_held, lag_curved, sum_linear, sum_curved, oscillator, oscillator_speed, dahl, dahl_size, play,
+        play_size,
     )
 }  # fmt: skip

@@ -8,10 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from tirefmu.boundary.on_demand import imports_for_type_checkers
+
 from .rooms import ROOMS
 
 ROOT = Path(__file__).parents[1]
 MAX_MODULES = 15
+MAX_MODULES_OF_TESTS = 200
 FILES = [path.relative_to(ROOT).as_posix() for room in ROOMS for path in sorted((ROOT / room).rglob("*.py"))]
 
 
@@ -40,6 +43,41 @@ def test_imports_are_relative(trees):
 def test_a_wrong_import_is_found(source):
     assert absolute_imports(ast.parse(source))
     assert not absolute_imports(ast.parse("from ..signs import flip\nimport numpy"))
+
+
+def fronts() -> dict[str, set[str]]:
+    """Return, by folder, the names that its ``__init__.py`` loads at their first access."""
+    folders = {Path(path).parent for path in FILES if path.endswith("__init__.py")}
+    loading = [
+        folder for folder in folders if "on_demand(__name__)" in (ROOT / folder / "__init__.py").read_text("utf-8")
+    ]
+    return {
+        folder.as_posix(): set(imports_for_type_checkers(f"tirefmu.{'.'.join(folder.parts)}")) for folder in loading
+    }
+
+
+def test_a_name_of_a_front_is_not_that_of_a_module_beside_it():
+    """Once the module is imported, the name would be the module."""
+    modules = {folder: {path.stem for path in (ROOT / folder).iterdir()} for folder in fronts()}
+    assert not {folder: both for folder, names in fronts().items() if (both := names & modules[folder])}
+
+
+def product_modules_imported_by_tests() -> set[str]:
+    """Return the modules and packages of the product that files in ``tests/`` import."""
+    modules = {path.removesuffix(".py").removesuffix("/__init__").replace("/", ".") for path in FILES}
+    imported = set()
+    for path in (ROOT / "tests").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("tirefmu."):
+                module = node.module.removeprefix("tirefmu.")
+                names = {f"{module}.{alias.name}" for alias in node.names}
+                imported |= names & modules or {module}
+    return imported
+
+
+def test_tests_import_the_fronts_of_packages():
+    """A move inside a package then changes no test."""
+    assert len(product_modules_imported_by_tests()) <= MAX_MODULES_OF_TESTS
 
 
 def test_folders_are_small():

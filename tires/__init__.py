@@ -18,22 +18,6 @@ if TYPE_CHECKING:
     from .tire import Tire
     from .tire_argument import TireLike, tire_from
 
-#: The module of each name.
-_ON_DEMAND = {
-    "PUBLISHED": "published_tires",
-    "SIGNS": "signs",
-    "TABLE_INPUTS": "signs",
-    "TABLE_OUTPUTS": "signs",
-    "Forces": "forces",
-    "Tire": "tire",
-    "TireLike": "tire_argument",
-    "convert_signs": "signs",
-    "published": "published_tires",
-    "read_tir": "property_file.reading",
-    "tire_from": "tire_argument",
-    "write_tir": "property_file.writing",
-}
-
 __all__ = [
     "PUBLISHED",
     "SIGNS",
@@ -49,4 +33,4 @@ __all__ = [
     "write_tir",
 ]
 
-__getattr__, __dir__ = on_demand(__name__, _ON_DEMAND)
+__getattr__, __dir__ = on_demand(__name__)

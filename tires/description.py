@@ -6,10 +6,14 @@ from collections.abc import Iterable
 from math import isfinite
 from typing import Any
 
+import numpy as np
+import pandas as pd
+
 from ..symbolic.declarations import Coefficient
 from ..symbolic.models import MODELS
 from . import Tire
 from .definition import TireDefinition
+from .drawing.tire_figures import default_loads
 from .implausible import implausible
 from .property_file.names import MAX_SEARCHED, OWN_SECTIONS, near_miss, not_given, not_measured, unit_of
 from .property_file.text import number_and_rest
@@ -17,6 +21,8 @@ from .summary import idle_effects, idle_notes
 
 #: Sections without information about the tire, or with information reported elsewhere.
 _OURS = ("MDI_HEADER", *OWN_SECTIONS)
+#: Roles of the quantities that a summary lists over load.
+CHARACTERISTICS = ("friction_x", "friction_y", "stiffness_x", "stiffness_y")
 
 
 def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
@@ -72,12 +78,22 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
         "ignored": [e for e in entries if _is_influential(e["key"], e["value"])],
         "tables": list(dict.fromkeys(section for section, key, _ in stored if not key)),
         "notes": list(notes),
+        "characteristics": _characteristics(tire),
         "implausible": [
             {"name": doubt.name, "value": doubt.value if isfinite(doubt.value) else None, "reason": doubt.reason}
             for doubt in implausible(tire)
         ],
         "values": dict(tire.values),
     }
+
+
+def _characteristics(tire: Tire) -> list[dict[str, float]]:
+    """Return friction and slip stiffness of the upright tire in pure slip, at loads of its range."""
+    rows = pd.DataFrame({"Fz": default_loads(tire)})
+    computed = tire.evaluate(rows, signs="iso", steady=True)
+    quantities = map(tire.symbolic_model.quantity, CHARACTERISTICS)
+    names = ["Fz", *(name for name in quantities if name in computed)]
+    return [dict(zip(names, row, strict=True)) for row in computed[names].to_numpy(dtype=np.float64).tolist()]
 
 
 def limits_of(tire: TireDefinition) -> list[str]:

@@ -15,7 +15,8 @@ from .code import Code, code_for, fastest_code
 from .definition import TireDefinition
 from .forces import Forces
 from .signs import MIRRORED, TABLE_INPUTS, convert_signs, reversed_columns
-from .states.simulation import StateSimulation, equilibrium
+from .states.equilibrium import equilibrium
+from .states.simulation import StateSimulation
 from .states.transient import lagged_course, lateral_slip, rolled_distance, with_pauses
 
 if TYPE_CHECKING:

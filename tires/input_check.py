@@ -6,6 +6,7 @@ Numbers, lists and arrays are treated alike. NaN is no error here: the forces th
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -31,6 +32,11 @@ BACKWARD_SLIP = -1.05
 #: Fraction of the rows. A bench that brakes to lock overshoots -1 in a few rows. One in percent does so in many, and
 #: one up to 10 % is within the limits of the channel. Judgement.
 MAX_BACKWARD_ROWS = 0.1
+#: |kappa| of a wheel that turns at three times the speed of the road, or as fast backwards as the road moves.
+FAR_SLIP = 2.0
+#: Fraction of the values. If more slips are as far, they are probably in percent. Those of a wheel that spins may be:
+#: they are evaluated, with a warning.
+MAX_FAR_SLIPS = 0.5
 #: The head of a column whose name declares a unit: ``alpha [deg]``, ``p (kPa)``.
 _HEAD = re.compile(r"\s*(\w+)\s*[\[(]")
 
@@ -80,7 +86,7 @@ def checked_inputs(tire: TireDefinition, inputs: Mapping[str, Any]) -> dict[str,
 
     Raises `UnknownName` for an input that is none of the public tables, `WrongType` for one that is not numeric, and
     `TirefmuError` for values in another unit or sign, loads far beyond the range of the tire, and shapes that do not
-    broadcast.
+    broadcast. Warns (`UserWarning`) of slips that are probably in percent.
 
     >>> from tirefmu.tires import published
     >>> checked_inputs(published("trento_hoosier"), {"V": [10.0, 200.0]})
@@ -93,8 +99,9 @@ def checked_inputs(tire: TireDefinition, inputs: Mapping[str, Any]) -> dict[str,
         if name not in TABLE_INPUTS:
             raise UnknownName("input", name, TABLE_INPUTS)
         arrays[name] = _numbers(name, given)
-        if problem := _problem(name, arrays[name]) or _backward_wheel(name, arrays[name]):
+        if problem := _problem(name, arrays[name]):
             raise TirefmuError(problem)
+        _warn_of_percent(name, arrays[name])
     if problem := _far_load(tire, arrays.get("Fz")):
         raise TirefmuError(problem)
     try:
@@ -144,8 +151,8 @@ def checked_table(
         problem = _wrong_load_signs(values, written) if name == "Fz" else ""
         if name not in declared:
             problem = problem or _problem(name, np.abs(values) if name == "Fz" else values)
-            judged = rows is not table  # a recording: its reader knows whether Fx was measured
-            problem = problem or ("" if judged else _backward_wheel(name, values))
+            if not problem and (rows is table or "Fx" not in rows):  # with Fx, the reader judges the slips of a file
+                _warn_of_percent(name, values)
         if name == "Fz" and not limited:
             problem = problem or _far_load(tire, values)
         if problem:
@@ -198,11 +205,11 @@ def _problem(name: str, values: FloatArray) -> str:
     return ""
 
 
-def _backward_wheel(name: str, values: FloatArray) -> str:
-    """Return a sentence if a wheel turns backwards in many of several rows; empty otherwise."""
-    if name != "kappa" or values.size < 2 or np.mean(values < BACKWARD_SLIP) <= MAX_BACKWARD_ROWS:
-        return ""
-    return f"kappa {_extent(values)} is that of a wheel that turns backwards: it is {CHANNELS[name].hint}"
+def _warn_of_percent(name: str, values: FloatArray) -> None:
+    """Warn of slips of which most are those of a wheel that spins or turns backwards."""
+    if name == "kappa" and values.size and np.mean(np.abs(values) >= FAR_SLIP) > MAX_FAR_SLIPS:
+        sentence = f"kappa {_extent(values)} is that of a wheel that spins: it is {CHANNELS[name].hint}"
+        warnings.warn(sentence, UserWarning, stacklevel=4)
 
 
 def _wrong_load_signs(values: FloatArray, signs: str) -> str:

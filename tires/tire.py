@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
@@ -126,6 +126,11 @@ class Tire(TireDefinition):
             negative Fz; if a load is far beyond those of the tire (above five times FZMAX, or 25 times FNOMIN without
             it); or if the shapes do not broadcast. The formula itself has values beyond 90 deg: a table of
             `tirefmu.evaluate` that declares ``alpha [deg]`` may have such rows, and so may inputs of an FMU.
+
+        Warns
+        -----
+        UserWarning
+            If |kappa| of most values is 2 or more: right for a wheel that spins, and probable for slip in percent.
         """
         return forces(self, checked_inputs(self, inputs), code)
 
@@ -256,8 +261,10 @@ class Tire(TireDefinition):
         from .drawing.surface_figure import plot  # imports matplotlib, which is slow
         from .drawing.tire_figures import points_of
 
-        data, kind = (None, data) if isinstance(data, str) else (data, kind)
-        points = None if data is None else points_of(self, data)
+        table: Any = data  # a path is refused as no table
+        if isinstance(data, str) and not Path(data).suffix:
+            table, kind = None, data
+        points = None if table is None else points_of(self, table)
         return plot(self, kind, loads=loads, signs=signs, points=points)
 
     def __repr__(self) -> str:

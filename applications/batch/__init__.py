@@ -2,3 +2,19 @@
 
 Nothing is imported here: a process that runs tasks imports what they need.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...boundary.on_demand import on_demand
+
+if TYPE_CHECKING:
+    from .execution import Lost, completed, completed_on_cluster
+    from .fit_many import Batch, run, task_of
+    from .intervals import cross_validate
+    from .jobs import OPTIONS, FitJob, read_jobs
+    from .records import JobResult
+    from .study_file import KEYS, read_study
+
+__getattr__, __dir__ = on_demand(__name__)

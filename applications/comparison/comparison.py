@@ -13,7 +13,7 @@ from ...boundary.escaping import visible
 from ...boundary.named_options import named
 from ...measurements import Recording, TableLike, exclude_rows, recordings_from
 from ...tires import Tire, TireLike, tire_from
-from ...tires.property_file.names import unmeasured_coefficients
+from ...tires.property_file.names import is_measured, unmeasured_coefficients
 from ...tires.tire_argument import tire_label
 
 #: Quantities over load, by role, and what they are.
@@ -78,6 +78,16 @@ class ComparedCharacteristic:
     unmeasured: tuple[str, ...] = ()
 
     @property
+    def change(self) -> float:
+        """Relative change from the first to the second tire; NaN if the first has none."""
+        return self.second / self.first - 1.0 if self.first else float("nan")
+
+    @property
+    def differs(self) -> bool:
+        """Whether the change would be shown in percent with one digit."""
+        return bool(abs(self.change) >= 5e-4)
+
+    @property
     def remark(self) -> str:
         """The title, and where it was not measured."""
         names = " and ".join(self.unmeasured)
@@ -112,15 +122,24 @@ class Comparison:
 
     @property
     def verdict(self) -> str:
-        """Which tire is closer to the recordings, by channel; without recordings how many coefficients differ."""
+        """Which tire is closer to the recordings, by channel; without recordings how friction and stiffness differ."""
         if not self.errors:
-            count, unmeasured = len(self.differences), sum(bool(d.unmeasured) for d in self.differences)
-            text = f"{count or 'no'} coefficient{'s'[: count != 1]} differ{'s'[: count == 1]}"
-            return f"{text}, {unmeasured} of them not measured" if unmeasured else text
+            changes = [f"{c.title} {c.change:+.1%}" for c in self.characteristics if not c.unmeasured and c.differs]
+            if not changes:
+                return self.counted
+            load = self.characteristics[0].load
+            return f"at {load:g} N, {self.names[1]} against {self.names[0]}: {', '.join(changes)}"
         closer: dict[str, list[str]] = {}
         for channel in dict.fromkeys(error.channel for error in self.errors):
             closer.setdefault(self._closer(channel), []).append(channel)
         return "closer to the data: " + "; ".join(f"{who} in {', '.join(which)}" for who, which in closer.items())
+
+    @property
+    def counted(self) -> str:
+        """How many coefficients differ."""
+        count, unmeasured = len(self.differences), sum(bool(d.unmeasured) for d in self.differences)
+        text = f"{count or 'no'} coefficient{'s'[: count != 1]} differ{'s'[: count == 1]}"
+        return f"{text}, {unmeasured} of them not measured" if unmeasured else text
 
     def _closer(self, channel: str) -> str:
         squares = [
@@ -212,11 +231,7 @@ def _characteristics(tires: tuple[Tire, Tire], given: tuple[str, str]) -> Iterat
                 load,
                 values[0],
                 values[1],
-                tuple(
-                    name
-                    for name, tire in zip(given, tires, strict=True)
-                    if tire.symbolic_model.leading(role) in unmeasured_coefficients(tire)
-                ),
+                tuple(name for name, tire in zip(given, tires, strict=True) if not is_measured(tire, role)),
             )
 
 

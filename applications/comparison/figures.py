@@ -23,7 +23,7 @@ from ...drawing.style import DASHED, DOTTED, SOLID, level_colors
 from ...measurements import Recording
 from ...tires import Tire
 from ...tires.evaluation import Conventions, evaluate
-from ...tires.property_file.names import unmeasured_coefficients, unmeasured_outputs
+from ...tires.property_file.names import is_measured, unmeasured_outputs
 from .comparison import ROLES, Comparison
 from .sweeps import FURTHER, Sweep, sweeps
 
@@ -51,7 +51,7 @@ def comparison_figures(comparison: Comparison, recordings: Sequence[Recording], 
             continue
         if all(channel in unmeasured_outputs(tire) for tire in comparison.tires):
             continue
-        ranges = sweeps(comparison.tires[1], slip, given)
+        ranges = sweeps(comparison.tires, slip, given)
         if signs == "sae" and not len(ranges[0].rows):
             ranges = [Sweep(slip, {"Fz": -sweep.load}, sweep.low, sweep.high, sweep.rows) for sweep in ranges]
         figures.append(_family(comparison, ranges, channel, signs))
@@ -60,9 +60,7 @@ def comparison_figures(comparison: Comparison, recordings: Sequence[Recording], 
     figures += slopes
     for role, title in ROLES.items():
         names = [tire.symbolic_model.leading(role) for tire in comparison.tires]
-        if all(names) and not all(
-            n in unmeasured_coefficients(t) for n, t in zip(names, comparison.tires, strict=True)
-        ):
+        if all(names) and any(is_measured(tire, role) for tire in comparison.tires):
             figures.append(_over_load(comparison, role, title, signs))
     return figures
 
@@ -121,7 +119,7 @@ def _family(comparison: Comparison, ranges: Sequence[Sweep], channel: str, signs
     shared: dict[str, Any] = {"across": (0.0,), "upright": (0.0,), "x_axis": "slip", "width": 9.0}
     above = Panel(axis_label(slip), axis_label(channel), (*points, *lines), height=4.3, **shared)
     below = Panel(
-        axis_label(slip), axis_label(channel), tuple(differences), f"{second} minus {first}", height=2.2, **shared
+        axis_label(slip), axis_label(channel), tuple(differences), f"{second} minus {first}", height=2.6, **shared
     )
     texts = ["points: measured at zero camber and zero other slip"] * bool(points)
     title = f"Pure slip: {channel} over {letter(slip)}"
@@ -135,7 +133,7 @@ def _slopes(comparison: Comparison, ranges: Sequence[Sweep], channel: str, signs
     lines = []
     for sweep, color in zip(ranges, level_colors(len(ranges), "Fz"), strict=True):
         x, both = _curves(comparison, sweep, channel, signs)
-        slopes = [np.gradient(y, x) / per_si(slip) for y in both]
+        slopes = [np.gradient(y, x) for y in both]
         slopes = [slope * np.sign(slope[np.abs(x).argmin()]) for slope in slopes]
         lines += _pair(x * per_si(slip), slopes, color, level_text("Fz", sweep.load), _dashes(measured_in))
     y_label = f"∂{channel} / ∂{letter(slip)} ({stiffness_unit(slip)})"
@@ -148,16 +146,16 @@ def _slopes(comparison: Comparison, ranges: Sequence[Sweep], channel: str, signs
 def _over_load(comparison: Comparison, role: str, title: str, signs: str) -> Figure:
     """Return the magnitude of a quantity of both tires over load, in one panel."""
     slip = STIFFNESS_OVER.get(role)
-    scale, unit = (per_si(slip), stiffness_unit(slip)) if slip else (1.0, "-")
+    unit = stiffness_unit(slip) if slip else "-"
     ranges = [tire.ranges.get("Fz", (0.0, 2.0 * tire.values["FNOMIN"])) for tire in comparison.tires]
-    measured_by = [tire.symbolic_model.leading(role) not in unmeasured_coefficients(tire) for tire in comparison.tires]
+    measured_by = [is_measured(tire, role) for tire in comparison.tires]
     shown = zip(comparison.tires, comparison.names, ranges, LINES, _dashes(measured_by), strict=True)
     series = []
     for tire, name, (low, high), (color, _), dashes in shown:
         quantity = tire.symbolic_model.quantity(role)
         loads = np.linspace(max(low, 0.01 * high), high, _POINTS)  # a formula may have no meaning at other loads
         signed = -loads if signs == "sae" else loads
-        values = _evaluated(tire, {}, "Fz", signed, signs)[quantity].abs() / scale
+        values = _evaluated(tire, {}, "Fz", signed, signs)[quantity].abs()
         series.append(Series("line", loads, values, color, figure_text(name), dashes, size=1.8))
     panel = Panel(f"load {letter('Fz', signs)} (N)", f"{title} ({unit})", tuple(series), width=9.0)
     dotted = (
@@ -185,5 +183,11 @@ def write_comparison(
 
 
 def short(value: float | None) -> str:
-    """Return a number with five digits, or a dash where there is none."""
-    return "-" if value is None else f"{value:.5g}"
+    """Return a number with five digits, or a dash where there is none.
+
+    >>> short(0.0123456), short(222105.3), short(None)
+    ('0.012346', '222105', '-')
+    """
+    if value is None:
+        return "-"
+    return f"{value:.0f}" if 1e4 <= abs(value) < 1e7 else f"{value:.5g}"

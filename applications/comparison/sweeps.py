@@ -41,13 +41,13 @@ class Sweep:
         return self.held["Fz"]
 
 
-def sweeps(tire: Tire, slip: str, recordings: Sequence[Recording]) -> list[Sweep]:
+def sweeps(tires: Sequence[Tire], slip: str, recordings: Sequence[Recording]) -> list[Sweep]:
     """Return the measured sweeps of a slip at zero of the other slip and of camber, by load.
 
     They are at the pressure and the speed with the most rows. Sweeps at one load are one.
 
-    `tire`: determines loads and range if no recording has such a sweep. `slip`: "kappa" or "alpha". `recordings`: all
-    in the same convention.
+    `tires`: determine loads and range, those that all of them have, if no recording has such a sweep. `slip`: "kappa"
+    or "alpha". `recordings`: all in the same convention.
     """
     all_sweeps = [sweep for recording in recordings for sweep in _measured(recording, slip)]
     for name in FURTHER:
@@ -55,9 +55,20 @@ def sweeps(tire: Tire, slip: str, recordings: Sequence[Recording]) -> list[Sweep
     most = sorted(_merged(all_sweeps), key=lambda sweep: -len(sweep.rows))[:MAX_SWEEPS]
     if most:
         return sorted(most, key=lambda sweep: abs(sweep.load))
-    low, high = tire.ranges.get(slip, WIDEST[slip])
+    low, high = _common(tires, slip)
     low, high = max(low, WIDEST[slip][0]), min(high, WIDEST[slip][1])
-    return [Sweep(slip, {"Fz": load}, low, high, pd.DataFrame()) for load in default_loads(tire)]
+    lightest, heaviest = _common(tires, "Fz")
+    suited = [loads for loads in map(default_loads, tires) if lightest <= loads[0] <= loads[-1] <= heaviest]
+    loads = suited[-1] if suited else tuple(np.linspace(max(lightest, 0.25 * heaviest), heaviest, 3).tolist())
+    return [Sweep(slip, {"Fz": load}, low, high, pd.DataFrame()) for load in loads]
+
+
+def _common(tires: Sequence[Tire], name: str) -> tuple[float, float]:
+    """Return the range of an input that all tires have; that of the last one if they have none in common."""
+    last = WIDEST.get(name) or (0.0, 2.0 * tires[-1].values["FNOMIN"])
+    ranges = [tire.ranges[name] for tire in tires if name in tire.ranges] or [last]
+    low, high = max(low for low, _ in ranges), min(high for _, high in ranges)
+    return (low, high) if low < high else ranges[-1]
 
 
 def _at_main_level(candidates: list[Sweep], name: str) -> list[Sweep]:

@@ -12,7 +12,7 @@ import pandas as pd
 
 from ...boundary.escaping import excerpt
 from ...measurements import CHANNELS, INPUTS, OUTPUTS, Recording, exclude_rows, group_by_condition
-from .tire_data import shown
+from .tire_data import shown, zero_of
 
 #: Upper limit of the rows on a page; of more, a random selection of each condition.
 MAX_ROWS = 20_000
@@ -71,7 +71,7 @@ def _condition(source: str, held: dict[str, float], moving: tuple[str, ...], row
 def _level(name: str, level: float) -> str:
     """Return a level with its unit; one within its tolerance of 0 is 0."""
     unit, scale = shown(CHANNELS[name].unit)
-    value = level * scale if abs(level) > (CHANNELS[name].tolerance or 0.0) else 0.0
+    value = (level - zero_of(CHANNELS[name].unit)) * scale if abs(level) > (CHANNELS[name].tolerance or 0.0) else 0.0
     return f"{float(f'{value:.3g}'):g} {unit}".strip()
 
 

@@ -12,15 +12,17 @@ from math import degrees, isfinite
 from typing import Any
 
 from ...boundary.escaping import excerpt, file_name
+from ...drawing.labels import ZERO_CELSIUS
 from ...symbolic.declarations import Coefficient, Quantity
 from ...tires import Tire
 from ...tires.channels import CHANNELS
 from ...tires.definition import RANGES as RANGE_KEYS
-from ...tires.property_file.names import ASSUMED, listed, unmeasured_coefficients, unmeasured_outputs
+from ...tires.property_file.names import ASSUMED, is_measured, listed, unmeasured_coefficients, unmeasured_outputs
 from ...tires.property_file.writing import tir_text
 
 #: Units of the sliders, and the factors from SI values; all other units are SI units.
-_SHOWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3), "1": ("", 1.0), "-": ("", 1.0), "degC": ("deg C", 1.0)}
+_SHOWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3), "1": ("", 1.0), "-": ("", 1.0)}
+_SHOWN |= {"degC": ("deg C", 1.0), "K": ("deg C", 1.0)}
 #: Ranges of the sliders of inputs, in SI units, where neither the tire nor a recording has a range.
 RANGES = {name: channel.usual for name, channel in CHANNELS.items() if channel.usual} | {"distance": (0.0, 5000.0)}
 #: Range of a temperature of the tire, K.
@@ -42,6 +44,11 @@ def shown(unit: str) -> tuple[str, float]:
     (('kPa', 0.001), ('N', 1.0))
     """
     return _SHOWN.get(unit, (unit, 1.0))
+
+
+def zero_of(unit: str) -> float:
+    """Return the SI value that is shown as 0: all temperatures are shown in deg C."""
+    return ZERO_CELSIUS if unit == "K" else 0.0
 
 
 def switchable(tire: Tire) -> Tire:
@@ -115,20 +122,22 @@ def tire_data(
 def _quantity(tire: Tire, role: str) -> dict[str, Any]:
     name = tire.symbolic_model.quantity(role)
     unit, text = tire.symbolic_model.structure.quantities[name]
-    measured = tire.symbolic_model.leading(role) not in unmeasured_coefficients(tire)
-    return {"name": name, "unit": "" if unit == "1" else unit, "text": excerpt(text), "measured": measured}
+    measured = is_measured(tire, role)
+    text = excerpt(text.partition(";")[0])  # without its remarks
+    return {"name": name, "unit": "" if unit == "1" else unit, "text": text, "measured": measured}
 
 
 def _state(tire: Tire, name: str) -> dict[str, Any]:
     state = tire.symbolic_model.states[name]
     target, _, start, _ = state.line_names
+    unit, zero = shown(state.unit)[0], zero_of(state.unit)
     effects = [
         effect
         for effect in tire.symbolic_model.effects
         if effect in tire.has and name in tire.symbolic_model.states_of([effect])
     ]
     return {
-        "name": name, "text": excerpt(state.description or name), "unit": "" if state.unit == "1" else state.unit,
+        "name": name, "text": excerpt(state.description or name), "unit": unit, "zero": zero,
         "settles": state.settles, "declares_start": state.has_start_value, "temperature": state.is_temperature,
         "target": target, "start": start,
         "lines": state.line_names, "effects": effects,
@@ -192,7 +201,7 @@ def _inputs(tire: Tire) -> list[dict[str, Any]]:
         unit, scale = shown(of)
         low, high = ends or (SHARES[0] * nominal, SHARES[1] * nominal)
         inputs.append(
-            {"name": name, "text": text, "unit": unit, "scale": scale, "nominal": nominal,
+            {"name": name, "text": text, "unit": unit, "scale": scale, "zero": zero_of(of), "nominal": nominal,
              "low": min(low, nominal), "high": max(high, nominal)}
         )  # fmt: skip
     return inputs

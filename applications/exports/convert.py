@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from ...boundary.errors import TirefmuError
+from ...boundary.escaping import visible
 from ...boundary.named_options import named
 from ...fitting import fit
 from ...measurements import CHANNELS
@@ -39,7 +40,7 @@ GENERAL = {"LONGVL": 16.7, "VXLOW": 1.0}
 ASSUMED_SIDE = "left"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Conversion:
     """A written property file.
 
@@ -56,6 +57,14 @@ class Conversion:
     refitted: bool
     errors: Mapping[str, float]
     findings: list[LintMessage]
+
+    def __repr__(self) -> str:
+        """Return file, model, errors and findings, a line each."""
+        lines = [f"{self.path}: {self.model}"]
+        if self.errors:
+            errors = ", ".join(f"{name} {error:.2%}" for name, error in self.errors.items())
+            lines.append(f"coefficients fitted to the tire's forces; RMS error over its range: {errors}")
+        return "\n  ".join(visible(line) for line in [*lines, *map(str, self.findings)])
 
 
 @named()

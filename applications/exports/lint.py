@@ -21,7 +21,7 @@ from .lacking import acting
 OWN = "TIREFMU"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LintMessage:
     """What a check found.
 
@@ -33,6 +33,16 @@ class LintMessage:
     severity: str
     line: int
     text: str
+
+    def __str__(self) -> str:
+        """Return the message in one line.
+
+        >>> print(LintMessage("note", 12, "the unit is not stated"))
+        line 12: note: the unit is not stated
+        """
+        return f"{f'line {self.line}: ' * bool(self.line)}{self.severity}: {self.text}"
+
+    __repr__ = __str__
 
 
 @dataclass(frozen=True)

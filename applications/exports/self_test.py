@@ -12,7 +12,7 @@ from ...symbolic.printers.languages.program import TOLERANCE, PrintedProgram
 from ...symbolic.quantities import AT_ONCE
 from ...tires import Tire
 from ...tires.code import Code, code_for
-from ...tires.states.simulation import equilibrium
+from ...tires.states.equilibrium import equilibrium
 from ...tires.states.transient import lateral_slip
 
 FloatArray = npt.NDArray[np.float64]

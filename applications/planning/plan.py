@@ -186,7 +186,7 @@ def plan(
     aims: Sequence[str] = ("all",),
     minutes: float = 20.0,
     today: TableLike | None = None,
-    progress: Progress = lambda what, share: None,
+    progress: Progress | None = None,
 ) -> PlanResult:
     """Plan the program that determines a tire best in a given bench time.
 
@@ -233,6 +233,7 @@ def plan(
     if not wanted:
         raise PlanError(f"no slip of this bench has an influence on {', '.join(aims)}")
     current = _predicted(experiment, recording_from(today), wanted, bench) if today is not None else None
+    progress = progress or (lambda what, share: None)
     progress("library of maneuvers", 0.0)
     maneuvers = library(bench, experiment.tires[0])
     of_library = information(experiment, [maneuver.table(bench.sample_rate) for maneuver in maneuvers])

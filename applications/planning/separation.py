@@ -47,7 +47,7 @@ PLAUSIBLE = 0.02
 
 def plan_between(
     tire: TireLike, bench: Bench, pairs: Sequence[tuple[str, str]], *, minutes: float = 2.0,
-    progress: Progress = lambda what, share: None,
+    progress: Progress | None = None,
 ) -> PlanResult:  # fmt: skip
     """Plan the program that tells effects apart.
 
@@ -65,6 +65,7 @@ def plan_between(
     bench = replace(bench, warm_up=0.0, repeat_every=0.0)
     discrimination = Discrimination.of(tire_from(tire), bench, pairs)
     base = discrimination.experiment.tires[0]
+    progress = progress or (lambda what, share: None)
     progress("library of maneuvers", 0.0)
     maneuvers = library(bench, base, memory=True)
     tables = [maneuver.table(bench.sample_rate) for maneuver in maneuvers]

@@ -80,15 +80,14 @@ def _check(result: Mapping[str, Any]) -> _Parts:
 
 
 def _diagnose(result: Mapping[str, Any]) -> _Parts:
-    effects = ", ".join(finding["effect"] for finding in result["found"])
+    effects, headline = bool(result["found"]), result["headline"]
     adequate = all(channel["adequate"] for channel in result["adequacy"].values())
-    text = f"missing effect: {effects}" if effects else "no missing effect identified"
     lines = [
         f"{channel} on the hold-out set: error {_short(gap['before'])} {drawn_unit(channel)} before, "
         f"{_short(gap['after'])} after, noise floor {_short(gap['floor'])}"
         for channel, gap in result["gap"]["holdout"].items() if gap["before"] is not None
     ]  # fmt: skip
-    return text, bool(effects) or not adequate, [result["verdict"], *lines]
+    return headline[:1].lower() + headline[1:], effects or not adequate, [result["verdict"], *lines]
 
 
 def _quality(channel: Mapping[str, Any]) -> str:

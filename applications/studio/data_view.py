@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...boundary.errors import TirefmuError
 from ...boundary.escaping import excerpt, toml_string
-from ...drawing.labels import drawn_unit, per_si
+from ...drawing.labels import drawn_unit, drawn_value
 from ...measurements import (
     CHANNELS,
     EXCLUSION_REASONS,
@@ -194,7 +194,7 @@ def series(recording: Recording, channel: str, project: Project) -> dict[str, An
     if channel not in CHANNELS or channel not in recording.table:
         raise TirefmuError(f"{recording.source} has no channel {excerpt(channel, 40)}")
     step = -(-len(recording) // MAX_SHOWN)
-    values = recording.table[channel].to_numpy(dtype=np.float64)[::step] * per_si(channel)
+    values = drawn_value(channel, recording.table[channel].to_numpy(dtype=np.float64)[::step])
     codes = RowStates.of(recording, project).codes[::step]
     inspection = inspected(recording)
     clock = recording.table["t"].to_numpy(dtype=np.float64)[::step] if "t" in recording.table else None
@@ -245,7 +245,7 @@ def condition_grid(recording: Recording, states: RowStates, inputs: Sequence[str
         parts = [f"file == {toml_string(recording.source)}"] + [
             _between(name, edges[name][0][at], edges[name][0][at + 1]) for name, at in zip(inputs, place, strict=True)
         ]
-        levels = {name: edges[name][1][at] * per_si(name) for name, at in zip(inputs, place, strict=True)}
+        levels = {name: drawn_value(name, edges[name][1][at]) for name, at in zip(inputs, place, strict=True)}
         cells.append(
             {
                 "levels": {name: None if level != level else round(level, 3) + 0.0 for name, level in levels.items()},
@@ -272,7 +272,6 @@ def _edges(levels: Sequence[float]) -> tuple[list[float], list[float]]:
 def _between(name: str, low: float, high: float) -> str:
     """Return the expression of a range in the unit of figures; empty for all values."""
     unit = drawn_unit(name).replace("-", "")
-    scale = per_si(name)
-    parts = [f"{name} > {low * scale:.6g} {unit}"] if low > -inf else []
-    parts += [f"{name} <= {high * scale:.6g} {unit}"] if high < inf else []
+    parts = [f"{name} > {drawn_value(name, low):.6g} {unit}"] if low > -inf else []
+    parts += [f"{name} <= {drawn_value(name, high):.6g} {unit}"] if high < inf else []
     return " and ".join(parts)

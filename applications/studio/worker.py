@@ -39,6 +39,7 @@ def run() -> int:
     if not line:
         return 0
     threading.Thread(target=_end_with_the_window, daemon=True).start()
+    signal.signal(signal.SIGTERM, lambda *_: os._exit(143))  # the button ends a fit, which would otherwise finish
     arguments, tire_file = json.loads(line)
     import_module("tirefmu.commands.progress").follower.set(_written_to(tire_file))
     return int(import_module("tirefmu.commands.cli").main(arguments))

@@ -1,1 +1,23 @@
 """How probable each explanation of a recording is: explanations refitted and compared under one score."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...boundary.on_demand import on_demand
+
+if TYPE_CHECKING:
+    from .answer import RankedExplanation, answer_of, percent
+    from .budget import Budget, Ended
+    from .compare import compared
+    from .discrepancy import effect_discrepancy, model_discrepancy, smooth_functions
+    from .evidence import NormalEquations, Projected
+    from .explanation import UNKNOWN, Explanation, Term
+    from .final import balanced, final_fits
+    from .form import FORM, form_effect, form_of
+    from .gains import rivals_of
+    from .linearization import Addition, Linearization
+    from .refit import shared_problem
+    from .terms import unknown_terms
+
+__getattr__, __dir__ = on_demand(__name__)

@@ -10,6 +10,11 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from ...fitting.solvers.interruption import Interruption
 
+
+class Ended(Exception):
+    """The time of a comparison is over."""
+
+
 #: Share of the time limit within which explanations are compared; final fits, FMUs and the page need the rest.
 #: Convention.
 COMPARING_SHARE = 0.7
@@ -19,10 +24,11 @@ COMPARING_SHARE = 0.7
 class Budget:
     """When a comparison ends although explanations remain: at a time limit, by Ctrl-C or by the progress callback.
 
-    In the ``with`` block the first Ctrl-C requests the end, a second one ends the program.
+    In the ``with`` block the first Ctrl-C or SIGTERM requests the end, a second one ends the program.
 
     - `progress`: called with a sentence; a `KeyboardInterrupt` of it requests the end.
     - `seconds`: time limit of the whole diagnosis, s; none for None.
+    - `answered`: whether there is an answer: `check` raises nothing before.
 
     >>> with Budget(print, None) as budget:
     ...     budget.report("adding an effect")
@@ -33,6 +39,7 @@ class Budget:
 
     progress: Callable[[str], None]
     seconds: float | None
+    answered: bool = False
     _began: float = field(default_factory=time.monotonic)
     _interruption: Interruption = field(init=False)
 
@@ -49,18 +56,19 @@ class Budget:
         self._interruption.__exit__(*error)
 
     def report(self, sentence: str) -> None:
-        """Report a sentence, and the time that is left at most."""
-        left = "" if self.seconds is None else f"; ends in at most {max(self._left, 0.0):.0f} s"
-        self._interruption.report(f"{sentence}{left}", 0, 0.0)
+        """Report a sentence."""
+        self._interruption.report(sentence, 0, 0.0)
         self._interruption.raise_failure()
 
-    @property
-    def _left(self) -> float:
-        return COMPARING_SHARE * (self.seconds or 0.0) - (time.monotonic() - self._began)
+    def check(self) -> None:
+        """Raise `Ended` if the comparison has to end and has an answer: called before each part of the work."""
+        if self.answered and self.ended:
+            raise Ended
 
     @property
     def ended(self) -> str:
         """Why the comparison has to end; empty while it goes on."""
         if self._interruption.requested:
             return "stopped on request"
-        return f"stopped by the time limit of {self.seconds:g} s" if self.seconds and self._left <= 0.0 else ""
+        over = self.seconds and time.monotonic() - self._began > COMPARING_SHARE * self.seconds
+        return f"stopped by the time limit of {self.seconds:g} s" if over else ""

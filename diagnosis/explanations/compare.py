@@ -16,10 +16,10 @@ from ...numerics.ties import graded
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import Screen, starts
-from ..thresholds import CONFOUNDED, EFFECT_ODDS, REFIT_MARGIN
+from ..thresholds import CONFOUNDED, EFFECT_ODDS, REFIT_MARGIN, RIVALS
 from ..unexplained.formula_proposal import Dictionary
-from .answer import Answer, answer_of
-from .budget import Budget
+from .answer import Answer, answer_of, percent
+from .budget import Budget, Ended
 from .evidence import Projected, caution, inflation
 from .explanation import UNKNOWN, Explanation, Term
 from .gains import Gain, gains, projected, rivals_of
@@ -31,11 +31,14 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Number of estimates of the noise, of extended explanations for each, and of terms of a part; growth of the variance
 #: of the noise after which it is estimated again. Conventions: computing time.
-ESTIMATES, COMPARED, TERMS, GROWTH = 8, 12, 3, 1.5
+ESTIMATES, COMPARED, TERMS, GROWTH = 5, 12, 3, 1.5
+#: Decrease of the score without a part, from which the part is not tried again while the leading explanation changes:
+#: ten margins. Convention: computing time.
+CERTAIN = -10.0 * REFIT_MARGIN
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class ComparedExplanations:
     """The answer, the most probable explanation with its refit, and what all explanations have in common.
 
     - `stopped`: why explanations were not compared; empty if all were.
@@ -49,7 +52,7 @@ class Comparison:
 
 def compared(
     problem: LeastSquares, baseline: Solution, candidates: Mapping[str, Candidate], budget: Budget
-) -> Comparison:
+) -> ComparedExplanations:
     """Compare explanations of a recording.
 
     Parameters
@@ -62,18 +65,32 @@ def compared(
 
     Returns
     -------
-    Comparison
+    ComparedExplanations
         The best so far if the budget ends.
     """
     few = problem.subsampled(some_rows(problem.simulator))
     few = few.over(few.simulator.driven_at(baseline.parameters))
     at_few = few.at(baseline.parameters, baseline.free)
     linear = Linearization(Explanation(), few, at_few, dict(sorted(candidates.items())))
-    seen, explained, tables = set[tuple[str, ...]](), 0.0, list[_Table]()
+    tables, stopped = list[_Table](), ""
+    try:
+        _compare(linear, few, baseline, budget, tables)
+    except Ended:
+        stopped = budget.ended
+    # A table that was stopped at its beginning has compared less than the one before.
+    table = max(tables, key=lambda table: len(table.scores)) if stopped else tables[-1]
+    return ComparedExplanations(answer_of(table.divided_scores(), candidates), table.leader, table.shared, stopped)
+
+
+def _compare(
+    linear: Linearization, few: LeastSquares, baseline: Solution, budget: Budget, tables: list[_Table]
+) -> None:
+    """Compare explanations under the noise of each leading one in turn; the last tables are left in the list."""
+    seen, explained, losses = set[tuple[str, ...]](), 0.0, dict[str, float]()
     for remaining in reversed(range(ESTIMATES)):
-        table = _table(linear, baseline, explained, budget)
+        table = _table(linear, baseline, explained, budget, losses)
+        tables[:] = [*tables[-1:], table]
         table.climb(linear)
-        tables = [*tables[-1:], table]
         seen.add(linear.explanation.parts)
         # Two explanations may lead in turn, each under the noise of the other one: then the smaller one is the leader.
         if table.leads_again(seen, linear.explanation) or not remaining:
@@ -81,24 +98,25 @@ def compared(
             table.propose()
             if table.leads_again(seen, linear.explanation):
                 break
-        if budget.ended:
-            break
         explained, linear = table.explained, _with_own_noise(table.leader, few)
-    # A table that was stopped at its beginning has compared less than the one before.
-    table = max(tables, key=lambda table: len(table.scores)) if budget.ended else tables[-1]
-    return Comparison(answer_of(table.divided_scores(), candidates), table.leader, table.shared, budget.ended)
 
 
-def _table(linear: Linearization, baseline: Solution, explained: float, budget: Budget) -> _Table:
+def _table(
+    linear: Linearization, baseline: Solution, explained: float, budget: Budget, losses: dict[str, float]
+) -> _Table:
     """Return an empty table under the noise of a linearization.
 
     `explained`: logarithm of the likelihood by which the explanation of the linearization is better than none.
+    `losses`: of the table before.
     """
-    additions = linear.additions()
+    additions = dict[str, list[Addition]]()
+    for name in linear.lacking:
+        budget.check()
+        additions[name] = linear.of_effect(name)
     every = [addition for forms in additions.values() for addition in forms]
-    shared = shared_problem(linear, baseline, every, explained)
+    shared = shared_problem(linear, baseline, every, explained, budget)
     weighted = {name: [addition.weighted(shared.problem) for addition in forms] for name, forms in additions.items()}
-    return _Table(shared, baseline.parameters, weighted, budget)
+    return _Table(shared, baseline.parameters, weighted, losses)
 
 
 def _with_own_noise(leader: Refitted, problem: LeastSquares) -> Linearization:
@@ -107,7 +125,7 @@ def _with_own_noise(leader: Refitted, problem: LeastSquares) -> Linearization:
     Its forces drive the states from then on.
     """
     simulator = leader.linear.simulator.driven_at(leader.linear.solution.parameters)
-    bare = with_terms(problem, leader.explanation).over(simulator)
+    bare = with_terms(problem, leader.explanation.terms).over(simulator)
     at = bare.at(leader.linear.solution.parameters, leader.linear.solution.free)
     return replace(leader.linear, problem=bare, solution=at)
 
@@ -118,6 +136,7 @@ class _Table:
 
     - `absent`, shape (n_parameters,): of the baseline model.
     - `additions`: by name, to the first explanation that lacks the part. Their columns serve for all explanations.
+    - `losses`: by how much the score was smaller without a part when this was tried last.
     - `refits`: those that were refitted.
     - `proposed`: those for which a formula was searched.
     - `expanded`: those that were extended and reduced.
@@ -128,7 +147,7 @@ class _Table:
     shared: Shared
     absent: FloatArray
     additions: dict[str, list[Addition]]
-    budget: Budget
+    losses: dict[str, float]
     refits: dict[tuple[str, ...], Refitted] = field(default_factory=dict)
     scores: dict[tuple[str, ...], float] = field(default_factory=dict)
     proposed: set[tuple[str, ...]] = field(default_factory=set)
@@ -137,11 +156,11 @@ class _Table:
 
     def _possible(self, linear: Linearization) -> list[Addition]:
         """Return the effects that an explanation lacks."""
-        lacking = [name for name in linear.candidates if name not in linear.explanation.effects]
-        for name in lacking:
+        for name in linear.lacking:
             if name not in self.additions:
+                self.shared.budget.check()
                 self.additions[name] = [addition.weighted(self.shared.problem) for addition in linear.of_effect(name)]
-        return [addition for name in lacking for addition in self.additions[name]]
+        return [addition for name in linear.lacking for addition in self.additions[name]]
 
     @property
     def explained(self) -> float:
@@ -175,15 +194,18 @@ class _Table:
 
     @property
     def _goes_on(self) -> bool:
-        return len(self.expanded) < COMPARED and not self.budget.ended
+        return len(self.expanded) < COMPARED
 
     def _report(self, sentence: str) -> None:
-        """Report what is done, and what leads with its probability."""
-        parts = self.leader.explanation.parts
-        highest = max(self.scores.values())
-        share = np.exp(self.scores[parts] - highest) / sum(np.exp(score - highest) for score in self.scores.values())
-        leading = ", ".join(parts) or "the baseline model"
-        self.budget.report(f"{sentence}; {leading} leads with {100.0 * share:.0f} % of the probability so far")
+        """Report what is done, and what leads; from the second pass on also its probability among all compared ones.
+
+        While effects are being added, those that remain are not yet among them.
+        """
+        divided, parts = self.divided_scores(), self.leader.explanation.parts
+        share = float(np.exp(divided[parts] - np.logaddexp.reduce(list(divided.values()))))
+        leading = f"{', '.join(parts) or 'the baseline model'} leads"
+        compared = f" {len(divided)} explanations, probability {percent(share)}" if self.expanded else ""
+        self.shared.budget.report(f"{sentence}; {leading}{compared}")
 
     def leads_again(self, seen: Collection[tuple[str, ...]], explanation: Explanation) -> bool:
         """Return whether the leader is one of those seen, and not larger than the explanation of the noise."""
@@ -203,11 +225,12 @@ class _Table:
             best = self.leader
             self._extend(best)
             if best is self.leader:
-                self._reduce(best)
+                self._reduce(best, [part for part in best.explanation.parts if self.losses.get(part, 0.0) < CERTAIN])
                 self.expanded.add(best.explanation.parts)
 
     def compare(self) -> None:
         """Extend the best explanations, and reduce those that nearly lead, until none of them is left."""
+        self._reduce(self.leader, self.leader.explanation.parts)
         while self._goes_on:
             remaining = [parts for parts in self._near() if parts not in self.expanded]
             if not remaining:
@@ -215,21 +238,23 @@ class _Table:
             refit = self.refits[remaining[0]]
             self._extend(refit)
             if refit in self._roots or self.scores[remaining[0]] > max(self.scores.values()) + REFIT_MARGIN:
-                self._reduce(refit)
+                self._reduce(refit, refit.explanation.parts)
             self.expanded.add(remaining[0])
 
     def propose(self) -> None:
         """Compare formulas for what the leading explanation, those with one part less, and none of them explain.
 
-        The smallest explanation is the first one. Where another one leads then, the noise is to be estimated again.
+        Those with less lack one of the `RIVALS` parts that are missed least: a formula may be in its place. The
+        smallest explanation is the first one. Where another one leads then, the noise is to be estimated again.
         """
         leader = self.leader
         if UNKNOWN in leader.explanation.parts:
             return
-        self._reduce(leader)
+        self._reduce(leader, leader.explanation.parts)
         less = [leader.explanation.without(part).parts for part in leader.explanation.effects]
+        less = sorted(less, key=lambda parts: -graded(self.scores.get(parts, -np.inf)))[:RIVALS]
         for parts in dict.fromkeys([(), *less, leader.explanation.parts]):
-            if self.leader is not leader or self.budget.ended or parts not in self.refits:
+            if self.leader is not leader or parts not in self.refits:
                 break
             self._propose(self.refits[parts])
         self.compare()
@@ -318,18 +343,25 @@ class _Table:
         return list(dict.fromkeys([*roots, *less, *sorted(near, key=lambda other: -graded(self.scores[other]))]))
 
     def _add(self, refit: Refitted) -> None:
+        """Keep a refit if it is the best one of its explanation; of those that do not lead, without computed forces."""
         parts = refit.explanation.parts
+        before = self.leader if self.refits else refit
         if parts not in self.refits or refit.score > self.scores[parts]:
             self.refits[parts], self.scores[parts] = refit, refit.score
+        for other in (before, refit):
+            if other.linear.simulator is not self.leader.linear.simulator:
+                other.linear.simulator.forget()
+        self.shared.budget.answered = True
 
-    def _reduce(self, refit: Refitted) -> None:
-        """Refit an explanation without each of its parts."""
+    def _reduce(self, refit: Refitted, parts: Collection[str]) -> None:
+        """Refit an explanation without each of some parts."""
         simulator, explanation = refit.linear.simulator, refit.explanation
-        for part in explanation.parts:
+        for part in parts:
             less = explanation.without(part)
-            if less.parts not in self.refits and not self.budget.ended:
+            if less.parts not in self.refits:
                 self._report(f"comparing {part} with other explanations")
                 self._add(refitted(self.shared, less, [self._start_without(refit, less)], simulator))
+            self.losses[part] = refit.score - self.refits[less.parts].score
 
     def _start_without(self, refit: Refitted, less: Explanation) -> FloatArray:
         """Return the coefficients of a refit, those of the effects that a smaller explanation lacks absent."""
@@ -363,7 +395,7 @@ class _Table:
                 continue
             if score > self.scores.get(parts, -np.inf):
                 self.scores[parts], self.extensions[parts] = score, leading
-            if (name in rivals or score > max(self.scores.values()) + REFIT_MARGIN) and not self.budget.ended:
+            if name in rivals or score > max(self.scores.values()) + REFIT_MARGIN:
                 self._add(self._with_effect(refit, best, above if name in rivals else None))
 
     def _extended(self, refit: Refitted, gain: Gain) -> Explanation:

@@ -164,7 +164,7 @@ def input_noise_responses(simulator: Simulator, parameters: FloatArray) -> Float
         return np.zeros((*at.shape, 0))
     step, responses = float(np.median(np.diff(signals.t))), []
     for i, name in enumerate(signals.names):
-        limit = 3.0 * signals.input_noise.get(name, 0.0)
+        limit = 3.0 * signals.origin.noise.get(name, 0.0)
         for seconds in AVERAGED if limit > 0.0 else ():
             average = uniform_filter1d(signals.inputs[i], 2 * round(0.5 * seconds / step) + 1, mode="nearest")
             inputs = signals.inputs.copy()

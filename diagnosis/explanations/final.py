@@ -28,7 +28,7 @@ from ..unexplained.formula_proposal import (
     unknown_of,
     with_formula,
 )
-from .compare import Comparison
+from .compare import ComparedExplanations
 from .effect_evidence import Evidence, effect_evidence
 from .explanation import Explanation
 from .form import Form as FormCorrection
@@ -79,14 +79,14 @@ class Final:
 
 
 def final_fits(
-    comparison: Comparison, problem: LeastSquares, baseline: Solution, start: Tire, report: Callable[[str], None],
-    *, no_formula: str = "", correct_form: bool = True,
+    comparison: ComparedExplanations, problem: LeastSquares, baseline: Solution, start: Tire,
+    report: Callable[[str], None], *, no_formula: str = "", correct_form: bool = True,
 ) -> Final:  # fmt: skip
     """Return the final fits.
 
     Parameters
     ----------
-    comparison : Comparison
+    comparison : ComparedExplanations
     problem : LeastSquares
         Of the baseline model.
     baseline : Solution
@@ -145,8 +145,8 @@ def _fitted(problem: LeastSquares, start: FloatArray, free: Collection[str]) -> 
 
 
 def _unknown(
-    comparison: Comparison, start: Tire, problem: LeastSquares, solution: Solution, report: Callable[[str], None],
-    no_formula: str,
+    comparison: ComparedExplanations, start: Tire, problem: LeastSquares, solution: Solution,
+    report: Callable[[str], None], no_formula: str,
 ) -> tuple[tuple[Unknown, ...], AddedFormula | None]:  # fmt: skip
     """Return the report of the unknown component, and the model with its formula if possible."""
     terms = comparison.leader.explanation.terms

@@ -17,6 +17,7 @@ from ..signals.disturbances import CROSS_TALK
 from ..signals.simulation import Simulator
 from ..thresholds import EFFECT_ODDS, FORM_ERROR, PAST_ERROR
 from ..unexplained.features import CORE_INPUTS
+from ..weighted_columns import WeightedColumns, joined
 from .discrepancy import bench_errors, effect_discrepancy, envelope
 from .evidence import NormalEquations
 from .explanation import UNKNOWN, Explanation
@@ -37,10 +38,10 @@ class Addition:
     """A form of an effect at a point of its grid, or terms of the unknown component, that could be added.
 
     - `form`: of an effect.
-    - `columns`, shape (n_channels, n, k): change of the forces, N and N m.
+    - `columns`, shape (n_channels, n, k): change of the forces, N and N m; none if they are weighted.
     - `deviation`, shape (k,): of the priors of their coefficients.
     - `log_prior`: logarithm of the prior odds of the explanation with it.
-    - `rows`, shape (n_channels * n, k): the columns in noise standard deviations, if they are known.
+    - `weighted_columns`: the columns in noise standard deviations, if they are known.
     """
 
     name: str
@@ -48,11 +49,15 @@ class Addition:
     deviation: FloatArray
     form: Form = NO_FORM
     log_prior: float = 0.0
-    rows: FloatArray | None = None
+    weighted_columns: WeightedColumns | None = None
 
     def weighted(self, problem: LeastSquares) -> Addition:
         """Return the addition with its columns in the noise standard deviations of a problem."""
-        return replace(self, rows=problem.weighted(self.columns).reshape(-1, self.columns.shape[-1]))
+        return replace(
+            self,
+            columns=np.zeros((*self.columns.shape[:2], 0)),
+            weighted_columns=problem.weighted_columns(self.columns),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,37 +105,34 @@ class Linearization:
         """Return the normal equations of everything that the explanation contains, and of additions."""
         if not additions:
             return self._own_equations
-        base, first = self._own_equations, np.concatenate([self.problem.disturbance_products[0], self._rows], axis=-1)
-        rows = [
-            addition.rows if addition.rows is not None else self._weighted(addition.columns) for addition in additions
-        ]
-        added = np.concatenate(rows, axis=-1)
-        cross = first.T @ added  # the last row: with the misfit
-        matrix = np.block([[base.matrix, cross[:-1]], [cross[:-1].T, added.T @ added]])
+        base = self._own_equations
+        added = joined([
+            addition.weighted_columns or self.problem.weighted_columns(addition.columns) for addition in additions
+        ])  # fmt: skip
+        first = self.problem.disturbance_products[0].times(added), self._columns.times(added)
+        cross = np.concatenate(first)  # the last row: with the misfit
+        matrix = np.block([[base.matrix, cross[:-1]], [cross[:-1].T, added.times(added)]])
         precision = np.concatenate([base.precision, *(addition.deviation**-2.0 for addition in additions)])
         return NormalEquations(
             matrix, np.append(base.target, cross[-1]), base.power, precision,
-            np.append(base.gradient, np.zeros(added.shape[1])),
+            np.append(base.gradient, np.zeros(added.number)),
         )  # fmt: skip
 
     @property
     def _own_equations(self) -> NormalEquations:
-        return _rows_and_equations(self)[1]
+        return _columns_and_equations(self)[1]
 
     @property
-    def _rows(self) -> FloatArray:
-        """The weighted columns beside the disturbances, and the misfit, shape (n_channels * n, k + 1)."""
-        return _rows_and_equations(self)[0]
-
-    def _weighted(self, columns: FloatArray) -> FloatArray:
-        return self.problem.weighted(columns).reshape(-1, columns.shape[-1])
+    def _columns(self) -> WeightedColumns:
+        """The weighted columns beside the disturbances; the last one is the misfit."""
+        return _columns_and_equations(self)[0]
 
     @property
-    def contained(self) -> FloatArray:
-        """What the explanation contains beside the disturbances, N and N m, shape (n_channels, n, k)."""
+    def contained(self) -> list[FloatArray]:
+        """What the explanation contains beside the disturbances, N and N m, each of shape (n_channels, n, k)."""
         return self._contained()[0]
 
-    def _contained(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _contained(self) -> tuple[list[FloatArray], FloatArray, FloatArray]:
         """Columns beside the disturbances, their prior deviations, and distances from the means in deviations.
 
         Coefficients, errors of the bench (the skew is the first), refinements of all forms, and discrepancies of the
@@ -155,7 +157,7 @@ class Linearization:
         distance[: len(values)] = (values - center) / deviation
         if len(of_bench):
             distance[len(values)] = simulator.signals.skew / of_bench[0]
-        return np.concatenate([*parts, *forms], axis=-1), whole, distance
+        return [*parts, *forms], whole, distance
 
     def _form_errors(self, effect: str, form: Form) -> FloatArray:
         """Return errors of the form of an effect, N and N m, shape (n_channels, n, k), each of deviation 1.
@@ -291,9 +293,10 @@ class Linearization:
             deviations.append(float(np.min(spread)) if form.scalable else 1.0)
         return np.stack(columns, axis=-1), np.array(deviations)
 
-    def additions(self) -> dict[str, list[Addition]]:
-        """Return the effects that the explanation lacks, by name."""
-        return {name: self.of_effect(name) for name in self.candidates if name not in self.explanation.effects}
+    @property
+    def lacking(self) -> list[str]:
+        """The names of the effects that the explanation lacks."""
+        return [name for name in self.candidates if name not in self.explanation.effects]
 
     def unknown(self) -> Addition:
         """Return all terms that an unknown component could have, features alone, as one addition."""
@@ -326,19 +329,19 @@ class Linearization:
         return added
 
 
-@lru_cache(maxsize=4)
-def _rows_and_equations(linear: Linearization) -> tuple[FloatArray, NormalEquations]:
+@lru_cache(maxsize=2)
+def _columns_and_equations(linear: Linearization) -> tuple[WeightedColumns, NormalEquations]:
     """Return the weighted columns with the misfit, and the normal equations, of what an explanation contains.
 
-    They are stored for the latest linearizations only: with three channels they take 60 MB.
+    They are stored for the latest linearizations only.
     """
-    problem, (columns, deviation, distance) = linear.problem, linear._contained()
+    problem, (parts, deviation, distance) = linear.problem, linear._contained()
     misfit = problem.misfit(linear.solution.parameters)[:, :, None]
-    rows = linear._weighted(np.concatenate([columns, misfit], axis=-1))
+    columns = joined([problem.weighted_columns(part) for part in (*parts, misfit)])
     first, products = problem.disturbance_products
-    cross = first.T @ rows
-    matrix = np.block([[products, cross], [cross.T, rows.T @ rows]])
+    cross = first.times(columns)
+    matrix = np.block([[products, cross], [cross.T, columns.times(columns)]])
     deviations = np.concatenate([problem.disturbances.deviation, deviation])
     distances = np.concatenate([np.zeros(len(deviations) - len(distance)), distance])
     power = float(matrix[-1, -1]) + float(np.sum(distances**2))
-    return rows, NormalEquations(matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations)
+    return columns, NormalEquations(matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -16,9 +17,10 @@ from ..probing.candidates import Candidate
 from ..signals.disturbances import Disturbances
 from ..signals.simulation import Simulator
 from ..thresholds import DISCREPANCIES, MAX_SKEW, SEARCH_ROWS
+from .budget import Budget
 from .discrepancy import fast_drift, input_noise_responses, model_discrepancy
 from .evidence import NormalEquations, inflation, likelihood_power
-from .explanation import Explanation
+from .explanation import Explanation, Term
 from .linearization import TERM, Addition, Linearization
 
 FloatArray = npt.NDArray[np.float64]
@@ -40,12 +42,19 @@ class Shared:
     - `problem`: of the baseline model with the common noise and the discrepancy of the model.
     - `free`: the coefficients of the baseline model.
     - `explained`: as in `evidence.inflation`.
+    - `budget`: the time of the comparison.
     """
 
     problem: LeastSquares
     free: tuple[str, ...]
     candidates: Mapping[str, Candidate]
     explained: float
+    budget: Budget
+
+    @cached_property
+    def coarse(self) -> LeastSquares:
+        """The problem with rows of independent noise."""
+        return replace(self.problem, whitening=None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,21 +89,24 @@ class Refitted:
 def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArray], simulator: Simulator) -> Refitted:
     """Fit an explanation from the best of several initial values, each of shape (n_parameters,).
 
-    The skew begins with that of the simulator.
+    The skew begins with that of the simulator. Raises `Ended` if the time of the comparison is over.
     """
-    problem = with_terms(shared.problem, explanation).over(simulator)
+    problems = (shared.problem, shared.coarse)
+    whole, coarse = (with_terms(problem, explanation.terms).over(simulator) for problem in problems)
     fitted = {*shared.free, *(name for _, form in explanation.forms for name in form.free)}
     free = tuple(sorted(fitted, key=simulator.names.index))
-    coarse = replace(problem, whitening=None)
-    tried = [coarse.solve(start, free, iterations=COARSE_ITERATIONS, tolerance=COARSE) for start in starts]
+    tried = []
+    for start in starts:
+        shared.budget.check()
+        tried.append(coarse.solve(start, free, iterations=COARSE_ITERATIONS, tolerance=COARSE))
     start = min(tried, key=lambda solution: graded(solution.cost)).parameters
-    best, estimate = _evaluated(shared, explanation, problem, start, free)
+    best, estimate = _evaluated(shared, explanation, whole, start, free)
     for _ in range(ALIGNMENTS if simulator.signals.timed else 0):
         signals, skew = best.linear.simulator.signals, float(estimate[best.linear.skew_index])
         step = float(np.clip(signals.skew + skew, -MAX_SKEW, MAX_SKEW)) - signals.skew
         if best.linear.error_of_skew(step) < SAME_EVIDENCE:
             break
-        delayed = problem.over(simulator.with_signals(signals.delayed(step)))
+        delayed = whole.over(simulator.with_signals(signals.delayed(step)))
         other, estimate = _evaluated(shared, explanation, delayed, best.linear.solution.parameters, free)
         if other.evidence <= best.evidence:
             break
@@ -107,27 +119,31 @@ def some_rows(simulator: Simulator) -> slice:
     return slice(None, None, -(-len(simulator.signals.rows) // SEARCH_ROWS))
 
 
-def with_terms(problem: LeastSquares, explanation: Explanation) -> LeastSquares:
-    """Return a problem with the terms of the unknown component as disturbances."""
-    if not explanation.terms:
+@lru_cache(maxsize=8)  # explanations with the same terms share one problem
+def with_terms(problem: LeastSquares, terms: tuple[Term, ...]) -> LeastSquares:
+    """Return a problem with the terms of an unknown component as disturbances."""
+    if not terms:
         return problem
-    names = tuple(f"{TERM}{i}" for i in range(len(explanation.terms)))
-    columns = np.stack([term.column for term in explanation.terms], axis=-1)
-    deviation = np.array([term.deviation for term in explanation.terms])
-    return replace(problem, disturbances=problem.disturbances.extended(names, columns, deviation))
+    names = tuple(f"{TERM}{i}" for i in range(len(terms)))
+    columns = np.stack([term.column for term in terms], axis=-1)
+    deviation = np.array([term.deviation for term in terms])
+    return problem.extended(names, columns, deviation)
 
 
 def _evaluated(
     shared: Shared, explanation: Explanation, problem: LeastSquares, start: FloatArray, free: Sequence[str]
 ) -> tuple[Refitted, FloatArray]:
     """Return a refit from all rows, and the estimates of all columns at it."""
+    shared.budget.check()
     solution = problem.solve(start, free, iterations=ITERATIONS)
     linear = Linearization(explanation, problem, solution, shared.candidates)
     estimate, evidence = linear.equations().solved()
     return Refitted(linear, evidence), estimate
 
 
-def shared_problem(linear: Linearization, baseline: Solution, effects: Sequence[Addition], explained: float) -> Shared:
+def shared_problem(
+    linear: Linearization, baseline: Solution, effects: Sequence[Addition], explained: float, budget: Budget
+) -> Shared:
     """Return the common noise and discrepancy.
 
     The noise is what no combination of all columns explains, so that no explanation has an advantage by it. The
@@ -146,14 +162,17 @@ def shared_problem(linear: Linearization, baseline: Solution, effects: Sequence[
     names = tuple(f"{DISCREPANCY}{i}" for i in range(columns.shape[-1]))
     widest = np.full(len(names), max(DISCREPANCIES))
     extended = replace(problem, disturbances=disturbances.extended(names, columns, widest))
+    budget.check()
     size = _sizes(extended, saturated_residual(replace(linear, problem=extended), additions))
     extended = replace(extended, inverse_noise=extended.inverse_noise / size[:, None])
+    budget.check()
     noisy = _with_noise(extended, saturated_residual(replace(linear, problem=extended), additions), explained)
+    budget.check()
     normal = replace(linear, problem=noisy).equations(effects)
     chosen = noisy.with_deviation(_best_deviation(normal, noisy.disturbances))
     of_terms = {name for name in chosen.disturbances.names if name.startswith(TERM)}  # of the leading explanation only
     common = replace(chosen, disturbances=chosen.disturbances.without(of_terms))
-    return Shared(common, baseline.free, linear.candidates, explained)
+    return Shared(common, baseline.free, linear.candidates, explained, budget)
 
 
 def _best_deviation(normal: NormalEquations, disturbances: Disturbances) -> FloatArray:
@@ -192,8 +211,11 @@ def saturated_residual(linear: Linearization, additions: Sequence[Addition]) -> 
     factor = np.linalg.cholesky(whole)
     estimate = scale * cho_solve((factor, True), scale * (normal.target + normal.gradient))
     drawn = scale * solve_triangular(factor, np.random.default_rng(0).standard_normal(len(scale)), trans=1, lower=True)
-    columns = [problem.disturbances.columns, linear.contained, *(addition.columns for addition in additions)]
-    fitted = np.concatenate(columns, axis=-1) @ np.stack([estimate, drawn], axis=-1)
+    both, end = np.stack([estimate, drawn], axis=-1), 0
+    fitted = np.zeros((*problem.inverse_noise.shape, 2))
+    for columns in (problem.disturbances.columns, *linear.contained, *(addition.columns for addition in additions)):
+        begin, end = end, end + columns.shape[-1]
+        fitted += columns @ both[begin:end]
     rest = problem.weighted(problem.misfit(linear.solution.parameters) - fitted[:, :, 0])
     return np.asarray(rest - problem.weighted(fitted[:, :, 1]))
 

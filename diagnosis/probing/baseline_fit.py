@@ -112,7 +112,7 @@ def worse_by_smoothing(problem: LeastSquares, solution: Solution, recorded: Sign
 
     `problem`: of the smoothed signals. `recorded`: of the same recording without smoothing.
     """
-    if not any(problem.simulator.signals.input_noise.values()):
+    if not any(problem.simulator.signals.origin.noise.values()):
         return False
     other = replace(problem, simulator=problem.simulator.with_signals(recorded))
     sizes = [
@@ -128,7 +128,7 @@ def _with_periodic_lines(problem: LeastSquares, solution: Solution) -> LeastSqua
     if not signals.timed:
         return problem
     axes = {"t": signals.t[signals.rows]}
-    if "distance" in signals.names and "V" in signals.recorded:
+    if "distance" in signals.names and "V" in signals.origin.recorded:
         axes["distance"] = signals.named()["distance"]
     simulated = signals.measured - solution.residual
     lines = periodic_lines(axes, problem.weighted(solution.residual), problem.inverse_noise > 0.0, simulated)

@@ -165,7 +165,7 @@ def varies(signals: Signals, tire: Tire, name: str) -> bool:
         return signals.timed
     if name in CHANNELS:
         return name in signals.channels
-    if name not in signals.recorded | signals.derived or name not in signals.names:
+    if name not in signals.origin.recorded | signals.origin.derived or name not in signals.names:
         return False
     values = signals.named()[name]
     return float(values.max() - values.min()) > _least_variation(signals, tire, name)
@@ -173,4 +173,4 @@ def varies(signals: Signals, tire: Tire, name: str) -> bool:
 
 def _least_variation(signals: Signals, tire: Tire, name: str) -> float:
     least = MIN_VARIATION.get(name, 0.0) * (tire.nominal(name) if name in ("Fz", "V") else 1.0)
-    return max(least, MIN_VARIATION_IN_NOISE * signals.input_noise.get(name, 0.0), 1e-9)
+    return max(least, MIN_VARIATION_IN_NOISE * signals.origin.noise.get(name, 0.0), 1e-9)

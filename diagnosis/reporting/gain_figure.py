@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from ...drawing.figure import Figure, Panel, Series, in_rows
-from ...drawing.labels import axis_label, drawn_unit, per_si
+from ...drawing.labels import axis_label, drawn_unit, note, per_si
 from ...drawing.residual_panels import INPUTS, bins
 from ...drawing.style import BLUE, DASHED, RED
 from ...numerics.arrays import FloatArray
@@ -33,11 +33,12 @@ def gain_figure(diagnosis: Diagnosis) -> Figure | None:
         None if the improved tire has none of the identified effects.
     """
     panels = [_panel(diagnosis, finding) for finding in diagnosis.found if finding.effect in diagnosis.tire.has]
-    note = (
+    text = (
         "measured minus computed, positive in the direction in which the effect acts, mean of rows with similar input "
         "weighted by the effect's force; the offset of the recording is removed"
     )
-    return Figure("diagnosis_gain", "What each identified effect adds", in_rows(panels), note) if panels else None
+    under = note(diagnosis.signs, text)
+    return Figure("diagnosis_gain", "What each identified effect adds", in_rows(panels), under) if panels else None
 
 
 def _panel(diagnosis: Diagnosis, finding: FoundEffect) -> Panel:
@@ -48,7 +49,8 @@ def _panel(diagnosis: Diagnosis, finding: FoundEffect) -> Panel:
     response = _force(tire, diagnosis, channel) - _force(without, diagnosis, channel)
     measured = _measured(diagnosis, channel)
     through = _input(diagnosis, finding.effect)
-    x = rows[through].to_numpy(dtype=np.float64) * per_si(through)
+    at = convert_signs(rows[[through]], diagnosis.recording_signs, diagnosis.signs)[through]
+    x = at.to_numpy(dtype=np.float64) * per_si(through)
     finite = np.isfinite(x) & np.isfinite(measured) & np.isfinite(response)
     parts = [part for part in bins(x, finite) if np.abs(response[part]).any()]
     lines = []
@@ -58,8 +60,7 @@ def _panel(diagnosis: Diagnosis, finding: FoundEffect) -> Panel:
         centers = [float(np.median(x[part])) for part in parts]
         lines.append(Series("line", centers, means, color, label, dashes, marker="o"))
     y = f"{channel} that is missing ({drawn_unit(channel)})"
-    signs = diagnosis.recording_signs
-    return Panel(axis_label(through, signs), y, tuple(lines), f"{finding.effect}: {channel}", across=(0.0,))
+    return Panel(axis_label(through, diagnosis.signs), y, tuple(lines), f"{finding.effect}: {channel}", across=(0.0,))
 
 
 def _input(diagnosis: Diagnosis, effect: str) -> str:

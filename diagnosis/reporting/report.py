@@ -15,8 +15,8 @@ from ...drawing.page import page_text, write_page
 from ...measurements import Recording, TableLike, recording_from
 from ...measurements.provenance import provenance
 from ...tires.tire import Tire
+from ..explanations.answer import percent
 from ..verdict.result import Diagnosis
-from ..verdict.verdict import percent
 from .form_figure import form_figure
 from .gain_figure import gain_figure
 from .memory_figure import memory_figure

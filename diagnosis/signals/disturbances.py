@@ -162,7 +162,7 @@ def reported_disturbances(disturbances: Disturbances, values: FloatArray, signal
         "offset": {channel: named[f"offset_{channel}"] for channel in signals.channels},
         "drift": drift,
         "cross_talk": {name.removeprefix(CROSS_TALK): v for name, v in named.items() if name.startswith(CROSS_TALK)},
-        "input_noise": dict(signals.input_noise),
+        "input_noise": dict(signals.origin.noise),
     }
 
 

@@ -32,16 +32,16 @@ def recording_errors(
     disturbances, N and N m. `tire`: the baseline model. Returns: as `Diagnosis.recording`.
     """
     table = recording.table
-    used = {"t", "distance", *tire.inputs, *OUTPUTS, *(SURROUNDINGS if TEMPERATURE in signals.derived else ())}
+    used = {"t", "distance", *tire.inputs, *OUTPUTS, *(SURROUNDINGS if TEMPERATURE in signals.origin.derived else ())}
     waves = [i for i, name in enumerate(disturbances.names) if name.startswith("wave")]
     turning = residual + disturbances.columns[:, :, waves] @ values[waves]
     return reported_disturbances(disturbances, values, signals) | {
         "ripple": ripple(signals, turning, tire.values["UNLOADED_RADIUS"]),
         "quantisation": {name: quantisation(table[name].to_numpy(np.float64)) for name in signals.channels},
         "compared_every": int(np.diff(signals.table_rows).min()),
-        "smoothing_windows": [2 * half + 1 for half in HALF_WIDTHS] if any(signals.input_noise.values()) else [],
+        "smoothing_windows": [2 * half + 1 for half in HALF_WIDTHS] if any(signals.origin.noise.values()) else [],
         "left_aside": dict(signals.excluded_channels),
-        "derived_columns": sorted(signals.derived & set(table)),
+        "derived_columns": sorted(signals.origin.derived & set(table)),
         "ignored_columns": [str(name) for name in table if name not in used],
     }
 
@@ -52,7 +52,7 @@ def ripple(signals: Signals, residual: FloatArray, radius: float) -> dict[str, f
     `residual`, shape (n_channels, n): residual of the tire and the slow disturbances, N and N m. `radius`: unloaded
     radius, m; the rolling radius is searched around it (`once_per_revolution`). Returns: N and N m.
     """
-    if not signals.timed or "V" not in signals.recorded or len(signals.rows) < 2:
+    if not signals.timed or "V" not in signals.origin.recorded or len(signals.rows) < 2:
         return {}
     t = signals.t[signals.rows]
     inputs = dict(zip(signals.names, signals.inputs[:, signals.rows], strict=True))

@@ -40,6 +40,20 @@ IntArray = npt.NDArray[np.int64]
 FORMULA_SIGNS = "adapted-sae"
 
 
+@dataclass(frozen=True)
+class InputOrigin:
+    """Where the inputs of signals come from.
+
+    - `recorded`: inputs that the recording contains; the others have their nominal values.
+    - `derived`: inputs that were computed from recorded ones.
+    - `noise`: standard deviation of the noise that smoothing removed.
+    """
+
+    recorded: frozenset[str]
+    derived: frozenset[str]
+    noise: Mapping[str, float]
+
+
 @dataclass(frozen=True, eq=False)
 class Signals:
     """The signals of a recording that the diagnosis uses.
@@ -57,12 +71,10 @@ class Signals:
     - `block`, shape (n,).
     - `holdout`, shape (n,): rows of the hold-out set, which no fit uses; effects, formulas and the delivered tire are
       checked on them.
-    - `recorded`: inputs that the recording contains; the others have their nominal values.
-    - `input_noise`: standard deviation of the noise that smoothing removed.
+    - `origin`: of the inputs.
     - `timed`: whether the recording has a column t.
     - `excluded_channels`: measured channels that are not compared, and the reason.
     - `skew`, s: time by which the inputs were delayed, because the forces are recorded later.
-    - `derived`: inputs that were computed from recorded ones.
     """
 
     names: tuple[str, ...]
@@ -76,12 +88,10 @@ class Signals:
     present: npt.NDArray[np.bool_]
     block: IntArray
     holdout: npt.NDArray[np.bool_]
-    recorded: frozenset[str]
-    input_noise: Mapping[str, float]
+    origin: InputOrigin
     timed: bool
     excluded_channels: Mapping[str, str] = field(default_factory=dict)
     skew: float = 0.0
-    derived: frozenset[str] = frozenset()
 
     def delayed(self, seconds: float) -> Signals:
         """Return the signals with inputs that are delayed by a further time, s."""
@@ -174,7 +184,8 @@ def signals_of(
     simulated = np.union1d(thin, rows)
     return Signals(
         names, t[simulated], inputs[:, simulated], np.searchsorted(simulated, rows), rows, channels,
-        output_index, measured, present, block, holdout, recorded, noise, timed, excluded, 0.0, frozenset(derived),
+        output_index, measured, present, block, holdout,
+        InputOrigin(recorded, frozenset(derived), noise), timed, excluded,
     )  # fmt: skip
 
 

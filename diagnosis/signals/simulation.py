@@ -7,7 +7,7 @@ stored. A simulator without such parameters solves states and forces together.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -17,13 +17,13 @@ import numpy as np
 import numpy.typing as npt
 
 from ...measurements.state_starts import estimated_starts
-from ...symbolic.added.effect import owners_of
-from ...symbolic.added.state import State
 from ...tires.code import Code, chosen_derivatives, fastest_code
 from ...tires.code.given_lines import GivenLines, given_lines
-from ...tires.states.simulation import StateSimulation, equilibrium
+from ...tires.states.equilibrium import equilibrium
+from ...tires.states.simulation import StateSimulation
 from ...tires.states.transient import Course, lagged_course, lateral_slip, segment_starts
 from ...tires.tire import Tire
+from .effect_states import amplitudes_of, groups_of
 from .signals import Signals
 
 FloatArray = npt.NDArray[np.float64]
@@ -55,6 +55,7 @@ class Simulator:
     #: The courses of states for the coefficients of their equations, and what drives them.
     _stored: Callable[[bytes, tuple[int, ...], tuple[str, ...]], FloatArray] = field(init=False)
     _driving: Callable[[tuple[int, ...]], dict[str, FloatArray]] = field(init=False)
+    _active: Callable[[tuple[int, ...]], FloatArray] = field(init=False)
     #: Parameters at which forces drive the states, empty for those of the trial; the states at them, (n_states, n).
     _driven_at: FloatArray = field(init=False, default_factory=lambda: np.empty(0))
     _held: FloatArray = field(init=False, default_factory=lambda: np.empty((0, 0)))
@@ -86,11 +87,11 @@ class Simulator:
         #: Coefficients of relaxation alone.
         self._relaxing = frozenset(self._by_difference)
         self._lags = np.isin(np.arange(len(self._off)), [self.index[name] for name in self._relaxing])
-        self._sizes_of_states = dict(self._amplitudes())
+        self._sizes_of_states = amplitudes_of(self.tire)
         shapes = {name for effect in self.symbolic_model.added for state in effect.states for name in state.reads}
         self._by_difference |= {name: self._step(name) for name in self.symbolic_model.coefficients.keys() & shapes}
         states = self.symbolic_model.states
-        reads = {group: {name for state in group for name in states[state].reads} for group in _groups_of(states)}
+        reads = {group: {name for state in group for name in states[state].reads} for group in groups_of(states)}
         #: The groups of states with the indices of the coefficients in their equations.
         self._groups = {
             group: [self.index[name] for name in sorted(read & self.index.keys())] for group, read in reads.items()
@@ -98,17 +99,6 @@ class Simulator:
         self._state_rows = [list(self.tire.inputs).index(name) for name in self.symbolic_model.states]
         self._remember()
         self._store()
-
-    def _amplitudes(self) -> Iterator[tuple[str, IntArray]]:
-        """Yield each state of an effect that the tire lacks, with the coefficients without which it does not act."""
-        for name, owners in owners_of(self.symbolic_model.added).items():
-            if not self.tire.has.isdisjoint(effect.name for effect, _ in owners):
-                continue
-            read = {symbol for effect, _ in owners for state in effect.states for symbol in state.reads}
-            acting = {symbol for effect, _ in owners for act in effect.acts for symbol in act.reads}
-            declared = [declaration.name for effect, _ in owners for declaration in effect.declarations]
-            amplitudes = [coefficient for coefficient in declared if coefficient in acting or coefficient not in read]
-            yield name, np.array([self.index[coefficient] for coefficient in amplitudes])
 
     def _step(self, name: str) -> float:
         declaration = self.symbolic_model.coefficients[name]
@@ -128,6 +118,12 @@ class Simulator:
         """Keep courses of states at all rows: they serve for any of these."""
         self._stored = lru_cache(STORED)(self._followed)
         self._driving = lru_cache(1)(self._driving_values)
+        self._active = lru_cache(1)(self._computed_active)
+
+    def forget(self) -> None:
+        """Free the memory of what was computed; it is computed again when it is needed."""
+        self._remember()
+        self._store()
 
     def with_signals(self, signals: Signals) -> Simulator:
         """Return a simulator of the same tire over other signals."""
@@ -186,12 +182,13 @@ class Simulator:
             return np.where(self._determines_lag, parameters, self._off).tobytes()
         return np.where(self._determines_lag & self._lags, parameters, self._driven_at).tobytes()
 
-    def _active(self, unused: tuple[int, ...]) -> FloatArray:
+    def _computed_active(self, unused: tuple[int, ...]) -> FloatArray:
         """Return the inputs of all rows, with 0 in unused ones."""
         if not self.signals.inputs[list(unused)].any():
             return self.signals.inputs
         inputs = self.signals.inputs.copy()
         inputs[list(unused)] = 0.0
+        inputs.flags.writeable = False  # shared by all callers
         return inputs
 
     def _computed_acting(self, relevant: bytes, unused: tuple[int, ...]) -> FloatArray:
@@ -401,15 +398,3 @@ class Simulator:
         ]
         entries, channels, columns = np.array(chosen, dtype=np.intp).reshape(-1, 3).T
         return entries, channels, columns
-
-
-def _groups_of(states: Mapping[str, State]) -> tuple[tuple[str, ...], ...]:
-    """Return the names of states in groups: a state that reads another one, or is its speed, is in its group."""
-    groups = list[tuple[str, ...]]()
-    for name, state in states.items():
-        read = state.reads | {
-            other for other in states if states[other].oscillates and states[other].speed_name == name
-        }
-        joined = tuple(other for group in groups if not read.isdisjoint(group) for other in group)
-        groups = [group for group in groups if set(joined).isdisjoint(group)] + [(*joined, name)]
-    return tuple(groups)

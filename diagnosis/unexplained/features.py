@@ -191,7 +191,7 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
         if constant & (rates if past else names):
             return
         names -= constant
-        if size > 1e-9 and names & (signals.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}):
+        if size > 1e-9 and names & (signals.origin.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}):
             slips = names & {"alpha", "kappa"}
             slips = slips if len(slips) == 1 else frozenset()
             formula, states = (past.formula, past.states) if past else ("", ())
@@ -230,11 +230,11 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
 def _add_conditions(add: Adding, signals: Signals, tire: Tire, named: Mapping[str, FloatArray]) -> None:
     """Add features of the recorded operating conditions: pressure, turn slip, temperature, distance."""
     nominal = tire.values
-    if "p" in named and "p" in signals.recorded and "NOMPRES" in nominal:
+    if "p" in named and "p" in signals.origin.recorded and "NOMPRES" in nominal:
         add("3*(p/NOMPRES - 1)", "p", 3.0 * (named["p"] / nominal["NOMPRES"] - 1.0))
-    if "phit" in signals.recorded and "phit" in named:
+    if "phit" in signals.origin.recorded and "phit" in named:
         add("2*absolute(phit)*UNLOADED_RADIUS", "phit", 2.0 * np.abs(named["phit"]) * nominal["UNLOADED_RADIUS"])
-    if "T" in signals.recorded and "T" in named:
+    if "T" in signals.origin.recorded and "T" in named:
         middle = round(float(named["T"].mean()))
         add(f"(T - {middle})/20", "T", (named["T"] - middle) / 20.0)
     if signals.timed and "distance" in named:

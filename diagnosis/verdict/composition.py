@@ -45,7 +45,7 @@ from .fit_error import (
 from .improved_tire import tire_of
 from .residual_location import residual_maps, time_course
 from .result import NO_FORM, Diagnosis
-from .verdict import verdict_text
+from .verdict import verdict_sentences
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -111,12 +111,13 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
     refined = tuple(f"{name}: {', '.join(form.free)}" for name, form in fits.refinements)
     detectable, not_identifiable = detectable_sizes(fits.after, lacking, tested, fits.start)
     of_recording = _recording_errors(outcome, delivery)
-    verdict = verdict_text(findings, unknown, confounded, refined, adequacy, detectable, against, of_recording)
+    sentences = verdict_sentences(findings, unknown, confounded, refined, adequacy, detectable, against, of_recording)
     form = _form(fits, delivered=not against)
-    verdict += f". {form.sentence}" if form.delivered else ""
-    marked = f"Best explanation so far, {outcome.stopped}: {verdict}" if outcome.stopped else verdict
+    sentences += [form.sentence] * form.delivered
+    if outcome.stopped:
+        sentences[0] = f"Best explanation so far, {outcome.stopped}: {sentences[0]}"
     return Diagnosis(
-        verdict=marked,
+        sentences=tuple(sentences),
         stopped=outcome.stopped,
         form=form,
         found=findings,
@@ -335,7 +336,7 @@ def confounded_with(outcome: DiagnosisOutcome, tested: Sequence[Tried]) -> dict[
             size[other] = max(value, size.get(other, 0.0))
         contained = outcome.candidates[name].contains
         confounded[name] = {other: value for other, value in size.items() if value > REPORTED and other != contained}
-        if "distance" in outcome.candidates[name].requires and "T" not in outcome.signals.recorded:
+        if "distance" in outcome.candidates[name].requires and "T" not in outcome.signals.origin.recorded:
             confounded[name][UNRECORDED_TEMPERATURE] = 1.0
     return {name: others for name, others in confounded.items() if others}
 

@@ -10,7 +10,7 @@ from ..explanations.answer import RankedExplanation
 from .findings import CoefficientInterval
 
 #: Version of diagnosis.json. New keys increment the second number, changed meanings the first.
-VERSION = "4.1"
+VERSION = "4.2"
 
 
 class Size(TypedDict):
@@ -87,6 +87,7 @@ class DiagnosisContent(TypedDict):
     """The keys of diagnosis.json; `Diagnosis` explains those with its names."""
 
     version: str
+    headline: Annotated[str, "what is missing, in a few words"]
     verdict: Annotated[str, "in one line"]
     found: Annotated[Sequence[FoundContent], "in falling order of probability"]
     explanations: Annotated[Sequence[RankedExplanation], "in falling order of probability"]

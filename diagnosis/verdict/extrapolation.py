@@ -70,7 +70,7 @@ def extrapolations(
         indices = [problem.simulator.index[name] for name in coefficients]
         without[indices] = absent[indices]
         for name in inputs[effect]:
-            if name not in named or name not in signals.recorded or name in ("t", "alpha", "kappa"):
+            if name not in named or name not in signals.origin.recorded or name in ("t", "alpha", "kappa"):
                 continue
             lower, upper = (float(edge) for edge in np.quantile(named[name], [0.005, 0.995]))
             change, channel = _change(problem, (solution.parameters, without), name, lower, upper)

@@ -29,7 +29,7 @@ def residual_maps(screen: Screen) -> list[dict[str, Any]]:
     """
     signals = screen.signals
     named = signals.named()
-    recorded = [name for name in named if name not in signals.derived]
+    recorded = [name for name in named if name not in signals.origin.derived]
     pairs = _pairs([name for name in recorded if varies(signals, screen.problem.simulator.tire, name)])
     maps = []
     for channel, residual, inverse_noise in zip(

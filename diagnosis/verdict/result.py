@@ -35,6 +35,7 @@ from .content import (
 from .extrapolation import Extrapolation
 from .findings import FormCorrection, FoundEffect, turned_sign
 from .summary import diagnosis_html, diagnosis_text
+from .verdict import headline_text
 
 #: Of a diagnosis whose tires have no correction of the form.
 NO_FORM = FormCorrection({}, False)
@@ -46,8 +47,8 @@ class Diagnosis:
 
     Attributes
     ----------
-    verdict : str
-        One line.
+    sentences : tuple of str
+        The verdict; `verdict` has them in one line, `headline` what is missing in a few words.
     found : tuple of FoundEffect
         In order of probability.
     answer : Answer
@@ -101,7 +102,7 @@ class Diagnosis:
         The correction of the formula's own form in the delivered tire.
     """
 
-    verdict: str
+    sentences: tuple[str, ...]
     found: tuple[FoundEffect, ...]
     answer: Answer
     confounded_with: Mapping[str, Mapping[str, float]]
@@ -186,6 +187,16 @@ class Diagnosis:
         )
 
     @property
+    def verdict(self) -> str:
+        """The verdict in one line."""
+        return ". ".join(self.sentences)
+
+    @property
+    def headline(self) -> str:
+        """What is missing, in a few words."""
+        return headline_text(self.found, self.adequacy, self.delivered, bool(self.stopped))
+
+    @property
     def rating(self) -> str:
         """The worst rating of a channel: "green", "amber" or "red"; amber at best if the tire is not delivered."""
         ratings = {rated.rating for rated in self.adequacy} | ({"amber"} if not self.delivered else set())
@@ -197,8 +208,10 @@ class Diagnosis:
         return tuple(part.effect for part in self.unknown if part.effect is not None)
 
     @property
-    def _summarized(self) -> tuple[str, tuple[FoundEffect, ...], Mapping[str, Mapping[str, float]], int, str]:
-        return self.verdict, self.found, self.gap["holdout"], len(self.rows), self.signs
+    def _summarized(
+        self,
+    ) -> tuple[tuple[str, ...], tuple[FoundEffect, ...], Mapping[str, Mapping[str, float]], int, str]:
+        return (self.headline, *self.sentences), self.found, self.gap["holdout"], len(self.rows), self.signs
 
     def __repr__(self) -> str:
         """Return the verdict, the findings with their evidence, and the hold-out error before and after."""

@@ -5,33 +5,53 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ...boundary.escaping import visible
+from ...drawing.labels import drawn_unit
 from ...tires.notebook import html_details, html_summary, html_table
+from ..explanations.answer import percent
 from .findings import FoundEffect
-from .verdict import percent
+
+
+def before_and_after(channel: str, error: Mapping[str, float]) -> str:
+    """Return the error of a channel before and after, with its unit.
+
+    >>> before_and_after("Fy", {"before": 66.17, "after": 30.45})
+    'RMSE 66.17 N before, 30.45 N after'
+    """
+    unit = drawn_unit(channel)
+    return f"RMSE {error['before']:.4g} {unit} before, {error['after']:.4g} {unit} after"
 
 
 def diagnosis_text(
-    verdict: str, findings: Sequence[FoundEffect], holdout: Mapping[str, Mapping[str, float]], n_rows: int, signs: str
+    verdict: Sequence[str],
+    findings: Sequence[FoundEffect],
+    holdout: Mapping[str, Mapping[str, float]],
+    n_rows: int,
+    signs: str,
 ) -> str:
     """Return the verdict, the findings with their evidence, and the hold-out error before and after.
 
-    `holdout`: by channel: root mean square on the hold-out ``before`` and ``after``, N and N m. `signs`: sign
-    convention of the coefficients.
+    `verdict`: headline and sentences. `holdout`: by channel: root mean square on the hold-out ``before`` and ``after``,
+    N and N m. `signs`: sign convention of the coefficients.
     """
-    lines = [f"Diagnosis: {verdict}"]
+    headline, *sentences = verdict
+    lines = [f"Diagnosis: {headline}", *(f"  {sentence}" for sentence in sentences)]
     for finding in findings:
         values = ", ".join(f"{name} {interval.value:.4g}" for name, interval in finding.coefficients.items())
         sure = percent(finding.probability)
         channels = ", ".join(finding.channels)
         lines.append(f"  {finding.effect} in {channels}: probability {sure}{'; ' * bool(values)}{values}")
     for channel, error in holdout.items():
-        lines.append(f"  {channel} on the hold-out set: RMSE {error['before']:.4g} before, {error['after']:.4g} after")
+        lines.append(f"  {channel} on the hold-out set: {before_and_after(channel, error)}")
     lines.append(f"  {n_rows} rows; coefficients in {signs} signs")
     return "\n".join(visible(line) for line in lines)
 
 
 def diagnosis_html(
-    verdict: str, findings: Sequence[FoundEffect], holdout: Mapping[str, Mapping[str, float]], n_rows: int, signs: str
+    verdict: Sequence[str],
+    findings: Sequence[FoundEffect],
+    holdout: Mapping[str, Mapping[str, float]],
+    n_rows: int,
+    signs: str,
 ) -> str:
     """Return the summary as HTML, with the coefficients of the findings."""
     rows = [

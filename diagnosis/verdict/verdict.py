@@ -1,4 +1,4 @@
-"""The verdict of a diagnosis in one line."""
+"""The verdict of a diagnosis: a headline and its sentences."""
 
 from __future__ import annotations
 
@@ -7,43 +7,68 @@ from math import hypot
 from typing import Any
 
 from ...numerics.ties import graded
+from ..explanations.answer import percent
 from ..thresholds import CHANNEL_SHARE
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
 from .findings import FoundEffect
 
+_NOTHING = "nothing material is missing"
 
-def verdict_text(
+
+def verdict_sentences(
     findings: Sequence[FoundEffect], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]],
     refined: Sequence[str], adequacy: Sequence[Adequacy], detectable: Mapping[str, Mapping[str, float]],
     against: Sequence[str], recording: Mapping[str, Any],
-) -> str:  # fmt: skip
-    """Return the verdict: missing effects, refinements, what was not identified, what was removed, and reservations.
+) -> list[str]:  # fmt: skip
+    """Return the sentences of the verdict: what is missing, refined, not identified and removed, and reservations.
 
     `confounded`: correlation with other explanations, by effect. `refined`: refinements of effects of the baseline
     model. `detectable`: smallest detectable sizes, by effect and channel. `against`: reasons why the improved tire is
     not delivered. `recording`: errors of the recording.
     """
-    parts = [_missing(findings, unknown, confounded)]
+    parts = _missing(findings, unknown, confounded)
     if refined:
         parts.append(f"refinement needed: {'; '.join(refined)}")
     red = [str(rated) for rated in adequacy if rated.rating == "red"]
     if red:
         what = "is missing in the delivered tire" if against else "is missing and was not identified"
         parts.append(f"something {what} in {', '.join(red)}")
-    parts = [part for part in parts if part] or [_nothing(adequacy, detectable)]
+    parts = parts or [_nothing(adequacy, detectable)]
     if against:
         parts.append(f"the improved tire is not delivered, because {'; '.join(against)}")
     if removed := _removed(recording["periodic"], adequacy):
         parts.append(removed)
     if recording["derived_columns"]:
         parts.append(f"not recorded, but computed from other columns: {', '.join(recording['derived_columns'])}")
-    return ". ".join(part[0].upper() + part[1:] for part in parts)
+    return [part[0].upper() + part[1:] for part in parts]
+
+
+def headline_text(findings: Sequence[FoundEffect], adequacy: Sequence[Adequacy], delivered: bool, stopped: bool) -> str:
+    """Return what an engineer needs first: the effects that are missing, and where something else is.
+
+    >>> headline_text((), (), True, False)
+    'Nothing material is missing'
+    """
+    missing = [finding.effect for finding in findings if finding.probability >= 0.5 and finding.effect != "UNKNOWN"]
+    red = [rated.channel for rated in adequacy if rated.rating == "red"]
+    parts = [f"missing: {', '.join(missing)}"] if missing else []
+    if any(finding.effect == "UNKNOWN" and finding.probability >= 0.5 for finding in findings):
+        parts.append("an effect is missing that is not in the library")
+    elif red:
+        what = f"something {'else ' * bool(missing)}is missing" + " and was not identified" * delivered
+        parts.append(f"{what} in {', '.join(red)}")
+    if not delivered:
+        parts.append("the improved tire is not delivered")
+    if "missing" not in " ".join(parts):
+        parts = ["no effect is identified as missing" if findings else _NOTHING, *parts]
+    text = "; ".join(parts)
+    return f"Best explanation so far: {text}" if stopped else text[0].upper() + text[1:]
 
 
 def _missing(
     findings: Sequence[FoundEffect], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]]
-) -> str:
+) -> list[str]:
     """Return the sentences on effects that are more probable than not, and on others of the improved tire."""
     missing, uncertain = list[str](), list[str]()
     for finding in findings:
@@ -61,21 +86,7 @@ def _missing(
         confounded_with = f"; confounded with {others}" if others else ""
         certain.append(f"{finding.effect} (probability {percent(finding.probability)}{bounds}{confounded_with})")
     headed = (("Missing", missing), ("The fit is better with, but does not identify", uncertain))
-    return ". ".join(f"{head}: {'; '.join(names)}" for head, names in headed if names)
-
-
-def percent(probability: float) -> str:
-    """Return a probability in percent; beyond 10 and 90 % only that it is so.
-
-    Of the effects with more than 90 %, 86 to 92 % were missing in the suites of docs/discovery.md: the digits of a
-    larger number would mean nothing.
-
-    >>> percent(0.9999), percent(0.625)
-    ('over 90 %', '62 %')
-    """
-    if not 0.1 <= probability <= 0.9:
-        return "over 90 %" if probability > 0.5 else "under 10 %"
-    return f"{100.0 * probability:.0f} %"
+    return [f"{head}: {'; '.join(names)}" for head, names in headed if names]
 
 
 def _removed(waves: Sequence[Mapping[str, Any]], adequacy: Sequence[Adequacy]) -> str:
@@ -110,4 +121,4 @@ def _nothing(adequacy: Sequence[Adequacy], detectable: Mapping[str, Mapping[str,
     text = ", ".join(
         f"{size[len(size) // 2]:.2g} {_unit(channel)} in {channel}" for channel, size in sizes.items() if size
     )
-    return f"Nothing material is missing (smallest detectable effect, median: {text})"
+    return f"{_NOTHING} (smallest detectable effect, median: {text})"

@@ -1,4 +1,4 @@
-"""An FMU in ecos: steps are counted, because its times are sums."""
+"""FMUs in ecos: steps are counted, because its times are sums."""
 
 import ctypes
 import json
@@ -9,12 +9,14 @@ for library in Path(sys.prefix, "lib").glob("libtbb.so.*"):  # pip installs it b
     ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
 from ecospy import EcosSimulation, EcosSimulationStructure  # noqa: E402
 
-path, inputs, outputs = sys.argv[1], json.loads(sys.argv[3]), sys.argv[4].split(",")
+tires, outputs = json.loads(sys.argv[1]), sys.argv[3].split(",")
 with EcosSimulationStructure() as structure:
-    structure.add_model("tire", path)
-    structure.add_parameter_set("start", {f"tire::{name}": float(value) for name, value in inputs.items()})
+    for name, (path, _) in tires.items():
+        structure.add_model(name, path)
+    starts = {f"{tire}::{name}": float(value) for tire in tires for name, value in tires[tire][1].items()}
+    structure.add_parameter_set("start", starts)
     with EcosSimulation(structure=structure, step_size=0.001) as simulation:
         simulation.init(parameter_set="start")
         for _ in range(1000):
             simulation.step()
-        print(json.dumps({name: simulation.get_real(f"tire::{name}") for name in outputs}))
+        print(json.dumps({t: {name: simulation.get_real(f"{t}::{name}") for name in outputs} for t in tires}))

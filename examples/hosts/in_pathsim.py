@@ -1,4 +1,4 @@
-"""An FMU in PathSim: every input is a port, and one that is not connected is 0, so that all get constants."""
+"""FMUs in PathSim: every input is a port, and one that is not connected is 0, so that all get constants."""
 
 import json
 import sys
@@ -8,13 +8,14 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Constant
 from pathsim_fmi import CoSimulationFMU, ModelExchangeFMU
 
-path, kind, inputs, outputs = sys.argv[1], sys.argv[2], json.loads(sys.argv[3]), sys.argv[4].split(",")
-starts = {v.name: float(v.start) for v in read_model_description(path).modelVariables if v.causality == "input"}
-exchanges = kind == "ModelExchange"
-tire = ModelExchangeFMU(path) if exchanges else CoSimulationFMU(path, dt=0.001)
-constants = [Constant(value) for value in (starts | inputs).values()]
-wires = [Connection(constant, tire[name]) for name, constant in zip(starts, constants, strict=True)]
-simulation = Simulation([*constants, tire], wires, dt=0.001, log=False)
-simulation.run(1.0)
-shown = [v.name for v in read_model_description(path).modelVariables if v.causality == "output"]
-print(json.dumps({name: float(tire.outputs[shown.index(name)]) for name in outputs}))
+tires, kind, outputs = json.loads(sys.argv[1]), sys.argv[2], sys.argv[3].split(",")
+blocks, constants, wires, shown = {}, [], [], {}
+for tire, (path, inputs) in tires.items():
+    variables = read_model_description(path).modelVariables
+    blocks[tire] = ModelExchangeFMU(path) if kind == "ModelExchange" else CoSimulationFMU(path, dt=0.001)
+    shown[tire] = [v.name for v in variables if v.causality == "output"]
+    for name, start in ((v.name, float(v.start)) for v in variables if v.causality == "input"):
+        constants.append(Constant(inputs.get(name, start)))
+        wires.append(Connection(constants[-1], blocks[tire][name]))
+Simulation([*constants, *blocks.values()], wires, dt=0.001, log=False).run(1.0)
+print(json.dumps({t: {name: float(blocks[t].outputs[shown[t].index(name)]) for name in outputs} for t in tires}))

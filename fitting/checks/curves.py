@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -195,7 +195,7 @@ class MeasuredCurves:
         """
         main = {}
         for name in FURTHER:
-            held = held_levels(rows[name]) if name in rows else []
+            held = self._common(name, held_levels(rows[name])) if name in rows else []
             if len(held) > 1:
                 is_input = name in self.tire.inputs
                 reference = (
@@ -218,7 +218,16 @@ class MeasuredCurves:
         moving = rows[rows["kappa"].abs() > self.tolerance("kappa")] if channel == "alpha" else rows
         values = (moving if len(moving) else rows)[channel]
         held = levels(values, tolerance=self.tolerance(channel) or None)
-        return held or np.quantile(values, (0.1, 0.3, 0.5, 0.7, 0.9)).tolist()
+        return self._common(channel, held) or np.quantile(values, (0.1, 0.3, 0.5, 0.7, 0.9)).tolist()
+
+    def _common(self, channel: str, held: Sequence[float]) -> list[float]:
+        """Return levels with the values that they have over all rows: a load has one name in all panels and tables."""
+        if channel not in ("Fz", *FURTHER):
+            return list(held)
+        everywhere = np.array(held_levels(self.table[channel]) or held)
+        near = [float(everywhere[np.abs(everywhere - level).argmin()]) for level in held]
+        tolerance = self.tolerance(channel)
+        return [other if abs(other - level) <= tolerance else level for level, other in zip(held, near, strict=True)]
 
     def _smallest(self, rows: pd.DataFrame, channel: str) -> float:
         return min(self._levels(rows, channel), key=_size)

@@ -3,9 +3,10 @@
 In each operating condition the tire differs from the reading by an error and the noise of the reading. The error is a
 function of load, camber and pressure: a Gaussian process, whose size follows from the differences. Half of it is
 smooth; the other half differs between levels, as the state of a tire does between the parts of a test. Between
-conditions it is interpolated; beyond them it goes on with its slope, as no reading shows that it returns: its variance
-grows with the square of the distance. What the readings show as an error of the tire is
-in the interval, too (Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, eqs. 2.23 and 2.24).
+conditions it is interpolated. Beyond them it goes on with its slope, as no reading shows that it returns: its variance
+grows with the square of the distance, from that which a formula has without readings, as the coefficients follow them.
+What the readings show as an error of the tire is in the interval, too (Rasmussen and Williams, Gaussian Processes for
+Machine Learning, 2006, eqs. 2.23 and 2.24).
 """
 
 from __future__ import annotations
@@ -58,12 +59,22 @@ class ReadErrors:
 
     def squares(self, conditions: pd.DataFrame) -> FloatArray:
         """Return the expected square of the relative error in conditions, shape (n,)."""
-        prior = max(float(np.mean(self.error**2) - np.mean(self.deviation**2)), MODEL_ERROR**2)
         among, between = self._kernel(self.conditions), self._kernel(conditions)
+        prior = self._variance(among)
         gain = np.linalg.solve(prior * among + np.diag(self.deviation**2), prior * between.T)
         mean = self.error @ gain
         interpolated = np.maximum(prior - prior * np.sum(between.T * gain, axis=0), 0.0)
-        return np.asarray(mean**2 + interpolated + prior * self._growth(conditions))
+        beyond = max(prior, MODEL_ERROR**2) * self._growth(conditions)  # readings elsewhere do not show less
+        return np.asarray(mean**2 + interpolated + beyond)
+
+    def _variance(self, among: FloatArray) -> float:
+        """Return the variance of the process: what the readings show, and a typical one with the weight of few of them.
+
+        `among`: the correlations of the readings, from which the number of independent ones follows.
+        """
+        shown = max(float(np.mean(self.error**2) - np.mean(self.deviation**2)), 0.0)
+        independent = len(among) ** 2 / float(np.sum(among**2))
+        return (independent * shown + MIN_READINGS * MODEL_ERROR**2) / (independent + MIN_READINGS)
 
     def _growth(self, conditions: pd.DataFrame) -> FloatArray:
         """Return the mean square of the change beyond the readings by the slope of the process, in its variances."""

@@ -9,3 +9,16 @@ by 1.5e-6. Constraints that no free coefficient influences are omitted, because 
 rows of zeros away from a bound. Constraints outside the measured range change the fit within it, and valid tires
 violate them: `extrapolation` is enforced on request only.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...boundary.on_demand import on_demand
+
+if TYPE_CHECKING:
+    from .constraint_functions import ConstraintFunctions, measured_values
+    from .physical import TOLERANCE, Constraint, chosen_constraints, declared_constraints, grid, operating_range
+    from .verification import Margin, VerifiedConstraints
+
+__getattr__, __dir__ = on_demand(__name__)

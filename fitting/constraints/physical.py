@@ -31,7 +31,7 @@ import pandas as pd
 
 from ...boundary.errors import UnknownName
 from ...numerics.arrays import FloatArray
-from ...symbolic.contract import PhysicalConstraint
+from ...symbolic.contract import CONSTRAINT_KINDS, PhysicalConstraint
 from ...symbolic.models import model_named
 from ...tires.tire import Tire
 
@@ -40,8 +40,6 @@ TOLERANCE = 1e-6
 #: Tolerances by which the bounds of a solver are narrower than those that are verified. Judgement: half a tolerance
 #: between imposed points, with a curvature of 1 per (kN)^2, is a distance of 2 N.
 NARROWED = 1.5
-#: The kinds of constraints.
-KINDS = ("signs", "curvature", "friction_falling", "stiffness_saturating", "extrapolation")
 #: Factor by which the constraints of the kind extrapolation widen the range of loads and slips.
 REACH = 1.5
 
@@ -68,7 +66,8 @@ class Constraint(PhysicalConstraint):
     def text(self) -> str:
         """The constraint as a formula: ``E_x <= 1``."""
         if self.measure != "value":
-            return f"{self.quantity} {'falls with load' if self.measure == 'growth' else 'saturates with load'}"
+            change = "saturates" if self.measure == "excess" else "falls" if self.upper <= 0.0 else "grows"
+            return f"{self.quantity} {change} with load"
         above = f"{self.lower:g} <= " if self.lower > -inf else ""
         bound = f"{above}{self.quantity} <= {self.upper:g}" if self.upper < inf else f"{self.quantity} > 0"
         return f"{bound}, {REACH:g} x the range" if self.kind == "extrapolation" else bound
@@ -120,7 +119,7 @@ def chosen_constraints(
     """
     declared = declared_constraints(model)
     single = [constraint.name for constraints in declared.values() for constraint in constraints]
-    possible = ["all", *KINDS, *single]
+    possible = ["all", *CONSTRAINT_KINDS, *single]
     for name in (*also, *without):
         if name not in possible:
             raise UnknownName(f"constraint of {model}", name, possible)

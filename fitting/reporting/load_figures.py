@@ -80,21 +80,21 @@ def stiffness_over_load(comparison: MeasuredCurves, truth: Tire | None, fitted: 
 def _stiffness_panel(
     comparison: MeasuredCurves, family: CurveFamily, quantity: str, truth: Tire | None, fitted: Fitted | None
 ) -> Panel:
-    sign, scale = float(np.sign(family.groups[0].level)), per_si(family.slip)
+    sign = float(np.sign(family.groups[0].level))
     measured = [abs(group.level) for group in family.groups]
     loads = _loads(measured, STIFFNESS_LOADS)
     rows = pd.concat([group.rows for group in family.groups]).assign(**{family.slip: 0.0})
     over_load = comparison.along(rows, "Fz", sign * loads)
     half = None
     if fitted is not None:
-        half = 1.96 * confidence_band(fitted, quantity, over_load, comparison.signs)["error"].to_numpy() / scale
-    series = _over_load(loads, over_load[quantity].abs().to_numpy() / scale, half, measured)
+        half = 1.96 * confidence_band(fitted, quantity, over_load, comparison.signs)["error"].to_numpy()
+    series = _over_load(loads, over_load[quantity].abs().to_numpy(), half, measured)
     if truth is not None:
-        true = comparison.along(rows, "Fz", sign * loads, truth)[quantity].abs() / scale
+        true = comparison.along(rows, "Fz", sign * loads, truth)[quantity].abs()
         series.append(Series("line", loads, true, BLACK, "true tire", DASHED, size=1.2))
     read = comparison.slopes_at_zero(family) if fitted is None else _judged(fitted.findings.stiffnesses, family)
     if read:
-        series.append(_read([load for load, _ in read], [value / scale for _, value in read], "slope of the data"))
+        series.append(_read([load for load, _ in read], [value for _, value in read], "slope of the data"))
     symbol = {"kappa": "|Kxκ|", "alpha": "|Kyα|"}[family.slip]
     return Panel(
         f"load {letter('Fz', comparison.signs)} (N)", f"{symbol} ({stiffness_unit(family.slip)})", tuple(series),
@@ -111,10 +111,10 @@ def _slopes_panel(comparison: MeasuredCurves, family: CurveFamily, quantity: str
         x, slope = shown[family.slip].to_numpy(), _slopes(shown, family, quantity)
         # Positive where the force grows in magnitude with the slip, in every convention.
         sign = np.sign(slope[np.abs(x).argmin()])
-        series.append(curve(x * scale, sign * slope / scale, color, level_text("Fz", group.level)))
+        series.append(curve(x * scale, sign * slope, color, level_text("Fz", group.level)))
         if truth is not None:
             true = _slopes(comparison.curve(group, family.slip, truth), family, quantity)
-            series.append(Series("line", x * scale, sign * true / scale, BLACK, dashes=DASHED, size=0.8))
+            series.append(Series("line", x * scale, sign * true, BLACK, dashes=DASHED, size=0.8))
     slip = letter(family.slip)
     return Panel(
         axis_label(family.slip), f"∂{family.channel} / ∂{slip} ({stiffness_unit(family.slip)})",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from rich.table import Table
 
-from ...boundary.escaping import shortened, visible
+from ...boundary.escaping import shortened
 from ...boundary.terminal_table import plain_table
 from ...numerics.ties import graded
 
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from ..results.verdict import Verdict
 
 #: Reasons, warnings and channels that are printed without --all.
-FEW, MOST_CHANNELS = 3, 10
-#: Characters of a reason (two lines of the terminal) and of a recording there.
-LONGEST_REASON, LONGEST_NAME = 170, 24
+FEW, MOST_CHANNELS = 3, 8
+#: Characters of a reason: two lines of the terminal.
+LONGEST_REASON = 170
 
 
 def verdict_lines(verdict: Verdict) -> Iterator[str]:
@@ -72,7 +72,7 @@ def _widest(result: Fitted) -> str:
 
 
 def _short_channels(result: Fitted) -> Table:
-    """Return the goodness of fit over the fitted rows; no cell is broken."""
+    """Return the goodness of fit over the fitted rows."""
     from .report_text import interval_text
 
     held_out = {(c.recording, c.channel): f"{c.held_out:.4g}" for c in result.held_out}
@@ -80,12 +80,10 @@ def _short_channels(result: Fitted) -> Table:
         "recording", "channel", "rows", "RMSE", *["out of sample"] * bool(held_out), "unit", "noise floor", "R2",
         title="Goodness of fit, over the fitted rows" + "; cross-validation over conditions" * bool(held_out),
     )  # fmt: skip
-    for column in table.columns:
-        column.no_wrap = True
     for c in result.channels[:MOST_CHANNELS]:
         beyond = [held_out.get((c.recording, c.channel), "")] * bool(held_out)
         table.add_row(
-            shortened(visible(c.recording), LONGEST_NAME), c.channel, f"{c.fitted_rows}", f"{c.fitted_rmse:.4g}",
+            c.recording, c.channel, f"{c.fitted_rows}", f"{c.fitted_rmse:.4g}",
             *beyond, c.unit, interval_text(c.noise_floor), f"{c.fitted_r2:.4f}",
         )  # fmt: skip
     return table
@@ -96,6 +94,7 @@ def fit_lines(result: Fitted) -> Iterator[Table | str]:
     from .report_text import bootstrap_summary, extrapolation_text, ripple_texts
 
     yield _channels(result)
+    yield from _largest_errors(result)
     yield from _coefficients(result)
     if result.bootstrap:
         yield bootstrap_summary(result.bootstrap)
@@ -149,19 +148,27 @@ def _coefficients(result: Fitted) -> Iterator[Table]:
 
 
 def _channels(result: Fitted) -> Table:
-    from .report_text import interval_text, worst_text
+    from .report_text import interval_text
 
     table = plain_table(
         "recording", "channel", "fitted rows", "RMSE", "R2", "all rows", "RMSE", "R2", "unit", "noise floor",
-        "largest error", title="Goodness of fit, over the fitted rows and over all rows",
+        title="Goodness of fit, over the fitted rows and over all rows",
     )  # fmt: skip
     for c in result.channels:
-        largest = worst_text(result, c.recording, c.channel)
         table.add_row(
             c.recording, c.channel, f"{c.fitted_rows}", f"{c.fitted_rmse:.4g}", f"{c.fitted_r2:.5f}", f"{c.rows}",
-            f"{c.rmse:.4g}", f"{c.r2:.5f}", c.unit, interval_text(c.noise_floor), largest,
+            f"{c.rmse:.4g}", f"{c.r2:.5f}", c.unit, interval_text(c.noise_floor),
         )  # fmt: skip
     return table
+
+
+def _largest_errors(result: Fitted) -> Iterator[str]:
+    """Yield the operating condition with the largest error of each channel, where there are several."""
+    from .report_text import worst_text
+
+    for c in result.channels:
+        if largest := worst_text(result, c.recording, c.channel):
+            yield f"largest error: {c.recording} {c.channel}: RMSE {largest}"
 
 
 def _held_out(result: Fitted) -> Table:

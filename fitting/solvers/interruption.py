@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import signal
 import threading
 from collections.abc import Callable, Sequence
@@ -12,12 +13,15 @@ from ...tires.tire import Tire
 
 #: Called with (stage, iteration, cost).
 Progress = Callable[[str, int, float], None]
+#: What asks a program to end, beside Ctrl-C, where it exists: a time limit of a shell or of a queue, Ctrl-Break.
+ENDING = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGBREAK") if hasattr(signal, name))
 
 
 class Interruption:
-    """Whether a fit is requested to stop, by Ctrl-C or by the progress callback.
+    """Whether a fit is requested to stop, by Ctrl-C, by a request to end the program or by the progress callback.
 
-    In the ``with`` block the first Ctrl-C only requests a stop; a second one ends the program. Exceptions of callbacks
+    In the ``with`` block the first Ctrl-C or SIGTERM only requests a stop; a second one ends the program. Processes
+    that a program has started for parts of its work end at once. Exceptions of callbacks
     are lost in compiled solvers. Therefore a `KeyboardInterrupt` of the progress callback also requests a stop, and
     `raise_failure` raises any other exception of the callback after the solver has returned. Outside the main thread,
     and in programs with their own signal handler, only the callback can request a stop.
@@ -35,30 +39,33 @@ class Interruption:
 
     def __init__(self, progress: Progress | None = None) -> None:
         self._progress = progress
-        self._before: Any = None
+        self._before = dict[int, Any]()
         self._failure: Exception | None = None
         self._latest = ("", 0)
         self.requested = False
 
     def __enter__(self) -> Interruption:
-        """Replace Python's default handler of Ctrl-C."""
-        in_main_thread = threading.current_thread() is threading.main_thread()
-        if in_main_thread and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-            self._before = signal.signal(signal.SIGINT, self._request)
+        """Replace the default handlers of Ctrl-C and of what asks a program to end."""
+        if threading.current_thread() is threading.main_thread():
+            defaults: dict[int, Any] = {signal.SIGINT: signal.default_int_handler}
+            if multiprocessing.parent_process() is None:
+                defaults |= dict.fromkeys(ENDING, signal.SIG_DFL)
+            for number, default in defaults.items():
+                if signal.getsignal(number) is default:
+                    self._before[number] = signal.signal(number, self._request)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        """Restore the handler."""
-        self._restore_handler()
+        """Restore the handlers."""
+        self._restore_handlers()
 
     def _request(self, number: int, frame: FrameType | None) -> None:
         self.requested = True
-        self._restore_handler()
+        self._restore_handlers()
 
-    def _restore_handler(self) -> None:
-        if self._before is not None:
-            signal.signal(signal.SIGINT, self._before)
-            self._before = None
+    def _restore_handlers(self) -> None:
+        while self._before:
+            signal.signal(*self._before.popitem())
 
     def stop(self) -> bool:
         """Return whether a stop is requested, as solvers ask."""

@@ -19,6 +19,7 @@ from ...measurements.recording import Recording
 from ...measurements.table_argument import TableLike, recording_from
 from ...tires import TABLE_INPUTS, TABLE_OUTPUTS, Tire
 from ...tires.evaluation import Conventions, evaluate
+from ...tires.property_file.names import unmeasured_outputs
 from ...tires.signs import convert_signs
 from ..simulation.archive import unpacked
 from ..simulation.simulate import read_description, simulate
@@ -123,6 +124,7 @@ def check(
         simulated=simulated,
         recording=table[[*present, *measured]].assign(t=time),
         starts=tuple(segment.start for segment in segments),
+        not_fitted=tuple(name for name in measured if tire is not None and name in unmeasured_outputs(tire)),
     )
 
 

@@ -66,7 +66,7 @@ class TireSlave(Fmi2Slave):
         if self.rejected:
             self._log_error("the step is discarded because values were rejected: set valid values")
             return False
-        if not (isfinite(current_time) and isfinite(step_size) and step_size > 0.0):
+        if not (isfinite(current_time) and isfinite(step_size) and step_size >= 0.0):
             self._log_error(f"the step size must be positive and finite, not {step_size:g}")
             return False
         speed = abs(self._input("V")) if "V" in self.code.INPUTS else 0.0

@@ -112,7 +112,7 @@ Status instance_set(Instance *self, const unsigned references[], size_t n, const
     }
     for (i = 0; i < n; i++) {
         self->state.values[references[i]] = values[i];
-        if (value_is_state(references[i]))
+        if (value_kind(references[i]) != INPUT && value_is_state(references[i]))
             state_set(&self->state, references[i], values[i]);
     }
     state_changed(&self->state);

@@ -93,7 +93,7 @@ static Status add_products(Instance *self, const unsigned unknowns[], size_t n_u
         instance_expect_pointer(self, seed, n_seed, "the seed") != STATUS_OK ||
         instance_expect_pointer(self, sensitivity, n_sensitivity, "the sensitivity") != STATUS_OK)
         return STATUS_ERROR;
-    state_compute_outputs(&self->state);
+    state_compute_rates(&self->state);
     for (i = 0; i < n_sensitivity; i++)
         sensitivity[i] = 0.0;
     for (j = 0; j < n_knowns; j++) {

@@ -127,7 +127,7 @@ static void follow_inputs(const double lines[], const double start[N_MEMORY], do
             memory[i + 1] = state_oscillator_speed(x, v, u, u, u, way, loss, h);
         } else if (TABLE[i].direct && TABLE[i].law != VELOCITY)
             memory[i] = TABLE[i].law == SUM ? state_sum_linear(start[i], u, u, h)
-                                            : state_lag(start[i], u, u, h > 0.0 ? rate(lines, i) * h : 0.0);
+                                            : state_lag_held(start[i], u, h > 0.0 ? rate(lines, i) * h : 0.0);
     }
     for (i = 0; i < N_MEMORY; i++)
         if (memory_is_path(i))

@@ -14,13 +14,14 @@ Status instance_use_events(Instance *self, int event_mode, int early_return)
     return STATUS_OK;
 }
 
+/* FMI 2 also allows it in event mode. */
 Status instance_enter_event(Instance *self)
 {
     const Mode from = self && self->state.kind == MODEL_EXCHANGE ? CONTINUOUS : STEPPING;
 
     if (!self || (from == STEPPING && !self->has_event_mode))
         return instance_refuse(self, STATUS_ERROR, "event mode is not in use");
-    if (instance_expect(self, from, from, "event mode") != STATUS_OK)
+    if (instance_expect(self, from, from == CONTINUOUS ? EVENT : from, "event mode") != STATUS_OK)
         return STATUS_ERROR;
     self->state.mode = EVENT;
     return STATUS_OK;

@@ -105,9 +105,6 @@ int slips_settle(State *state)
     return moved;
 }
 
-/* The lag with a constant target. */
-static double follow(double x, double target, double way) { return state_lag(x, target, target, way); }
-
 #if TWISTS
 double slips_twist(const State *state)
 {
@@ -135,7 +132,8 @@ static void advance_twist(State *state, double h)
     const double decay = slips_twist_decay(state, &by_yawing, &by_speed);
 
     if (decay > 0.0)
-        state->continuous.lagging[TWIST] = follow(state->continuous.lagging[TWIST], state->contact.yawing / decay, decay * h);
+        state->continuous.lagging[TWIST] =
+            state_lag_held(state->continuous.lagging[TWIST], state->contact.yawing / decay, decay * h);
 }
 #endif
 
@@ -153,7 +151,7 @@ void slips_advance(State *state, double h)
         state->continuous.lagging[i] = bounded(state, i);
         if (contact->rolling > STANDSTILL_SPEED) {
             rolled = h * (contact->rolling / state->lengths[i]);
-            state->continuous.lagging[i] = follow(state->continuous.lagging[i], contact->target[i], rolled);
+            state->continuous.lagging[i] = state_lag_held(state->continuous.lagging[i], contact->target[i], rolled);
         } else {
             state->continuous.lagging[i] += contact->sliding[i] * (h / state->lengths[i]);
         }
@@ -201,17 +199,25 @@ static double rate(const State *state, size_t slip)
     return fabs(x) >= contact->bounds[slip] && found * x > 0.0 ? 0.0 : found;
 }
 
-void slips_show(const State *state, double slips[], double rates[])
+void slips_show(const State *state, double slips[])
 {
     size_t i;
 
-    for (i = 0; i < N_SLIPS; i++) {
-        /* In Model Exchange the state is the value that the solver set. */
+    for (i = 0; i < N_SLIPS; i++) /* in Model Exchange the state is the value that the solver set */
         slips[i] = state->kind == MODEL_EXCHANGE && state_has_begun(state) ? state->continuous.lagging[i] : acting(state, i);
-        rates[i] = state_has_begun(state) ? rate(state, i) : 0.0;
-    }
 #if TWISTS
     slips[TWIST] = state->continuous.lagging[TWIST];
-    rates[TWIST] = state_has_begun(state) ? twist_rate(state) : 0.0;
+#endif
+}
+
+void slips_show_rates(const State *state, double rates[])
+{
+    const int begun = state_has_begun(state);
+    size_t i;
+
+    for (i = 0; i < N_SLIPS; i++)
+        rates[i] = begun ? rate(state, i) : 0.0;
+#if TWISTS
+    rates[TWIST] = begun ? twist_rate(state) : 0.0;
 #endif
 }

@@ -24,25 +24,22 @@ void state_find_contact(State *state)
     state->known = CONTACT_KNOWN;
 }
 
-/* Write the states and the derivatives of slips and distance to the values, in the host's signs. */
+/* Write the states to the values, in the host's signs. */
 static void show_states(State *state)
 {
 #if N_STATES > 0
-    double *states = state->values + FIRST_STATE, *rates = state->values + FIRST_DERIVATIVE;
+    double *states = state->values + FIRST_STATE;
     size_t i;
 
-    slips_show(state, states, rates);
+    slips_show(state, states);
 #if N_MEMORY > 0
     memory_show(state, states + FIRST_MEMORY - FIRST_STATE);
 #endif
 #ifdef DISTANCE
     states[N_STATES - 1] = state->continuous.distance;
-    rates[N_STATES - 1] = state->contact.speed;
 #endif
-    for (i = 0; i < N_STATES; i++) {
+    for (i = 0; i < N_STATES; i++)
         states[i] *= value_direction((unsigned) (FIRST_STATE + i));
-        rates[i] *= value_direction((unsigned) (FIRST_DERIVATIVE + i));
-    }
 #else
     (void) state;
 #endif
@@ -73,18 +70,27 @@ void state_compute_outputs(State *state)
 
 void state_compute_rates(State *state)
 {
-#if N_MEMORY > 0
-    double *rates = state->values + FIRST_DERIVATIVE + FIRST_MEMORY - FIRST_STATE, events[N_MEMORY];
+#if N_STATES > 0
+    double *rates = state->values + FIRST_DERIVATIVE;
     size_t i;
+#endif
+#if N_MEMORY > 0
+    double events[N_MEMORY];
 #endif
 
     state_compute_outputs(state);
     if (state->known >= RATES_KNOWN)
         return;
+#if N_STATES > 0
+    slips_show_rates(state, rates);
 #if N_MEMORY > 0
-    memory_rates(state, rates, events);
-    for (i = 0; i < N_MEMORY; i++)
-        rates[i] *= value_direction((unsigned) (FIRST_DERIVATIVE + FIRST_MEMORY - FIRST_STATE + i));
+    memory_rates(state, rates + FIRST_MEMORY - FIRST_STATE, events);
+#endif
+#ifdef DISTANCE
+    rates[N_STATES - 1] = state->contact.speed;
+#endif
+    for (i = 0; i < N_STATES; i++)
+        rates[i] *= value_direction((unsigned) (FIRST_DERIVATIVE + i));
 #endif
     state->known = RATES_KNOWN;
 }

@@ -44,8 +44,9 @@ double slips_twist_decay(const State *state, double *by_yawing, double *by_speed
 /* Compute the rest of a tangent; call contact_differentiate before. */
 void slips_differentiate(const State *state, const double seeds[N_VALUES], Tangent *tangent);
 
-/* Compute the slips and their rates as the host reads them. */
-void slips_show(const State *state, double slips[], double rates[]);
+/* Compute the slips, or their rates, as the host reads them. */
+void slips_show(const State *state, double slips[]);
+void slips_show_rates(const State *state, double rates[]);
 #else
 static inline void slips_find_lengths(State *state) { (void) state; }
 static inline void slips_acting(const State *state, double inputs[N_INPUTS])
@@ -68,10 +69,8 @@ static inline void slips_differentiate(const State *state, const double seeds[N_
     memcpy(tangent->acting, tangent->given, sizeof tangent->acting);
     memset(tangent->motion + LAGGING, 0, N_LAGGING * sizeof *tangent->motion);
 }
-static inline void slips_show(const State *state, double slips[], double rates[])
-{
-    (void) state, (void) slips, (void) rates;
-}
+static inline void slips_show(const State *state, double slips[]) { (void) state, (void) slips; }
+static inline void slips_show_rates(const State *state, double rates[]) { (void) state, (void) rates; }
 #endif
 
 #endif

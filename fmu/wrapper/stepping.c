@@ -96,15 +96,27 @@ static Status advance_sloped(Instance *self, double size)
     return status;
 }
 
-/* Integrate a step, or change nothing; `size` becomes the integrated time. */
+/* Integrate a step, or change nothing; `size` becomes the integrated time.  A step of a wheel whose inputs are constant
+   changes the integrated states alone, and what is computed from them. */
 static Status integrate(Instance *self, double *size)
 {
-    const State before = self->state;
-    const Status status = before.interpolates ? advance_sloped(self, *size) : advance_held(self, size);
+    if (HUB || self->state.interpolates) {
+        const State before = self->state;
+        const Status status = before.interpolates ? advance_sloped(self, *size) : advance_held(self, size);
 
-    if (status != STATUS_OK)
-        self->state = before;
-    return status;
+        if (status != STATUS_OK)
+            self->state = before;
+        return status;
+    } else {
+        const Continuous before = self->state.continuous;
+        const Status status = advance_held(self, size);
+
+        if (status != STATUS_OK) {
+            self->state.continuous = before;
+            state_changed(&self->state);
+        }
+        return status;
+    }
 }
 
 Status instance_set_slopes(Instance *self, const unsigned references[], size_t n, const int orders[],
@@ -149,7 +161,7 @@ Status instance_step(Instance *self, double point, double size)
 
     if (instance_expect(self, STEPPING, STEPPING, "a step") != STATUS_OK)
         return STATUS_ERROR;
-    if (!isfinite(size) || size <= 0.0)
+    if (!isfinite(size) || size < 0.0)
         return instance_refuse(self, STATUS_ERROR, "the step size must be positive and finite, not %g", size);
     if (!isfinite(point) || !same_time(point, self->state.values[TIME]))
         return instance_refuse(self, STATUS_ERROR, "the step starts at t = %.17g, the last one ended at %.17g",
@@ -160,6 +172,8 @@ Status instance_step(Instance *self, double point, double size)
         !same_time(point + size, self->state.stop_time))
         return instance_refuse(self, STATUS_ERROR, "the step ends at t = %.17g, after the stop time %.17g",
                                point + size, self->state.stop_time);
+    if (size == 0.0) /* FMI does not allow it, but some hosts begin with such a step */
+        return STATUS_OK;
     intended = integrated = step_intended(point, size);
     if (integrate(self, &integrated) != STATUS_OK)
         return STATUS_DISCARD;

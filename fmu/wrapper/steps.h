@@ -17,8 +17,13 @@
    results of equal steps then do not depend on the time of the simulation. */
 static inline double step_intended(double point, double size)
 {
-    const double rounding = 2.0 * DBL_EPSILON * (fabs(point) + size), ratio = size / LONGEST_PART;
-    const double meant = ratio > 1.0 ? LONGEST_PART * floor(ratio + 0.5) : LONGEST_PART / floor(1.0 / ratio + 0.5);
+    double rounding, ratio, meant;
+
+    if (size == LONGEST_PART)
+        return size;
+    rounding = 2.0 * DBL_EPSILON * (fabs(point) + size);
+    ratio = size / LONGEST_PART;
+    meant = ratio > 1.0 ? LONGEST_PART * floor(ratio + 0.5) : LONGEST_PART / floor(1.0 / ratio + 0.5);
 
     return meant > 0.0 && fabs(size - meant) <= rounding ? meant : size;
 }

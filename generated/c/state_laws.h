@@ -154,6 +154,14 @@ static inline double state_lag(double x, double u, double u_end, double way)
     return result;
 }
 
+/* Lag x' = r (u - x) with a constant target; way is the integral of r, also infinite. */
+static inline double state_lag_held(double x, double u, double way)
+{
+    const double gone = -expm1(-way);
+    const double result = gone*u + x*(1.0 - gone);
+    return result;
+}
+
 /* Lag x' = r (u - x) with a target on the parabola through u, u_half and u_end; way is r times the step. */
 static inline double state_lag_curved(double x, double u, double u_half, double u_end, double way)
 {

@@ -15,6 +15,13 @@ def lag(x, u, u_end, way, xp=np):
     return result
 
 
+def lag_held(x, u, way, xp=np):
+    """Lag x' = r (u - x) with a constant target; way is the integral of r, also infinite."""
+    gone = -xp.expm1(-way)
+    result = gone*u + x*(1 - gone)
+    return result
+
+
 def lag_curved(x, u, u_half, u_end, way, xp=np):
     """Lag x' = r (u - x) with a target on the parabola through u, u_half and u_end; way is r times the step."""
     slope = -u_end - 3*u + 4*u_half

@@ -7,7 +7,7 @@ from itertools import groupby
 
 import numpy as np
 
-from ...drawing.labels import drawn_unit, per_si
+from ...drawing.labels import drawn_unit, drawn_value, per_si
 from ...tires.channels import CHANNELS
 from ..checks.columns.meanings import ASSUMPTIONS
 from ..checks.rows.row_exclusion import EXCLUSION_REASONS
@@ -120,8 +120,8 @@ def excluded_table(inspection: Inspection) -> Table:
 
 
 def _number(name: str, value: float, *, sign: bool = False) -> str:
-    """Return a value in the unit in which figures draw the channel; 0 where it is far below its tolerance."""
-    drawn = value * per_si(name)
+    """Return a value, or with a sign a change, in the drawn unit; 0 where it is far below the tolerance."""
+    drawn = value * per_si(name) if sign else drawn_value(name, value)
     least = 1e-4 if CHANNELS[name].unit == "-" else 5e-3
     drawn = 0.0 if abs(drawn) < least else drawn
     return f"{drawn:+.3g}" if sign else f"{drawn:.4g}"

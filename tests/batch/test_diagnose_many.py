@@ -8,7 +8,7 @@ import shutil
 import pandas as pd
 import pytest
 
-from tirefmu.applications.batch.diagnose_many import diagnose_many
+from tirefmu import diagnose_many
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.commands.cli import main
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, write_table

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tirefmu.applications.batch.execution import Lost, completed, completed_on_cluster
+from tirefmu.applications.batch import Lost, completed, completed_on_cluster
 from tirefmu.boundary.errors import FitError
 
 from .conftest import kill_a_busy_worker

@@ -12,9 +12,8 @@ from multiprocessing import get_context
 import pandas as pd
 import pytest
 
-from tirefmu.applications.batch.fit_many import Batch, fit_many, run, task_of
-from tirefmu.applications.batch.jobs import FitJob, read_jobs
-from tirefmu.applications.batch.records import JobResult
+from tirefmu import fit_many
+from tirefmu.applications.batch import Batch, FitJob, JobResult, read_jobs, run, task_of
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.commands.cli import main
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, write_table

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from tirefmu.applications.batch.intervals import bootstrap
+from tirefmu import bootstrap
 from tirefmu.commands.cli import main
 from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, read_recording, write_table

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tirefmu.applications.batch.jobs import read_jobs
+from tirefmu.applications.batch import read_jobs
 from tirefmu.boundary.errors import TirefmuError
 
 JOB = '[[jobs]]\nname = "front"\ntables = ["a.csv"]\n'

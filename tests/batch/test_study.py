@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.applications.batch.study import study
-from tirefmu.applications.batch.study_file import read_study
+from tirefmu import study
+from tirefmu.applications.batch import read_study
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.commands.cli import main
 from tirefmu.fmu import export

@@ -9,9 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.applications.batch.diagnose_many import diagnose_many
-from tirefmu.applications.batch.intervals import cross_validate
-from tirefmu.applications.batch.study import study
+from tirefmu import diagnose_many, study
+from tirefmu.applications.batch import cross_validate
 from tirefmu.fitting import cross_validate as in_this_process
 from tirefmu.fmu import export
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps

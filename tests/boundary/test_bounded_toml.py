@@ -14,13 +14,12 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from tirefmu.applications.batch.jobs import read_jobs
-from tirefmu.applications.batch.study_file import read_study
-from tirefmu.applications.project.project_file import read_project
+from tirefmu.applications.batch import read_jobs, read_study
+from tirefmu.applications.project import read_project
 from tirefmu.boundary.bounded_file import DEEPEST, MAX_BYTES, toml_content
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.commands.diagnose_command import user_effect
-from tirefmu.fitting.problem.recipe import load_recipe
+from tirefmu.fitting import load_recipe
 from tirefmu.symbolic.added import read_effect
 from tirefmu.tires import published, read_tir, write_tir
 

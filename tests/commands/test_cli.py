@@ -206,8 +206,10 @@ def test_json_is_the_only_output_of_a_quiet_command(calls, capfd):
 def test_info_reports_what_is_in_a_tire(command, published_tir):
     outcome = command("info", published_tir)
     assert outcome.status == 0
-    for word in ("Hoosier", "mf96", "PDY1", "camber_thrust", "FNOMIN", "220"):
+    for word in ("Hoosier", "mf96", "mu_y (-)", "K_yalpha (N/rad)", "camber_thrust", "220"):
         assert word in outcome.out
+    assert "PDY1" not in outcome.out
+    assert "PDY1" in command("info", published_tir, "--all").out
     reported = strict(command("info", published_tir, "--quiet", "--json", "-").out)
     assert reported["values"] == dict(read_tir(published_tir).values)
     assert set(reported["effects"]) | set(reported["effects_at_neutral"]) == read_tir(published_tir).has

@@ -45,7 +45,9 @@ def test_a_hidden_effect_is_identified_and_written(recording, tmp_path, capsys):
     assert main(arguments) == 0
     reported = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
     captured = capsys.readouterr()
-    assert " ".join(captured.out.split()).startswith(reported["verdict"])  # progress is on standard error
+    printed = " ".join(captured.out.split())  # progress is on standard error
+    assert printed.startswith(f"verdict: {reported['headline']} - Missing: camber_thrust (")
+    assert all(sentence in printed for sentence in reported["verdict"].split(". "))
     lines = captured.err.splitlines()
     stages = [line.partition(":")[0] for line in lines if line.endswith(" s") and ";" not in line]
     assert stages == [
@@ -59,7 +61,7 @@ def test_a_hidden_effect_is_identified_and_written(recording, tmp_path, capsys):
     improved, base = read_tir(folder / reported["tire"]), read_tir(folder / reported["base_tire"])
     assert improved.has - base.has == {"camber_thrust"}
     page = (folder / "report.html").read_text(encoding="utf-8")
-    assert reported["verdict"] in page
+    assert reported["headline"] in page
     assert "K_ygamma0 = " in page
     provenance = page.split("<h2>Provenance</h2>")[1]
     assert "tirefmu diagnose " in provenance

@@ -13,3 +13,11 @@ def test_predicted_outputs_are_those_of_the_evaluation(bench_csv):
     pd.testing.assert_frame_equal(
         evaluation.evaluate(tire, bench_csv)[["Fx"]], evaluation.evaluate(tire, recording)[["Fx"]]
     )
+
+
+def test_slips_of_a_file_that_are_probably_in_percent_have_a_warning(command, published_tir, tmp_path):
+    (tmp_path / "slips.csv").write_text("kappa,Fz\n0,900\n2,900\n5,900\n8,900\n", encoding="utf-8")
+    done = command("evaluate", published_tir, tmp_path / "slips.csv", "-o", tmp_path / "forces.csv")
+    assert done.status == 0
+    assert "warning: kappa from 0 to 8 is that of a wheel that spins: it is a fraction (in percent?" in done.text
+    assert "UserWarning" not in done.err

@@ -13,8 +13,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.commands.terminal import LINE
-from tirefmu.tires import read_tir
-from tirefmu.tires.signs import convert_signs
+from tirefmu.tires import convert_signs, read_tir
 
 from .conftest import EFFECTS
 
@@ -134,12 +133,12 @@ def test_a_process_that_gets_the_signal(chain, command, bench_csv, tmp_path):
     where = tmp_path / "tire.tir", tmp_path / "tire.json", tmp_path / "tire.html"
     positions = ["-o", where[0], "--json", where[1], "--report", where[2]]
 
-    def listening():  # a shell ignores SIGINT in background processes
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
-
+    # A shell ignores SIGINT in background processes.
+    program = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); " \
+              "from tirefmu.commands.cli import main; sys.exit(main())"  # fmt: skip
     process = subprocess.Popen(
-        [sys.executable, "-m", "tirefmu", *line, *map(str, positions)],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=listening,
+        [sys.executable, "-c", program, *line, *map(str, positions)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
     assert process.stderr is not None
     while not process.stderr.readline().startswith("Fy") and process.poll() is None:

@@ -10,8 +10,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.drawing.chart_library import allowed
-from tirefmu.measurements import read_recording
-from tirefmu.measurements.provenance import table_digest
+from tirefmu.measurements import read_recording, table_digest
 
 
 @pytest.fixture(scope="module")

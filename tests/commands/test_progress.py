@@ -12,7 +12,7 @@ from rich.console import Console
 from tirefmu.commands.progress import EVIDENCE, FitProgress, Stages, counting, showing_stages
 from tirefmu.fitting import fit
 from tirefmu.measurements import read_recording
-from tirefmu.numerics.forecast import Forecast, seconds_left
+from tirefmu.numerics import Forecast, seconds_left
 
 from .conftest import EFFECTS
 

@@ -11,10 +11,16 @@ import pytest
 
 from tests.hostile import HOSTILE, Skeleton
 from tests.json_schemas import check_file
-from tirefmu.applications.project.project_file import SECTIONS, project_text, read_project
-from tirefmu.applications.project.records import Records
-from tirefmu.applications.project.run import TimeLimitReached, run_limited, run_project
-from tirefmu.applications.project.steps import steps_of
+from tirefmu.applications.project import (
+    SECTIONS,
+    Records,
+    TimeLimitReached,
+    project_text,
+    read_project,
+    run_limited,
+    run_project,
+    steps_of,
+)
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.commands.cli import cli
 from tirefmu.commands.terminal import Terminal
@@ -30,7 +36,8 @@ RESULTS = {
     "export": {"fmi": 3, "inputs": "slip", "bytes": 2048},
     "check": {"ok": True, "channels": {"Fy": {"rmse": 1.0, "unit": "N", "r2": 0.5}},
               "statements": {"fmu": {"grade": "good", "text": "exact"}, "tire": {"grade": "good", "text": "close"}}},
-    "diagnose": {"verdict": "nothing is missing", "found": [], "adequacy": {"Fy": {"adequate": True}},
+    "diagnose": {"headline": "Nothing is missing", "verdict": "nothing is missing (a, b)", "found": [],
+                 "adequacy": {"Fy": {"adequate": True}},
                  "gap": {"holdout": {"Fy": {"before": 2.0, "after": 1.0, "floor": None}}}},
 }  # fmt: skip
 
@@ -221,12 +228,12 @@ def test_a_command_is_ended_at_its_time_limit(project, tmp_path):
 def test_the_page_links_to_every_result(project):
     run_project(project, Commands(project, {"fit": 1}), Terminal(quiet=True))
     page = (project.folder / "index.html").read_text(encoding="utf-8")
-    assert re.search(r'<p class="verdict bad">Tire good; FMU check passed; no missing effect', page)
+    assert re.search(r'<p class="verdict bad">Tire good; FMU check passed; nothing is missing', page)
     for step in steps_of(project):
         for output in step.outputs:
             file = output if output.suffix else output / "report.html"
             assert f'href="./{file.relative_to(project.folder).as_posix()}"' in page
-    for text in ("too few loads", "model mf96", "data would mislead a fit", "nothing is missing"):
+    for text in ("too few loads", "model mf96", "data would mislead a fit", "nothing is missing (a, b)"):
         assert text in page
 
 
@@ -298,22 +305,24 @@ def test_every_key_has_an_option_of_its_command():
         assert {key.option for key in keys.values() if key.option} <= options
 
 
-def test_init_and_run(command, bench_csv, tmp_path):
-    """A new project runs as it is; a second run repeats nothing."""
+@pytest.mark.parametrize("converted", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_init_and_run(command, bench_csv, tmp_path, converted):
+    """A new project runs as it is; a second run repeats nothing. MF96 is converted by a fit of another model."""
     path = tmp_path / "tirefmu.toml"
     arguments = ("init", bench_csv, "--model", "mf96", "--nominal", "Fz0=220,R0=0.23", "--effects", EFFECTS, "-o", path)
     assert command(*arguments).status == 0
     assert command(*arguments).err.count("exists already") == 1
     text = path.read_text().replace(
-        '# convert = ["adams"]  # property files; generate', 'convert = ["adams"]\ngenerate'
+        '# convert = ["adams"]  # property files; generate', f'{"" if converted else "# "}convert = ["adams"]\ngenerate'
     )
     path.write_text(text.replace("]: code", "]  # code").replace("run = true", "run = false"))
     first = command("run", path)
-    begun = [line.split(maxsplit=1)[1] for line in first.err.splitlines() if re.match(r"\d/7 ", line)]
-    steps = ["inspect", "fit", "explore", "export", "convert adams", "generate cpp", "check bench"]
+    begun = [line.split(maxsplit=1)[1] for line in first.err.splitlines() if re.match(r"\d/[67] ", line)]
+    conversion = ["convert adams"] if converted else []
+    steps = ["inspect", "fit", "explore", "export", *conversion, "generate cpp", "check bench"]
     assert begun == steps
     (tmp_path / "direct").mkdir()
-    for arguments in (("convert", "--for", "adams"), ("generate", "--language", "cpp")):
+    for arguments in (*[("convert", "--for", "adams")][: len(conversion)], ("generate", "--language", "cpp")):
         written, output = {"convert": "tire_adams.tir", "generate": "code_cpp"}[arguments[0]], tmp_path / "direct"
         assert command(*arguments, tmp_path / "results" / "tire.tir", "-o", output / written).status == 0
         for file in filter(Path.is_file, [output / written, *(output / written).rglob("*")]):

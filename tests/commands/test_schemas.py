@@ -14,19 +14,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.json_schemas import check_file, objections, validator
-from tirefmu.applications.batch.jobs import read_jobs
-from tirefmu.applications.batch.study_file import read_study
+from tirefmu.applications.batch import read_jobs, read_study
 from tirefmu.applications.driving.inputs.car import read_car
 from tirefmu.applications.driving.inputs.car_entries import example_text as car_text
-from tirefmu.applications.planning.bench_file import example_text as bench_text
-from tirefmu.applications.planning.bench_file import read_bench
-from tirefmu.applications.project.project_file import project_text, read_project
-from tirefmu.applications.project.steps import steps_of
+from tirefmu.applications.planning import example_text as bench_text
+from tirefmu.applications.planning import read_bench
+from tirefmu.applications.project import project_text, read_project, steps_of
 from tirefmu.boundary.json_schema import json_value, schema_of
 from tirefmu.commands.cli import cli
 from tirefmu.commands.schemas import KINDS
-from tirefmu.fitting.problem.recipe import load_recipe
-from tirefmu.fitting.results.fit_content import FitContent
+from tirefmu.fitting import load_recipe
+from tirefmu.fitting.results import FitContent
 from tirefmu.symbolic.added import read_effect
 
 ROOT = Path(__file__).parents[2]

@@ -7,6 +7,7 @@ import re
 import shutil
 import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 from rich.console import Console
@@ -15,6 +16,8 @@ from tirefmu.boundary.errors import LONGEST, TirefmuError, UnknownName
 from tirefmu.boundary.terminal_table import LONGEST_CELL, plain_table
 from tirefmu.commands.cli import main
 from tirefmu.commands.terminal import LINE, Terminal, wrapped
+from tirefmu.fitting.results.records import Bootstrap
+from tirefmu.measurements import DataFinding
 from tirefmu.tires import published
 
 from ..hostile import HOSTILE, is_plain
@@ -32,7 +35,7 @@ def test_a_line_stays_a_line(text, capsys):
 
 @pytest.mark.parametrize("text", HOSTILE)
 def test_titles_and_cells_are_text(text, capsys):
-    table = plain_table("recording", "rows", title=text)
+    table = plain_table("problem", "rows", title=text)
     table.add_row(text, "12")
     Terminal().heading(text, "of a file")
     Terminal().heading("file", text)
@@ -136,3 +139,34 @@ def test_a_command_to_enter_remains_in_one_line():
     assert last == f"  to continue: {enter}"
     assert max(map(len, text)) <= LINE
     assert " ".join(map(str.strip, text)) == f"warning: {30 * 'word '};"
+
+
+def test_the_first_screen_of_a_fit_has_at_most_40_lines_of_100_columns(capsys):
+    """With long names, many reasons, warnings and channels, and every further line that a fit can have."""
+    name = "a_long_name_of_a_recording_" * 3 + ".csv"
+    enter = f"tirefmu diagnose {name} --tire my_fitted_tire.tir --candidates temp_friction,temp_stiffness -o answer"
+    channel = SimpleNamespace(
+        recording=name, channel="Mz", rows=123456, fitted_rows=123456, fitted_rmse=1234.5, unit="N m", noise_floor=99.9,
+        fitted_r2=-0.4321,
+    )  # fmt: skip
+    result = SimpleNamespace(
+        verdict=SimpleNamespace(word="usable with limits", reasons=[f"{name}: " + 30 * "reason "] * 12),
+        data_findings=[DataFinding("lag", f"{name}: " + 40 * "word ", n % 2 == 0, enter, ("lag",)) for n in range(9)],
+        channels=[channel] * 14, held_out=(), coefficients=(),
+        bootstrap=Bootstrap(200, 12, 1234, 0, ()), excluded_rows=[1], notes=[2],
+        temperature=SimpleNamespace(text=lambda: "temperature T: RMSE 1.2 K"), status="converged",
+        run=SimpleNamespace(method="ipopt", seconds=12.3),
+    )  # fmt: skip
+    columns = ", ".join(f"column_{number}" for number in range(8))
+    recordings = [
+        SimpleNamespace(source=f"{number}_{name}", about={"selected": "1 of 9 rows", "ignored": f"{columns}, {number}"})
+        for number in range(5)
+    ]
+    terminal = Terminal()
+    terminal.selection(*recordings)
+    terminal.fit_result(result)
+    files = ["tire: my.tir", "figures: 9 in figures", "report: fit.html", f"next: {enter}"]
+    terminal.print(*files)
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) <= 40
+    assert all(len(line) <= LINE for line in lines if enter not in line)

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import pytest
 
-from tirefmu.applications.batch.jobs import OPTIONS
-from tirefmu.applications.batch.study_file import KEYS
-from tirefmu.applications.project.project_file import SECTIONS
+from tirefmu.applications.batch import KEYS, OPTIONS
+from tirefmu.applications.project import SECTIONS
 from tirefmu.boundary.errors import LISTED_BY
-from tirefmu.fitting.problem.recipe import RECIPES, recipe_schema
+from tirefmu.fitting import RECIPES
+from tirefmu.fitting.problem import recipe_schema
 from tirefmu.measurements import CHANNELS
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import PUBLISHED, published

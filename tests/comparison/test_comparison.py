@@ -11,8 +11,8 @@ import pandas as pd
 import pytest
 
 from tests.hostile import HOSTILE, Skeleton
-from tirefmu.applications.comparison.comparison import compare
-from tirefmu.applications.comparison.figures import comparison_figures, write_comparison
+from tirefmu import compare
+from tirefmu.applications.comparison import comparison_figures, write_comparison
 from tirefmu.applications.comparison.sweeps import sweeps
 from tirefmu.commands.cli import main
 from tirefmu.drawing.style import DASHED, SOLID
@@ -94,20 +94,20 @@ def test_the_verdict_weighs_recordings_by_their_rows(old, new, bench):
 
 def test_sweeps_are_upright_and_not_mixed(old, bench):
     for slip, other in (("alpha", "kappa"), ("kappa", "alpha")):
-        found = sweeps(old, slip, [bench])
+        found = sweeps([old], slip, [bench])
         assert [round(condition.load, -1) for condition in found] == list(LOADS)
         for sweep in found:
             assert sweep.rows["gamma"].abs().max() < radians(1.0)
             assert sweep.rows[other].abs().max() < 0.02
             assert np.ptp(sweep.rows["Fz"]) < 100.0
-    assert len(sweeps(old, "alpha", [])) == 3
+    assert len(sweeps([old], "alpha", [])) == 3
 
 
 @pytest.mark.parametrize("signs", ["iso", "adapted-sae", "sae"])
 def test_curves_are_those_of_the_tires(old, new, bench, signs):
     given = comparison_figures(compare(old, new, names=("old", "new")), [bench], signs)
     figures = {figure.name: figure.panels for figure in given}
-    found = sweeps(new, "alpha", [bench.with_signs(signs)])
+    found = sweeps([new], "alpha", [bench.with_signs(signs)])
     lines = [series for series in figures["Fy_over_alpha"][0].series if series.kind == "line"]
     for tire, dashes in ((old, DASHED), (new, SOLID)):
         curves = [series for series in lines if series.dashes == dashes]
@@ -129,10 +129,10 @@ def test_one_figure_has_one_pressure_and_one_curve_for_each_load(new, bench):
     iso = bench.with_signs("iso")
     first, second, other = (replace(iso, table=iso.table.assign(p=p)) for p in (83e3, 83.5e3, 55e3))
     other = replace(other, table=other.table.iloc[: len(iso) // 2])
-    found = sweeps(new, "alpha", [other, first, second])
+    found = sweeps([new], "alpha", [other, first, second])
     assert [round(condition.load, -1) for condition in found] == list(LOADS)
     assert all(condition.held["p"] == pytest.approx(83e3, abs=1e3) for condition in found)
-    alone = sweeps(new, "alpha", [first])
+    alone = sweeps([new], "alpha", [first])
     assert [len(condition.rows) for condition in found] == [2 * len(condition.rows) for condition in alone]
     assert set().union(*(condition.rows["p"] for condition in found)) == {83e3, 83.5e3}
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from tirefmu.tires.tire import Tire
+from tirefmu.tires import Tire
 
 
 @dataclass(frozen=True)

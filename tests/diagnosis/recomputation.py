@@ -8,9 +8,9 @@ import pandas as pd
 from scipy.interpolate import PchipInterpolator
 
 from tirefmu.diagnosis import Diagnosis
-from tirefmu.numerics.smoothing import smoothed
+from tirefmu.numerics import smoothed
+from tirefmu.tires import Tire
 from tirefmu.tires.states.transient import rolled_distance
-from tirefmu.tires.tire import Tire
 
 FloatArray = npt.NDArray[np.float64]
 

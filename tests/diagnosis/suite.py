@@ -14,8 +14,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter
 
 from tirefmu.symbolic.added import library
-from tirefmu.tires.signs import convert_signs
-from tirefmu.tires.tire import Tire
+from tirefmu.tires import Tire, convert_signs
 
 from .case import Case
 from .programs import distance_of, operating_range, program, slow

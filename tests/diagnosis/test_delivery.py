@@ -8,18 +8,23 @@ from scipy.signal import lfilter
 from scipy.stats import norm
 
 import tirefmu
-from tirefmu.diagnosis.diagnose import diagnose
+from tirefmu.diagnosis import diagnose
+from tirefmu.diagnosis.explanations import final_fits
 from tirefmu.diagnosis.explanations.effect_evidence import _stretches, effect_evidence, joint_z
-from tirefmu.diagnosis.explanations.final import final_fits
 from tirefmu.diagnosis.probing.effect_probing import Screen
-from tirefmu.diagnosis.signals.simulation import Simulator
+from tirefmu.diagnosis.signals import Simulator
 from tirefmu.diagnosis.thresholds import STRETCHES
-from tirefmu.diagnosis.verdict import composition
-from tirefmu.diagnosis.verdict.adequacy import Adequacy, adequacies
-from tirefmu.diagnosis.verdict.delivery import density_gain, reasons_against
-from tirefmu.diagnosis.verdict.findings import FoundEffect
-from tirefmu.diagnosis.verdict.fit_error import DeliveredResiduals
-from tirefmu.diagnosis.verdict.verdict import verdict_text
+from tirefmu.diagnosis.verdict import (
+    Adequacy,
+    DeliveredResiduals,
+    FoundEffect,
+    adequacies,
+    composition,
+    density_gain,
+    headline_text,
+    reasons_against,
+    verdict_sentences,
+)
 from tirefmu.numerics.noise_floor import NoiseFloor
 
 from .independent import kinds as independent
@@ -171,7 +176,8 @@ def test_a_residual_far_above_the_floor_is_inadequate():
 
 def test_a_coefficient_at_its_bound_is_in_the_verdict():
     one = FoundEffect("load_lag", ("Fy",), {}, 0.0, 0.5, 0.1, 0.87, at_bounds=("LLEN",))
-    text = verdict_text([one], (), {}, (), (), {}, (), {"periodic": [], "derived_columns": [], "ignored_columns": []})
+    nothing = {"periodic": [], "derived_columns": [], "ignored_columns": []}
+    (text,) = verdict_sentences([one], (), {}, (), (), {}, (), nothing)
     assert text == "Missing: load_lag (probability 87 %; at its bound: LLEN)"
 
 
@@ -180,12 +186,27 @@ def test_an_effect_that_is_more_probably_absent_is_not_called_missing():
         FoundEffect(name, ("Fy",), {}, 0.0, 0.5, 0.1, sure) for name, sure in (("load_lag", 0.87), ("conicity", 0.2))
     ]
     nothing = {"periodic": [], "derived_columns": [], "ignored_columns": []}
-    text = verdict_text(findings, (), {}, (), (), {}, (), nothing)
-    head, tail = text.split(". ")
+    head, tail = verdict_sentences(findings, (), {}, (), (), {}, (), nothing)
     assert "load_lag" in head
     assert "conicity" not in head
     assert "conicity (probability 20 %)" in tail
-    assert "Missing" not in verdict_text(findings[1:], (), {}, (), (), {}, (), nothing)
+    assert "Missing" not in verdict_sentences(findings[1:], (), {}, (), (), {}, (), nothing)[0]
+
+
+def test_the_headline_has_what_is_missing_and_where_something_else_is():
+    """The same effects as the sentences, in a few words, and never that nothing is missing beside them."""
+    lag, conicity = (FoundEffect(n, ("Fy",), {}, 0.0, 0.5, 0.1, p) for n, p in (("load_lag", 0.87), ("conicity", 0.2)))
+    unknown = FoundEffect("UNKNOWN", ("Fy",), {}, 0.0, 0.5, 0.1, 0.9)
+    red = (Adequacy("Mx", 40.0, 10.0, "", (), False),)
+    assert headline_text([lag, conicity], (), True, False) == "Missing: load_lag"
+    assert headline_text([lag], red, True, False) == (
+        "Missing: load_lag; something else is missing and was not identified in Mx"
+    )
+    assert headline_text([conicity], (), True, False) == "No effect is identified as missing"
+    assert headline_text([unknown], red, True, False) == "An effect is missing that is not in the library"
+    assert headline_text([], red, False, True) == (
+        "Best explanation so far: something is missing in Mx; the improved tire is not delivered"
+    )
 
 
 # ------------------------------------------------------------------ evidence for an effect
@@ -306,7 +327,9 @@ def test_noise_of_kappa_in_pure_cornering_is_not_combined_slip():
     )
 
 
-@pytest.mark.parametrize(("rate", "sweeps"), [(4.0, 33), (4.0, 17), pytest.param(50.0, 2, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("rate", "sweeps"), [(4.0, 17), *(pytest.param(*each, marks=pytest.mark.slow) for each in ((4.0, 33), (50.0, 2)))]
+)
 def test_few_rows_have_an_answer(rate, sweeps):
     case = make_case(1, ("camber_thrust",), rate=rate, sweeps=sweeps)
     diagnosis = diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal)

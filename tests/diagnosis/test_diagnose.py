@@ -11,18 +11,13 @@ from markupsafe import escape
 import tirefmu
 from tirefmu.boundary.errors import DataError, TirefmuError, UnknownName
 from tirefmu.boundary.escaping import visible
-from tirefmu.diagnosis.diagnose import diagnose
-from tirefmu.diagnosis.explanations.answer import RankedExplanation
-from tirefmu.diagnosis.reporting import report
+from tirefmu.diagnosis import Diagnosis, diagnose
+from tirefmu.diagnosis.explanations import RankedExplanation
+from tirefmu.diagnosis.reporting import report, report_page
 from tirefmu.diagnosis.reporting.gain_figure import gain_figure
 from tirefmu.diagnosis.reporting.memory_figure import memory_figure
-from tirefmu.diagnosis.reporting.report import report_page
-from tirefmu.diagnosis.unexplained.formula_proposal import Unknown
-from tirefmu.diagnosis.verdict.adequacy import Adequacy
-from tirefmu.diagnosis.verdict.extrapolation import Extrapolation
-from tirefmu.diagnosis.verdict.findings import CoefficientInterval, FoundEffect
-from tirefmu.diagnosis.verdict.result import Diagnosis
-from tirefmu.diagnosis.verdict.verdict import verdict_text
+from tirefmu.diagnosis.unexplained import Unknown
+from tirefmu.diagnosis.verdict import Adequacy, CoefficientInterval, Extrapolation, FoundEffect, verdict_sentences
 from tirefmu.drawing import picture as drawn
 from tirefmu.drawing.figure import Figure, Panel
 from tirefmu.measurements import Recording
@@ -137,7 +132,7 @@ def test_the_summary_has_few_lines(thrust):
     assert len(shown.splitlines()) < 10
     assert "camber_thrust" in shown
     assert "iso signs" in shown
-    hostile = replace(diagnosis, verdict="<img src=x onerror=alert(1)>")
+    hostile = replace(diagnosis, sentences=("<img src=x onerror=alert(1)>",))
     assert "<img" not in hostile._repr_html_()
     assert "<td>PKY6</td>" in hostile._repr_html_()
 
@@ -163,7 +158,7 @@ def with_text(diagnosis, text):
     finding = replace(diagnosis.found[0], effect=text, coefficients={text: CoefficientInterval(1.0, 0.0, 2.0)})
     left = {**diagnosis.recording, "left_aside": {text: text}}
     changed = replace(
-        diagnosis, verdict=text, found=(finding,), confounded_with={text: {text: 0.9}}, next_measurement=(text,),
+        diagnosis, sentences=(text,), found=(finding,), confounded_with={text: {text: 0.9}}, next_measurement=(text,),
         unknown=(unknown,), not_identifiable={text: text}, recording=left,
     )  # fmt: skip
     rows = {"training": {"Fy": 1.0}, "holdout": {"Fy": 1.0}, "recordings": {text: {"Fy": 1.0}}}
@@ -217,7 +212,9 @@ def test_the_first_screen_has_the_next_measurement_the_picture_and_the_numbers(t
     monkeypatch.setattr(report, "_maps", lambda *_: [])
     case, diagnosis = thrust
     page = report_page(diagnosis, Recording(case.table, case.signs, "plain"))
-    first = page[page.index(diagnosis.verdict) : page.index("<h2")]
+    first = page[page.index(diagnosis.headline) : page.index("<h2")]
+    assert diagnosis.headline == "Missing: camber_thrust"
+    assert all(f"<li>{escape(sentence)}</li>" in first for sentence in diagnosis.sentences)
     answer, _, numbers_below = first.partition("<section")
     assert f"Next measurement: {escape('; '.join(diagnosis.next_measurement) or 'none')}" in answer
     assert numbers_below.partition("<h3>")[2].startswith("What each identified effect adds")
@@ -336,17 +333,17 @@ def test_a_wave_far_below_the_noise_floor_is_not_in_the_verdict():
     wave = {"over": "t", "frequency": 0.5, "amplitude": {"Fy": 2.0}, "cosine": {"Fy": 2.0}, "sine": {"Fy": 0.0}}
     recording = {"periodic": [wave], "derived_columns": [], "ignored_columns": []}
     texts = {
-        floor: verdict_text((), (), {}, (), [Adequacy("Fy", floor, floor, "", (), False)], {}, (), recording)
+        floor: verdict_sentences((), (), {}, (), [Adequacy("Fy", floor, floor, "", (), False)], {}, (), recording)
         for floor in (100.0, 1.0)
     }
-    assert ["periodic" in text for text in texts.values()] == [False, True]
+    assert ["periodic" in text[-1] for text in texts.values()] == [False, True]
 
 
 def test_the_verdict_has_every_explanation_that_the_page_lists_as_confounded():
     finding = FoundEffect("relax_lat", ("Fy",), {}, 1e-9, 0.5, 0.01, 0.8)
     confounded = {"relax_lat": {"relax_load": 0.71, "relax_slip": 0.95}}
     recording = {"periodic": [], "derived_columns": [], "ignored_columns": []}
-    text = verdict_text((finding,), (), confounded, (), (), {}, (), recording)
+    (text,) = verdict_sentences((finding,), (), confounded, (), (), {}, (), recording)
     assert text == "Missing: relax_lat (probability 80 %; confounded with relax_slip, relax_load)"
 
 

@@ -1,5 +1,7 @@
 """Probabilities of explanations: the evidence is that of the Gaussian model, and the answer is a distribution."""
 
+import itertools
+import signal
 from dataclasses import replace
 
 import numpy as np
@@ -7,22 +9,29 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from tirefmu.diagnosis.diagnose import _start_model
-from tirefmu.diagnosis.explanations.answer import answer_of
-from tirefmu.diagnosis.explanations.budget import Budget
-from tirefmu.diagnosis.explanations.compare import compared
-from tirefmu.diagnosis.explanations.discrepancy import effect_discrepancy, model_discrepancy, smooth_functions
-from tirefmu.diagnosis.explanations.evidence import NormalEquations, Projected
-from tirefmu.diagnosis.explanations.explanation import UNKNOWN, Explanation, Term
-from tirefmu.diagnosis.explanations.gains import rivals_of
-from tirefmu.diagnosis.explanations.linearization import Addition, Linearization
-from tirefmu.diagnosis.explanations.refit import shared_problem
-from tirefmu.diagnosis.explanations.terms import unknown_terms
-from tirefmu.diagnosis.probing.baseline_fit import fit_baseline
-from tirefmu.diagnosis.probing.candidates import candidates_for
-from tirefmu.diagnosis.signals.signals import signals_of
-from tirefmu.diagnosis.signals.skew import between_rows
+from tirefmu.diagnosis.explanations import (
+    UNKNOWN,
+    Addition,
+    Budget,
+    Ended,
+    Explanation,
+    Linearization,
+    NormalEquations,
+    Projected,
+    Term,
+    answer_of,
+    compared,
+    effect_discrepancy,
+    model_discrepancy,
+    percent,
+    rivals_of,
+    shared_problem,
+    smooth_functions,
+    unknown_terms,
+)
+from tirefmu.diagnosis.probing import candidates_for, fit_baseline
+from tirefmu.diagnosis.signals import between_rows, signals_of
 from tirefmu.diagnosis.thresholds import EFFECT_ODDS, INEXACT_SHARE
-from tirefmu.diagnosis.verdict.verdict import percent
 from tirefmu.measurements import recording_from
 from tirefmu.symbolic.detection import Form
 
@@ -257,11 +266,17 @@ def test_the_best_explanation_is_the_true_one(sideways):
     assert comparison.shared.explained > 0.0  # the last comparison counts by what the leader explains
 
 
-def test_a_comparison_that_ends_early_has_the_best_so_far(sideways):
-    def cancelled(sentence):
-        raise KeyboardInterrupt
+def cancelled(sentence):
+    raise KeyboardInterrupt
 
-    with Budget(cancelled, None) as budget:
+
+def ended(sentence):
+    signal.raise_signal(signal.SIGTERM)
+
+
+@pytest.mark.parametrize("how", [cancelled, ended])
+def test_a_comparison_that_ends_early_has_the_best_so_far(sideways, how):
+    with Budget(how, None) as budget:
         comparison = compared(*sideways, budget)
     assert comparison.stopped == "stopped on request"
     assert sum(explanation.probability for explanation in comparison.answer.explanations) == pytest.approx(1.0)
@@ -270,14 +285,31 @@ def test_a_comparison_that_ends_early_has_the_best_so_far(sideways):
     assert comparison.leader.explanation.parts in {one.parts for one in comparison.answer.explanations}
 
 
+def test_a_comparison_that_ends_within_a_refit_has_what_was_complete_before(sideways):
+    def ending_after(number):
+        budget, checks = unlimited(), itertools.count()
+
+        def check():
+            if budget.answered and next(checks) >= number:
+                raise Ended
+
+        budget.check = check
+        return compared(*sideways, budget)
+
+    early, late = ending_after(1), ending_after(30)
+    assert early.leader.explanation.parts == ()
+    assert late.leader.score > early.leader.score
+    assert late.leader.explanation.parts in {one.parts for one in late.answer.explanations}
+
+
 def test_a_misfit_counts_less_where_more_is_explained(sideways):
     problem, solution, candidates = sideways
     linear = Linearization(Explanation(), problem, solution, candidates)
-    additions = [addition for forms in linear.additions().values() for addition in forms]
+    additions = [addition for name in linear.lacking for addition in linear.of_effect(name)]
     misfit = problem.misfit(solution.parameters)[:, :, None]
     squares = []
     for explained in (0.0, 1.0 / INEXACT_SHARE, 9.0 / INEXACT_SHARE):
-        shared = shared_problem(linear, solution, additions, explained)
+        shared = shared_problem(linear, solution, additions, explained, unlimited())
         squares.append(float(np.sum(shared.problem.weighted(misfit) ** 2)))
     assert squares == pytest.approx([squares[0], squares[0] / 2.0, squares[0] / 10.0], rel=1e-6)
 

@@ -6,13 +6,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tirefmu.diagnosis.explanations.final import balanced
-from tirefmu.diagnosis.least_squares import LeastSquares
-from tirefmu.diagnosis.signals.disturbances import reported_disturbances
+from tirefmu.diagnosis import LeastSquares
+from tirefmu.diagnosis.explanations import balanced
+from tirefmu.diagnosis.signals import reported_disturbances
 from tirefmu.diagnosis.thresholds import MAX_CROSS_TALK
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.models import model_named
-from tirefmu.tires.tire import Tire
+from tirefmu.tires import Tire
 
 FREE = ("PDX1", "PKX1", "PDY1", "PDY2", "PKY1", "PHY1", "QDZ1")
 

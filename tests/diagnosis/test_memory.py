@@ -10,13 +10,10 @@ import pandas as pd
 import pytest
 
 from tirefmu.diagnosis import diagnose, write_report
-from tirefmu.diagnosis.probing.candidates import candidates_for, is_testable
-from tirefmu.diagnosis.signals.disturbances import load_error_responses
-from tirefmu.diagnosis.signals.signals import FORMULA_SIGNS, signals_of
-from tirefmu.diagnosis.signals.simulation import Simulator
+from tirefmu.diagnosis.probing import candidates_for, is_testable
+from tirefmu.diagnosis.signals import FORMULA_SIGNS, Simulator, load_error_responses, signals_of
 from tirefmu.diagnosis.unexplained.features import features
-from tirefmu.measurements import Recording
-from tirefmu.measurements.turn_slip import with_turn_slip
+from tirefmu.measurements import Recording, with_turn_slip
 from tirefmu.symbolic.added import library
 from tirefmu.tires import Tire
 
@@ -196,7 +193,10 @@ def test_a_constant_speed_is_no_variable_of_a_formula():
     inputs, row = signals.inputs.copy(), signals.names.index("V")
     for share, expected in ((0.01, False), (0.2, True)):
         inputs[row] = tire.nominal("V") * (1.0 + share * np.linspace(-0.5, 0.5, inputs.shape[1]))
-        many = features(replace(signals, inputs=inputs, recorded=signals.recorded | {"V"}), tire)
+        many = features(
+            replace(signals, inputs=inputs, origin=replace(signals.origin, recorded=signals.origin.recorded | {"V"})),
+            tire,
+        )
         assert any("V" in one.depends_on for ones in many for one in ones) == expected
 
 
@@ -229,5 +229,5 @@ def test_a_carcass_requires_a_fast_recording_and_turn_slip_is_derived_from_the_r
         recording = with_turn_slip(Recording(table.assign(t=table["t"] / faster), FORMULA_SIGNS, "made"))
         signals = signals_of(recording.table, start, FORMULA_SIGNS, derived={"phit"})
         assert is_testable(signals, start, carcass) == fast
-        assert "phit" not in signals.recorded  # no formula reads it
+        assert "phit" not in signals.origin.recorded  # no formula reads it
         assert is_testable(signals, start, turning)

@@ -6,12 +6,18 @@ import numpy as np
 import pytest
 
 from tirefmu.diagnosis.diagnose import with_library
-from tirefmu.diagnosis.probing.baseline_fit import reweighted
-from tirefmu.diagnosis.signals.measurement_artefacts import quantisation, ripple
+from tirefmu.diagnosis.probing import reweighted
+from tirefmu.diagnosis.signals import quantisation, ripple
 from tirefmu.diagnosis.thresholds import MAX_CHANGE, OUTLIER
-from tirefmu.diagnosis.verdict.extrapolation import extrapolations, outside
-from tirefmu.diagnosis.verdict.fit_error import delivered_residuals, fit_errors, floors_of
-from tirefmu.diagnosis.verdict.residual_location import residual_maps, time_course
+from tirefmu.diagnosis.verdict import (
+    delivered_residuals,
+    extrapolations,
+    fit_errors,
+    floors_of,
+    outside,
+    residual_maps,
+    time_course,
+)
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
@@ -136,7 +142,7 @@ def test_a_ripple_once_per_revolution_is_found_in_its_channel(at_true_values):
     speed = np.full((1, len(signals.t)), 10.0)
     signals = replace(signals, names=(*signals.names, "V"), inputs=np.concatenate([signals.inputs, speed]))
     assert ripple(signals, rng.normal(size=signals.measured.shape), 0.3) == {}  # V is nominal: not recorded
-    signals = replace(signals, recorded=signals.recorded | {"V"})
+    signals = replace(signals, origin=replace(signals.origin, recorded=signals.origin.recorded | {"V"}))
     rest = rng.normal(size=signals.measured.shape)
     assert ripple(signals, rest, 0.3) == {}
     turning = 10.0 * (1.0 + signals.inputs[signals.names.index("kappa")])

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tirefmu.diagnosis.probing.effect_probing import Screen
-from tirefmu.diagnosis.signals.simulation import Simulator
+from tirefmu.diagnosis.signals import Simulator
+from tirefmu.diagnosis.unexplained import Dictionary, UnexplainedStructure, effect_of
 from tirefmu.diagnosis.unexplained.features import (
     Feature,
     determined,
@@ -14,7 +15,6 @@ from tirefmu.diagnosis.unexplained.features import (
     features,
     locations_of,
 )
-from tirefmu.diagnosis.unexplained.formula_proposal import Dictionary, UnexplainedStructure, effect_of
 from tirefmu.diagnosis.unexplained.past import STATES, _low_pass
 from tirefmu.symbolic.added import library
 
@@ -96,9 +96,9 @@ def test_the_response_at_a_location_equals_finite_differences(at_true_values):
 
 def test_no_feature_names_an_input_that_was_not_recorded(problem):
     signals, tire = problem.simulator.signals, problem.simulator.tire
-    assert "V" not in signals.recorded
+    assert "V" not in signals.origin.recorded
     named = {name for part in features(signals, tire) for feature in part for name in feature.depends_on}
-    assert named <= signals.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}
+    assert named <= signals.origin.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}
 
 
 def test_a_formula_of_two_slips_needs_combined_slip(problem):

@@ -23,9 +23,10 @@ TEXTS = {path.relative_to(DOCS).as_posix(): path.read_text(encoding="utf-8") for
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 #: Pages that take longer.
 SLOW = {
-    "command_line.md", "data_desk.md", "diagnosis.md", "drive.md", "effects.md", "gallery.md", "many_tires.md",
-    "planning.md", "python.md", "quick_start.md", "report_figures.md", "temperature.md", "ttc.md",
-    "tutorials/from_a_drive.md", "tutorials/hidden_effect.md", "tutorials/warm_tire.md",
+    "command_line.md", "data_desk.md", "diagnosis.md", "drive.md", "effects.md", "family.md", "gallery.md",
+    "many_tires.md", "planning.md", "python.md", "quick_start.md", "report_figures.md", "temperature.md", "ttc.md",
+    "tutorials/from_a_drive.md", "tutorials/hidden_effect.md", "tutorials/small_robot_tire.md",
+    "tutorials/warm_tire.md",
 }  # fmt: skip
 
 

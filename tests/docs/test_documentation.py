@@ -14,11 +14,11 @@ import tomllib
 import pytest
 
 import tirefmu
-from tirefmu.applications.project.project_file import SECTIONS
+from tirefmu.applications.project import SECTIONS
 from tirefmu.boundary.errors import LISTED_BY
 from tirefmu.commands.cli import cli
 from tirefmu.commands.schemas import KINDS
-from tirefmu.measurements.units import UNITS
+from tirefmu.measurements import UNITS
 from tirefmu.symbolic.models import MODELS
 
 from ..rooms import MAKEFILE, ROOT, RULES, STUDIES, TARGETS

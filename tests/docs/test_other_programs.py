@@ -10,8 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.applications.exports.convert import convert
-from tirefmu.applications.exports.lint import lint
+from tirefmu import convert, lint
 from tirefmu.measurements import read_recording
 from tirefmu.tires import read_tir
 

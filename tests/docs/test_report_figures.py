@@ -119,7 +119,7 @@ def test_old_and_new_parameters_are_drawn_over_each_other_with_their_difference(
     for first, second, third in zip(old, new, levels(difference), strict=True):
         np.testing.assert_allclose(second.points[1] - first.points[1], third.points[1], atol=1e-9)
     (over_load,) = panels_of(figures, "Cornering stiffness over load").values()
-    assert over_load.y == "cornering stiffness (N/deg)"
+    assert over_load.y == "cornering stiffness (N/rad)"
     assert all((line.points[1] > 0.0).all() for line in over_load.series)
 
 

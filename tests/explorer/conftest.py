@@ -6,7 +6,7 @@ import itertools
 
 import pytest
 
-from tirefmu.applications.explorer.explore import explore
+from tirefmu import explore
 from tirefmu.measurements import VirtualBench, alpha_sweeps, concatenate, kappa_sweeps
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire, published, read_tir
@@ -27,7 +27,7 @@ def tires(golden):
     return made
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")  # its event loop excludes those of other tests
 def browser():
     """Return a running Chromium; skip the test without it."""
     with launched("make pages") as running:

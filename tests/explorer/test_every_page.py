@@ -33,10 +33,13 @@ PAGES = (
 #: Reports of one recording: none is higher, px at 1,400 px, or larger, bytes.
 REPORTS = (
     "demo/index.html",
+    "results/fit.html",
     "demo/inspection.html",
     "demo/check.html",
     "demo/diagnosis/report.html",
     "comparison/report.html",
+    "program/report.html",
+    "drive/report.html",
 )
 HIGHEST, LARGEST = 4500, 1_000_000
 
@@ -61,6 +64,10 @@ def folder(tmp_path_factory):
 def test_nothing_is_wider_than_the_screen_and_the_first_screen_has_the_verdict(folder, opened_file, name, width):
     page = opened_file(folder / name, width=width, height=844)
     page.wait_for_timeout(500)
+    for y in range(0, page.evaluate("document.documentElement.scrollHeight"), 700):  # a chart is drawn where it is seen
+        page.evaluate(f"window.scrollTo(0, {y})")
+        page.wait_for_timeout(60)
+    page.evaluate("window.scrollTo(0, 0)")
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     if name in REPORTS and width == 1400:
         assert page.evaluate("document.documentElement.scrollHeight") < HIGHEST

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tirefmu.applications.explorer.explore import explore
+from tirefmu import explore
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire, read_tir
 from tirefmu.tires.evaluation import quantities
@@ -388,7 +388,7 @@ def test_key_figures_are_those_of_the_curves(opened, tires):
     assert figures["Peak Fy, positive"]["value"] == pytest.approx(side.max(), rel=1e-3)
     assert figures["alpha of peak Fy, positive"]["value"] == pytest.approx(np.degrees(alpha[side.argmax()]), abs=0.3)
     step = tire.forces(alpha=[-1e-5, 1e-5])
-    stiffness = -np.diff(step["Fy"])[0] / 2e-5 * np.pi / 180
+    stiffness = -np.diff(step["Fy"])[0] / 2e-5
     assert figures["Cornering stiffness -dFy/dalpha"]["value"] == pytest.approx(stiffness, rel=1e-9)
     trail = -1000.0 * (np.diff(step["Mz"]) / np.diff(step["Fy"]))[0]
     assert figures["Pneumatic trail -dMz/dFy at zero slip"]["value"] == pytest.approx(trail, rel=1e-6)

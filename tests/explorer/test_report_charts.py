@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tirefmu.drawing.page import page_text
-from tirefmu.fitting.reporting.figures import figures_of
+from tirefmu.fitting.reporting import figures_of
 
 #: A report of figures only.
 TEMPLATE = """{% extends "page.html" %}{% from "parts.html" import figure %}{% block title %}charts{% endblock %}

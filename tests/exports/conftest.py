@@ -7,7 +7,7 @@ from functools import wraps
 
 import pytest
 
-from tirefmu.applications.exports.printout import generate
+from tirefmu.applications.exports import generate
 from tirefmu.symbolic.added import AddedEffect
 from tirefmu.symbolic.added.effect import Act
 from tirefmu.symbolic.declarations import Coefficient

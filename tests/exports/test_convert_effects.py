@@ -10,10 +10,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu import convert
+from tirefmu.applications.exports import HOSTS, acting, relative_errors, without_added
 from tirefmu.applications.exports import convert as conversion
-from tirefmu.applications.exports.convert import convert, relative_errors, without_added
-from tirefmu.applications.exports.dialects import HOSTS
-from tirefmu.applications.exports.lacking import acting
 from tirefmu.commands.cli import main
 from tirefmu.symbolic.added import library, read_effect
 from tirefmu.symbolic.models import MODELS, whole_library

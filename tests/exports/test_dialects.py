@@ -9,10 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tirefmu.applications.exports.convert import convert
-from tirefmu.applications.exports.dialects import HOSTS
-from tirefmu.applications.exports.lint import lint
-from tirefmu.applications.exports.self_test import operating_conditions
+from tirefmu import convert, lint
+from tirefmu.applications.exports import HOSTS, operating_conditions
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.commands.cli import main
 from tirefmu.symbolic.models import MODELS

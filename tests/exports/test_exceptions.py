@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tirefmu.applications.exports.printout import generate
+from tirefmu.applications.exports import generate
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires.code.printed import code_file
 

@@ -12,7 +12,7 @@ import sys
 import numpy as np
 import pytest
 
-from tirefmu.applications.exports.self_test import operating_conditions
+from tirefmu.applications.exports import operating_conditions
 from tirefmu.symbolic.printers.languages.program import FUNCTIONS
 
 from .special_points import special_points, symmetric

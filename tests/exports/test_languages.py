@@ -10,7 +10,7 @@ from pathlib import Path
 import casadi
 import pytest
 
-from tirefmu.applications.exports.printout import printed
+from tirefmu.applications.exports import printed
 from tirefmu.symbolic.models import MODELS
 from tirefmu.symbolic.printers.languages import LANGUAGES
 from tirefmu.symbolic.printers.languages.program import FUNCTIONS

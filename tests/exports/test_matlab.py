@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.applications.exports.printout import generate, printed
+from tirefmu.applications.exports import generate, printed
 from tirefmu.commands.cli import main
 from tirefmu.symbolic.printers.languages.program import FUNCTIONS
 from tirefmu.tires import Tire

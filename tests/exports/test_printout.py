@@ -11,8 +11,7 @@ from itertools import chain, combinations
 import numpy as np
 import pytest
 
-from tirefmu.applications.exports.printout import generate, printed, program_of
-from tirefmu.applications.exports.self_test import operating_conditions, reference
+from tirefmu.applications.exports import generate, operating_conditions, printed, program_of, reference
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.commands.cli import main
 from tirefmu.symbolic.models import MODELS
@@ -103,23 +102,46 @@ def test_lines_have_less_than_200_characters(request, language, name, functions,
     assert max(longest.values()) < 200, longest
 
 
-@pytest.mark.parametrize("model", slow_relatives(MODELS))
-def test_every_subset_of_the_outputs(tire_of, model):
-    """Each is printed in one language in turn, with its self-test; `make hosts` prints each in all, of all models."""
-    tire = tire_of(model).in_signs("iso")
-    sizes = range(1, len(tire.outputs) + 1)
-    subsets = list(chain.from_iterable(combinations(tire.outputs, size) for size in sizes))
-    names = list(LANGUAGES)
-    functions = FUNCTIONS[: 3 if "TIREFMU_HOSTS" in os.environ else 2]
+def forces_here(language, text, names, inputs):
+    """Return the forces of a printout that runs in this process: one array for each name."""
+    module = {"__name__": "printout"}
+    exec(text, module)
+    if language == "numpy":
+        found = module["forces"](**inputs)
+        assert list(found) == list(names)
+        return list(found.values())
+    return module["function"]("forces")(np.stack([inputs[name] for name in module["INPUTS"]])).full()
+
+
+@pytest.mark.parametrize("kind", [*slow_relatives(MODELS), "motorcycle"])
+def test_every_subset_of_the_outputs(tire_of, kind):
+    """Small and large ones in one language in turn, with self-test; `make hosts`: each in all, of all models.
+
+    What runs in this process has the forces of the tire. A motorcycle leans: of it each single force in all languages.
+    """
+    tire, hosts = tire_of("mf61" if kind == "motorcycle" else kind).in_signs("iso"), "TIREFMU_HOSTS" in os.environ
+    functions, names, n = FUNCTIONS[: 3 if hosts else 2], list(LANGUAGES), len(tire.outputs)
+    sizes = range(1, n + 1) if hosts else sorted({1, 2, n - 1, n})
+    if kind == "motorcycle":
+        tire, functions, sizes = replace(tire, ranges={**tire.ranges, "gamma": (-1.2, 1.2)}), ("forces",), [1]
+    subsets = chain.from_iterable(combinations(tire.outputs, size) for size in sizes)
+    ranges = {"alpha": 0.2, "kappa": 0.3, "gamma": 1.1, "phit": 0.1}
+    rng, load = np.random.default_rng(8), tire.values["FNOMIN"]
+    inputs = {name: rng.uniform(-1.0, 1.0, 9) * ranges[name] for name in tire.inputs if name in ranges}
+    inputs |= {"Fz": rng.uniform(0.0, 1.5, 9) * load}
+    inputs |= {name: np.full(9, tire.nominal(name)) for name in tire.inputs if name not in inputs}
+    forces = tire.forces(code="numpy", **inputs)
     for i, only in enumerate(subsets):
-        program = program_of(tire, model, PrintoutSelection(functions, outputs=only), rows=2)
+        program = program_of(tire, tire.model, PrintoutSelection(functions, outputs=only), rows=2)
         labels = {routine.name: routine.labels for routine in program.routines}
         assert labels["forces"] == only
-        assert not set(labels["quantities"]) & set(tire.outputs)
-        chosen = names if "TIREFMU_HOSTS" in os.environ else [names[i % len(names)]]
-        for language in chosen:
-            files = printer(language)(program)
-            assert all(name in next(iter(files.values())) for name in only)
+        assert not set(labels.get("quantities", ())) & set(tire.outputs)
+        for language in names if hosts or kind == "motorcycle" else [names[i % len(names)]]:
+            text = next(iter(printer(language)(program).values()))
+            assert all(name in text for name in only)
+            if language in ("numpy", "casadi"):
+                for name, found in zip(only, forces_here(language, text, only, inputs), strict=True):
+                    np.testing.assert_allclose(found, forces[name], rtol=1e-9, atol=1e-9 * load)
 
 
 @pytest.mark.parametrize("only", [["Mz"], ["Fy", "Mx"], ["My"]])

@@ -15,9 +15,8 @@ import pandas as pd
 import pytest
 from fmpy import read_model_description, simulate_fmu
 
-from tirefmu.applications.exports.convert import convert
-from tirefmu.applications.exports.dialects import HOSTS
-from tirefmu.applications.exports.lint import lint
+from tirefmu import convert, lint
+from tirefmu.applications.exports import HOSTS
 from tirefmu.fitting import fit
 from tirefmu.fmu import export
 from tirefmu.measurements import read_recording

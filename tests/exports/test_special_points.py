@@ -10,7 +10,7 @@ import re
 import numpy as np
 import pytest
 
-from tirefmu.applications.exports.printout import printed
+from tirefmu.applications.exports import printed
 from tirefmu.symbolic.models import MODELS
 
 from .dual_arrays import Dual, dual, module_from

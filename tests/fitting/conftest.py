@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import fit
-from tirefmu.fitting.problem.rows import Rows
-from tirefmu.fitting.problem.weighted_residuals import Problem
-from tirefmu.fitting.problem.weights import equal_weights
+from tirefmu.fitting.problem import Problem, Rows, equal_weights
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, concatenate, kappa_sweeps
 from tirefmu.tires import Tire
 

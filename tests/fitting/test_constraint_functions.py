@@ -7,10 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tirefmu.fitting.constraints.constraint_functions import ConstraintFunctions, measured_values
-from tirefmu.fitting.constraints.physical import Constraint, declared_constraints, grid
-from tirefmu.fitting.problem.rows import Rows
-from tirefmu.fitting.problem.weighted_residuals import Problem
+from tirefmu.fitting.constraints import Constraint, ConstraintFunctions, declared_constraints, grid, measured_values
+from tirefmu.fitting.problem import Problem, Rows
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for

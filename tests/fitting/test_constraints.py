@@ -12,17 +12,17 @@ from hypothesis import strategies as st
 
 from tirefmu.boundary.errors import UnknownName
 from tirefmu.commands.demo import bench_tire
-from tirefmu.fitting.constraints.constraint_functions import measured_values
-from tirefmu.fitting.constraints.physical import (
-    KINDS,
+from tirefmu.fitting.constraints import (
     TOLERANCE,
     Constraint,
+    VerifiedConstraints,
     chosen_constraints,
     declared_constraints,
     grid,
+    measured_values,
     operating_range,
 )
-from tirefmu.fitting.constraints.verification import VerifiedConstraints
+from tirefmu.symbolic.contract import CONSTRAINT_KINDS
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
@@ -174,7 +174,7 @@ def test_every_constraint_has_a_unique_name():
         every = [each for own in declared.values() for each in own]
         assert len({each.name for each in every}) == len(every)
         assert len({each.text for each in every}) == len(every)
-        assert {each.kind for each in every} <= set(KINDS)
+        assert {each.kind for each in every} <= set(CONSTRAINT_KINDS)
         assert {each.quantity for each in every} <= set(code_for(model, "numpy").quantities_names)
         assert declared.keys() <= {quantity.name for quantity in MODELS[model].outputs}
         assert all(each.lower < each.upper for each in every)
@@ -247,3 +247,9 @@ def test_weighting_functions_are_bounded_on_both_sides(model):
         tire = Tire(model, {**values, "RHX1": shift}, signs="adapted-sae")
         shares = quantities(tire, {"alpha": np.linspace(-0.2, 0.2, 41)})["G_xa"]
         assert bool((bounded[0].distance(shares) >= 0.0).all()) == within
+
+
+def test_the_text_of_a_change_with_load_follows_from_its_bounds():
+    falling = Constraint("mu_y", -inf, 0.0, ("Fz",), kind="friction_falling", measure="growth")
+    assert falling.text == "mu_y falls with load"
+    assert replace(falling, quantity="D_t", lower=0.0, upper=inf).text == "D_t grows with load"

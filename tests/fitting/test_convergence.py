@@ -7,11 +7,9 @@ from math import inf
 import numpy as np
 import pytest
 
-from tirefmu.fitting.constraints.constraint_functions import ConstraintFunctions
-from tirefmu.fitting.constraints.physical import Constraint
-from tirefmu.fitting.problem.weighted_residuals import Problem, Ridge
-from tirefmu.fitting.solvers.convergence import GaussNewton
-from tirefmu.fitting.solvers.ipopt import INTERRUPTED, SolverResult, solve
+from tirefmu.fitting.constraints import Constraint, ConstraintFunctions
+from tirefmu.fitting.problem import Problem, Ridge
+from tirefmu.fitting.solvers import INTERRUPTED, GaussNewton, SolverResult, solve
 
 FREE = ("PCY1", "PDY1", "PDY2", "PKY1", "PKY2", "PHY1", "PVY1")
 LOAD = np.array([[0.0], [0.0], [0.0], [700.0]])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tirefmu.fitting.uncertainty.correlated_noise import CorrelatedSums, NoiseCorrelation
+from tirefmu.fitting.uncertainty import CorrelatedSums, NoiseCorrelation
 
 SEGMENT = np.repeat(np.arange(12), [50, 1, 40, 60, 9, 100, 40, 70, 30, 50, 20, 30])
 WEIGHTS = np.random.default_rng(0).normal(size=(4, len(SEGMENT)))

@@ -9,12 +9,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.applications.comparison.comparison import compare
-from tirefmu.applications.comparison.figures import comparison_figures
+from tirefmu import compare
+from tirefmu.applications.comparison import comparison_figures
 from tirefmu.applications.explorer.tire_data import tire_data
 from tirefmu.drawing.style import DOTTED
 from tirefmu.fitting import fit
-from tirefmu.fitting.reporting.figures import figures_of
+from tirefmu.fitting.reporting import figures_of
 from tirefmu.fmu.packaging.export import contents
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire, read_tir

@@ -11,19 +11,18 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.fitting.checks.consistency import disagreeing_files, disagreeing_segments, sweep_differences
-from tirefmu.fitting.checks.diagnostics import by_condition
-from tirefmu.fitting.checks.residuals import Residuals
-from tirefmu.fitting.checks.ripple import ripple
-from tirefmu.fitting.checks.slip_stiffness import slip_stiffnesses
-from tirefmu.fitting.checks.undetermined import at_bounds, undetermined
-from tirefmu.fitting.constraints.verification import Margin
-from tirefmu.fitting.reporting.report_text import (
-    constraint_rows,
-    extrapolation_text,
-    ripple_texts,
-    significant_differences,
+from tirefmu.fitting.checks import (
+    Residuals,
+    by_condition,
+    disagreeing_files,
+    disagreeing_segments,
+    slip_stiffnesses,
+    sweep_differences,
 )
+from tirefmu.fitting.checks.ripple import ripple
+from tirefmu.fitting.checks.undetermined import at_bounds, undetermined
+from tirefmu.fitting.constraints import Margin
+from tirefmu.fitting.reporting import constraint_rows, extrapolation_text, ripple_texts, significant_differences
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps
 
 NOISE = 5.0

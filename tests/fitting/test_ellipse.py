@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tirefmu.fitting.problem.ellipse import ellipse_values
+from tirefmu.fitting.problem import ellipse_values
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 

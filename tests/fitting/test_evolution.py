@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 
 from tirefmu.boundary.errors import FitError, UnknownName
-from tirefmu.fitting.constraints.physical import Constraint
-from tirefmu.fitting.problem.weighted_residuals import Problem
-from tirefmu.fitting.solvers.evolution import GOAL, NO_GAIN, Evolution
-from tirefmu.fitting.solvers.ipopt import INTERRUPTED, LIMIT, solve
-from tirefmu.fitting.solvers.selection import METHODS, solver_for
+from tirefmu.fitting.constraints import Constraint
+from tirefmu.fitting.problem import Problem
+from tirefmu.fitting.solvers import GOAL, INTERRUPTED, LIMIT, METHODS, NO_GAIN, Evolution, solve, solver_for
 from tirefmu.tires.code import code_for, forces_of_each
 
 FREE = ("PCY1", "PDY1", "PDY2", "PKY1", "PKY2")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from tirefmu.fitting.checks.read_errors import ReadErrors
-from tirefmu.fitting.uncertainty.discrepancy import Features
+from tirefmu.fitting.checks import ReadErrors
+from tirefmu.fitting.uncertainty import Features
 
 
 def test_features_grow_beyond_the_rows_only():

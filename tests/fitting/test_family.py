@@ -11,9 +11,8 @@ import pytest
 from tirefmu.boundary.errors import FitError
 from tirefmu.commands.cli import main
 from tirefmu.commands.demo import bench_tire
-from tirefmu.fitting import fit
-from tirefmu.fitting.family import Family
-from tirefmu.fitting.problem.prior import Prior
+from tirefmu.fitting import Family, fit
+from tirefmu.fitting.problem import Prior
 from tirefmu.measurements import ChannelNoise, Noise, VirtualBench, alpha_sweeps, kappa_sweeps, write_table
 from tirefmu.tires import read_tir
 

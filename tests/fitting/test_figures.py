@@ -9,9 +9,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tirefmu.boundary.errors import DataError, FitError
-from tirefmu.fitting.checks.curves import compare
-from tirefmu.fitting.reporting.figures import draw_figures, weighting_figure
-from tirefmu.fitting.reporting.load_figures import data_text, friction_over_load, largest_friction, stiffness_over_load
+from tirefmu.fitting import draw_figures
+from tirefmu.fitting.checks import compare
+from tirefmu.fitting.reporting import (
+    data_text,
+    friction_over_load,
+    largest_friction,
+    stiffness_over_load,
+    weighting_figure,
+)
 from tirefmu.measurements import (
     Noise,
     Recording,
@@ -22,7 +28,7 @@ from tirefmu.measurements import (
     small_tire_program,
     trento_program,
 )
-from tirefmu.numerics.slip_slope import read_slope
+from tirefmu.numerics import read_slope
 from tirefmu.tires import SIGNS, Tire, published
 from tirefmu.tires.code.modules import numpy_routine
 

@@ -10,7 +10,7 @@ import pytest
 
 from tirefmu.boundary.errors import DataError
 from tirefmu.fitting import fit
-from tirefmu.fitting.data.fit_data import prepare
+from tirefmu.fitting.data import prepare
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, concatenate
 from tirefmu.symbolic.models import model_named
 

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.fitting.data.initial_values import readings, starting_values
+from tirefmu.fitting.data import readings, starting_values
 from tirefmu.measurements import Noise
 from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire

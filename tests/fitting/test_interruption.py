@@ -11,7 +11,7 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from tirefmu.fitting import stage as solution_of_a_stage
-from tirefmu.fitting.solvers.interruption import Interruption
+from tirefmu.fitting.solvers import Interruption
 
 
 def stopping(at_stage, at_iteration, how):
@@ -32,6 +32,10 @@ def pressed():
     os.kill(os.getpid(), signal.SIGINT)
 
 
+def ended():
+    signal.raise_signal(signal.SIGTERM)
+
+
 @pytest.fixture(autouse=True)
 def listening():
     """Install the default handler of Ctrl-C, which shells disable for background processes."""
@@ -50,7 +54,7 @@ def recording(side_fit):
     return side_fit[1]
 
 
-@pytest.mark.parametrize("how", [raised, pressed])
+@pytest.mark.parametrize("how", [raised, pressed, ended])
 def test_an_interrupt_returns_the_best_values_so_far(recording, whole, make, how):
     handler = signal.getsignal(signal.SIGINT)
     progress = stopping("Fy", 8, how)
@@ -121,6 +125,13 @@ def test_a_signal_handler_of_the_program_is_not_replaced():
     finally:
         signal.signal(signal.SIGINT, before)
     assert (seen, interruption.requested) == ([signal.SIGINT], False)
+
+
+def test_a_request_to_end_the_program_stops_once_and_then_ends_it():
+    with Interruption() as interruption:
+        ended()
+        assert interruption.requested
+        assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
 
 
 def test_another_thread_does_not_replace_the_handler():

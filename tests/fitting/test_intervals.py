@@ -10,9 +10,8 @@ import pytest
 
 from tirefmu.boundary.errors import FitError, UnknownName
 from tirefmu.fitting import draw_figures
-from tirefmu.fitting.reporting.report import report_page
-from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps
-from tirefmu.measurements.virtual_bench.sensor_noise import ChannelNoise
+from tirefmu.fitting.reporting import report_page
+from tirefmu.measurements import ChannelNoise, Noise, Recording, VirtualBench, alpha_sweeps
 
 TABLE = pd.DataFrame({"alpha": [-0.1, -0.02, 0.0, 0.05], "Fz": [300.0, 500.0, 800.0, 1100.0], "gamma": 0.02})
 

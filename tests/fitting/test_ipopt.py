@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from tirefmu.fitting.constraints.physical import Constraint, declared_constraints, grid, operating_range
-from tirefmu.fitting.solvers.ipopt import INTERRUPTED, solve
+from tirefmu.fitting.constraints import Constraint, declared_constraints, grid, operating_range
+from tirefmu.fitting.solvers import INTERRUPTED, solve
 from tirefmu.tires.code import code_for
 
 FREE = ("PCY1", "PDY1", "PDY2", "PEY1", "PKY1", "PKY2", "PHY1", "PVY1", "PVY3")

@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tirefmu.fitting.problem.loss import LOSSES, robust_scale
-from tirefmu.fitting.problem.weights import limits_of, noise_weights
+from tirefmu.fitting.problem import LOSSES, limits_of, noise_weights, robust_scale
 from tirefmu.measurements import ChannelNoise, Noise, Recording
 
 SIZE = 15.0  # N, of the noise

@@ -10,9 +10,8 @@ import pytest
 from scipy.ndimage import uniform_filter1d
 
 from tirefmu.fitting import fit
-from tirefmu.fitting.constraints.physical import chosen_constraints
-from tirefmu.fitting.reporting.load_table import stiffness_by_load
-from tirefmu.fitting.reporting.report_text import significant_differences
+from tirefmu.fitting.constraints import chosen_constraints
+from tirefmu.fitting.reporting import significant_differences, stiffness_by_load
 from tirefmu.measurements import read_recording
 from tirefmu.tires.code import fastest_code
 
@@ -129,7 +128,7 @@ def scanned(tire, recordings):
     return {name: q.max() for name, q in zip(code.quantities_names, quantities, strict=True) if name.startswith("E_")}
 
 
-@pytest.mark.parametrize("model", ["mf61", "mf52", "mf96"])
+@pytest.mark.parametrize("model", ["mf61", *(pytest.param(name, marks=pytest.mark.slow) for name in ("mf52", "mf96"))])
 def test_no_curvature_factor_exceeds_1_anywhere_in_the_range(measured, recordings, model):
     """An independent scan. MF6.2 has the lines of E of MF6.1; the other models are fitted to every eighth row."""
     some = [replace(each, table=each.table.iloc[::8].reset_index(drop=True)) for each in recordings]

@@ -6,11 +6,10 @@ from inspect import signature
 
 import pytest
 
-from tirefmu.applications.batch.jobs import OPTIONS
-from tirefmu.applications.project.project_file import SECTIONS, Project
+from tirefmu.applications.batch import OPTIONS
+from tirefmu.applications.project import SECTIONS, Project
 from tirefmu.commands.cli import cli
-from tirefmu.fitting import FitOptions, fit
-from tirefmu.fitting.options import declared_options
+from tirefmu.fitting import FitOptions, declared_options, fit
 
 DECLARED = declared_options()
 

@@ -1,6 +1,6 @@
 """The result of a fit does not depend on rounding errors: other processors are emulated in several ways.
 
-`TIREFMU_PERTURB=1` (make perturb) adds instruction sets, all channels, the measured recordings and a diagnosis.
+`TIREFMU_PERTURB=1` (make perturb) adds instruction sets, noise, all channels, the measured recordings and a diagnosis.
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ def agree(result, reference, recordings):
                 assert apart <= SHARE * max(channel.rmse, weights.MIN_NOISE * root), name
 
 
-@pytest.fixture(scope="module", params=["exact", "noisy"])
+@pytest.fixture(scope="module", params=["exact", *(["noisy"] if LARGE else [])])
 def small(request, known, make):
     """Return two recordings of one tire, a function that fits them, and its result."""
     noise = Noise() if request.param == "noisy" else None

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
+import pytest
 
-from tirefmu.fitting.checks.read_errors import ReadErrors
+from tirefmu.fitting.checks.read_errors import ROUGH, ReadErrors
+from tirefmu.fitting.checks.slip_stiffness import MODEL_ERROR
 
 LOADS = np.linspace(500.0, 2500.0, 9)
 NOISE = 0.03
@@ -32,6 +34,15 @@ def test_an_error_that_the_readings_show_is_in_the_interval():
     assert far < 0.1
     (cambered,) = np.sqrt(off.squares(conditions(np.array([2250.0]), camber=0.5)))
     assert cambered > 0.05
+
+
+def test_between_readings_their_errors_count_and_beyond_them_the_prior_of_the_form():
+    """Readings that agree with the tire narrow what is between them only."""
+    exact = ReadErrors.of(conditions(LOADS), np.zeros(9), [0.0] * 9)
+    between, outside = np.sqrt(exact.squares(conditions(np.array([1375.0, 5000.0]))))
+    assert between < 0.5 * MODEL_ERROR
+    slope = np.sqrt(0.5 * (1.0 + ROUGH**-2))  # of the process, in its standard deviation per length scale
+    assert outside == pytest.approx(MODEL_ERROR * slope * 2500.0 / 1000.0, rel=0.02)
 
 
 def test_few_readings_say_nothing():

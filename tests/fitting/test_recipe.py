@@ -13,7 +13,7 @@ import pytest
 from tirefmu.boundary.errors import FitError, TirefmuError, UnknownName
 from tirefmu.commands.demo import SEED, bench_tire
 from tirefmu.fitting import RECIPES, fit, load_recipe
-from tirefmu.fitting.problem.recipe import FreeCoefficient
+from tirefmu.fitting.problem import FreeCoefficient
 from tirefmu.measurements import Noise, VirtualBench, trento_program
 from tirefmu.symbolic.models import MODELS
 

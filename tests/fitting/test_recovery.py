@@ -8,8 +8,7 @@ import pytest
 
 from tirefmu.boundary.errors import FitError
 from tirefmu.fitting import fit
-from tirefmu.fitting.constraints.constraint_functions import measured_values
-from tirefmu.fitting.constraints.physical import chosen_constraints, grid, operating_range
+from tirefmu.fitting.constraints import chosen_constraints, grid, measured_values, operating_range
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire
 

@@ -11,14 +11,12 @@ import pytest
 from tirefmu.boundary.errors import FitError
 from tirefmu.boundary.escaping import figure_text, visible
 from tirefmu.drawing.figure import Figure, Panel
-from tirefmu.fitting.checks.consistency import Disagreement
-from tirefmu.fitting.checks.diagnostics import Findings
-from tirefmu.fitting.checks.slip_stiffness import SlipStiffness
+from tirefmu.fitting import Findings, HeldOut
+from tirefmu.fitting.checks import Disagreement, SlipStiffness
 from tirefmu.fitting.checks.undetermined import Undetermined
-from tirefmu.fitting.constraints.verification import Margin
-from tirefmu.fitting.data.fit_data import ExcludedRows
-from tirefmu.fitting.reporting.report import report_page, write_report
-from tirefmu.fitting.results.records import HeldOut
+from tirefmu.fitting.constraints import Margin
+from tirefmu.fitting.data import ExcludedRows
+from tirefmu.fitting.reporting import report_page, write_report
 from tirefmu.measurements.provenance import provenance, table_digest
 
 from ..hostile import HOSTILE, Skeleton, is_plain

@@ -10,15 +10,16 @@ import pytest
 
 from tirefmu.boundary.errors import FitError
 from tirefmu.fitting import fit
-from tirefmu.fitting.resampling.bootstrap import (
+from tirefmu.fitting.resampling import (
     MIN_SWEEPS,
     bootstrap_of,
     check_replicates,
+    corrections,
+    corrections_of,
     replicate_tasks,
     replicates_of,
     sweeps_of,
 )
-from tirefmu.fitting.resampling.leverage import corrections, corrections_of
 from tirefmu.fitting.uncertainty.sandwich import sandwich
 from tirefmu.measurements import Noise
 

@@ -9,8 +9,7 @@ import pytest
 
 from tirefmu.boundary.errors import UnknownName
 from tirefmu.fitting import load_recipe
-from tirefmu.fitting.solvers.ipopt import SolverResult
-from tirefmu.fitting.solvers.restarts import best_end
+from tirefmu.fitting.solvers import SolverResult, best_end
 
 LOWER, UPPER = np.array([-10.0, -10.0]), np.array([10.0, 10.0])
 PROBLEM = SimpleNamespace(free=("RBY2", "RBY3"), scale=np.array([2.0, 0.5]))

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from tirefmu.boundary.errors import FitError, UnknownName
-from tirefmu.fitting.constraints.verification import Margin
-from tirefmu.fitting.results.records import quality
+from tirefmu.fitting.constraints import Margin
+from tirefmu.fitting.results import quality
 from tirefmu.fitting.uncertainty.sandwich import QUANTILE
 from tirefmu.tires import read_tir
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from tirefmu.numerics.slip_slope import read_slope
+from tirefmu.numerics import read_slope
 
 WINDOW = 0.035
 

@@ -9,10 +9,10 @@ import pytest
 
 from tirefmu.boundary.errors import FitError
 from tirefmu.fitting import fit
-from tirefmu.fitting.problem.slope_targets import SlopeTarget
+from tirefmu.fitting.problem import SlopeTarget
 from tirefmu.fitting.uncertainty.sandwich import uncertainty
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps
-from tirefmu.numerics.slip_slope import SLOPE_WINDOW, read_slope
+from tirefmu.numerics import SLOPE_WINDOW, read_slope
 
 from .test_uncertainty import FREE, correlated, sweeps
 

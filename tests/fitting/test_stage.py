@@ -9,11 +9,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tirefmu.fitting import StageSolver
 from tirefmu.fitting import stage as solution_of_a_stage
-from tirefmu.fitting.problem.weighted_residuals import Problem
-from tirefmu.fitting.solvers.ipopt import SolverResult, solve
-from tirefmu.fitting.solvers.selection import solver_for
-from tirefmu.fitting.stage import StageSolver
+from tirefmu.fitting.problem import Problem
+from tirefmu.fitting.solvers import SolverResult, solve, solver_for
 
 FREE = ("PCY1", "PDY1", "PDY2", "PKY1", "PKY2", "PHY1", "PVY1")
 UNCONSTRAINED = SimpleNamespace(of=lambda channels, density=0: [], violations=lambda dense, values: [])

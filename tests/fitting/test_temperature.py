@@ -10,8 +10,7 @@ import pytest
 
 from tirefmu import fit
 from tirefmu.boundary.errors import DataError
-from tirefmu.fitting.temperature.optimum import optimum_temperature
-from tirefmu.fitting.temperature.temperature_fit import STARTS, fit_temperature
+from tirefmu.fitting.temperature import STARTS, fit_temperature, optimum_temperature
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire
 

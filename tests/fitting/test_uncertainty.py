@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from tirefmu.fitting.problem.rows import Rows
-from tirefmu.fitting.problem.weighted_residuals import Problem
+from tirefmu.fitting.problem import Problem, Rows
 from tirefmu.fitting.uncertainty.sandwich import uncertainty
 from tirefmu.tires import Tire
 

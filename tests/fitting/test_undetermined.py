@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tirefmu.fitting.checks.residuals import Residuals
+from tirefmu.fitting.checks import Residuals
 from tirefmu.fitting.checks.undetermined import at_bounds
 
 

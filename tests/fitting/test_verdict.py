@@ -7,17 +7,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from tirefmu.fitting import fit
-from tirefmu.fitting.checks.characteristics import Characteristic
-from tirefmu.fitting.checks.clipping import Clipped
-from tirefmu.fitting.checks.continuity import Discontinuity
-from tirefmu.fitting.checks.diagnostics import Findings
-from tirefmu.fitting.checks.slip_stiffness import SlipStiffness
-from tirefmu.fitting.constraints.physical import chosen_constraints
-from tirefmu.fitting.constraints.verification import Margin
-from tirefmu.fitting.data.fit_data import ExcludedRows
-from tirefmu.fitting.results.records import ChannelFit
-from tirefmu.fitting.results.verdict import verdict_of
+from tirefmu.fitting import Findings, fit
+from tirefmu.fitting.checks import Characteristic, Clipped, Discontinuity, SlipStiffness
+from tirefmu.fitting.constraints import Margin, chosen_constraints
+from tirefmu.fitting.data import ExcludedRows
+from tirefmu.fitting.results import ChannelFit, verdict_of
 from tirefmu.fitting.uncertainty.sandwich import Uncertainty
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps
 

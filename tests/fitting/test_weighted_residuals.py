@@ -9,13 +9,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.fitting.problem import LOSSES, MIN_NOISE, Problem, Rows, emphasis, equal_weights, limits_of, noise_weights
 from tirefmu.fitting.problem import rows as rows_module
 from tirefmu.fitting.problem import weighted_residuals as module
-from tirefmu.fitting.problem.loss import LOSSES
-from tirefmu.fitting.problem.rows import Rows
-from tirefmu.fitting.problem.weighted_residuals import Problem
-from tirefmu.fitting.problem.weights import MIN_NOISE, emphasis, equal_weights, limits_of, noise_weights
-from tirefmu.fitting.solvers.convergence import noise_of
+from tirefmu.fitting.solvers import noise_of
 from tirefmu.fitting.uncertainty.sandwich import sandwich
 from tirefmu.tires.code import code_for, fastest_code
 from tirefmu.tires.code.normal_equations import equations_by_chunks

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
+from tirefmu.fmu import export
 from tirefmu.fmu.packaging import binaries, prebuilt
-from tirefmu.fmu.packaging.export import export
 from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import TABLE_OUTPUTS, Tire, published

@@ -13,7 +13,7 @@ from fmpy.validation import validate_fmu
 
 from tirefmu.boundary.errors import FmuError
 from tirefmu.commands.cli import main
-from tirefmu.fmu.packaging.export import export
+from tirefmu.fmu import export
 
 from .conftest import ERROR, OK
 

@@ -11,12 +11,11 @@ import pandas as pd
 import pytest
 
 from tirefmu.boundary.errors import DataError, FmuError
-from tirefmu.fmu import check
+from tirefmu.fmu import check, export
 from tirefmu.fmu.comparison.check import largest_difference
 from tirefmu.fmu.comparison.figures import draw_check
-from tirefmu.fmu.packaging.export import export
-from tirefmu.measurements.recording import Recording
-from tirefmu.tires.signs import convert_signs
+from tirefmu.measurements import Recording
+from tirefmu.tires import convert_signs
 
 from .programs import unzipped, zipped
 
@@ -147,6 +146,11 @@ def test_an_exact_fmu_of_a_wrong_tire_is_stated_apart(fmu, table):
     silent = check(fmu, table.assign(Fx=table["Fx"].mean() + noise).drop(columns="Mz").query("kappa == 0"))
     assert silent.of_tire.grade == "limited" or silent.channels[0].r2 < -1.0
     assert "Fx" in silent.of_tire.text
+    unfitted = replace(wrong, not_fitted=("Fx", "Fy", "Mz"))
+    assert (unfitted.of_tire.grade, unfitted.ok) == ("limited", True)
+    partly = replace(check(fmu, table.assign(Fx=noise)), not_fitted=("Fx",))
+    assert partly.of_tire.grade == "good"
+    assert partly.of_tire.text.endswith("; the tire was not fitted to Fx")
     refused = check(fmu, table.assign(Fy=1.1 * table["Fy"]), tolerance=0.01)
     assert (refused.of_fmu.grade, refused.of_tire.grade, refused.ok) == ("good", "bad", False)
     assert "Fy exceeds 0.01" in refused.of_tire.text

@@ -10,8 +10,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tirefmu.boundary.errors import FmuError
+from tirefmu.fmu import export
 from tirefmu.fmu.description.interface import interface
-from tirefmu.fmu.packaging.export import export
 from tirefmu.symbolic.wheel.quantities import CARRIER, CONTACT_FORCES, GLOBAL_WRENCH, ROAD, SPIN, WRENCH
 from tirefmu.tires.hub import hub_wrench, wheel_motion
 

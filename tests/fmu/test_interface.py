@@ -14,7 +14,7 @@ from fmpy.validation import validate_fmu
 from tirefmu.fmu import check
 from tirefmu.fmu.description.interface import interface
 from tirefmu.fmu.packaging.export import contents
-from tirefmu.tires.signs import convert_signs
+from tirefmu.tires import convert_signs
 
 from .conftest import ERROR, OK, distance
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from tirefmu.applications.exports.printout import generate
+from tirefmu.applications.exports import generate
 from tirefmu.fmu.description.interface import interface
 from tirefmu.fmu.packaging.export import contents
 from tirefmu.symbolic.models import MODELS

@@ -17,12 +17,10 @@ import pandas as pd
 import pytest
 from scipy.io import savemat
 
-from tirefmu.applications.batch.jobs import read_jobs
-from tirefmu.applications.batch.study_file import read_study
-from tirefmu.applications.project.project_file import read_project
-from tirefmu.applications.project.steps import steps_of
+from tirefmu.applications.batch import read_jobs, read_study
+from tirefmu.applications.project import read_project, steps_of
 from tirefmu.commands.diagnose_command import user_effect
-from tirefmu.fitting.problem.recipe import RECIPES, load_recipe
+from tirefmu.fitting import RECIPES, load_recipe
 from tirefmu.fmu.comparison.resources import axes_of_inputs, embedded_tire
 from tirefmu.fmu.packaging.export import contents
 from tirefmu.fmu.simulation.archive import unpacked

@@ -3,10 +3,9 @@
 import pytest
 
 from tirefmu.boundary.errors import UnknownName
+from tirefmu.measurements import CHANNELS, INPUTS, OUTPUTS, channel, to_si
 from tirefmu.measurements.column_names import intended_channel, unit_in_name
-from tirefmu.measurements.units import to_si
 from tirefmu.tires import SIGNS, TABLE_INPUTS, TABLE_OUTPUTS
-from tirefmu.tires.channels import CHANNELS, INPUTS, OUTPUTS, channel
 
 
 def test_declarations_are_the_columns_of_the_contract():

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tirefmu.boundary.errors import DataError, UnknownName
-from tirefmu.measurements.units import UNITS, to_si, unit_named
+from tirefmu.measurements import UNITS, to_si, unit_named
 
 
 @pytest.mark.parametrize(

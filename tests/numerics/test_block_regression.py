@@ -7,14 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.signal import lfilter
 
-from tirefmu.numerics.block_regression import (
-    autocovariance,
-    block_sums,
-    coloured_covariance,
-    limited,
-    regression,
-    wald_p,
-)
+from tirefmu.numerics import autocovariance, block_sums, coloured_covariance, limited, regression, wald_p
 
 
 def coloured(rng, n, memory):

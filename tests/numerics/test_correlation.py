@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.signal import lfilter
 
 from tirefmu.boundary.errors import DataError
-from tirefmu.numerics.correlation import correlation_length, effective_sample_size
+from tirefmu.numerics import correlation_length, effective_sample_size
 
 
 def autoregressive(rho, rows, seed):

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares, lsq_linear
 
-from tirefmu.numerics.gauss_newton import Damping, minimize, restore
-from tirefmu.numerics.quadratic_step import best_step
+from tirefmu.numerics import Damping, best_step, minimize, restore
 
 LEVENBERG = Damping(first=1e-7, least=1e-7, most=1.0, up=10.0, down=0.0, by_curvature=False, trusted=0.1)
 MARQUARDT = Damping(first=1e-3, least=1e-7, most=10.0, up=8.0, down=0.1, by_curvature=True, trusted=0.0)

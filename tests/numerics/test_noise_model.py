@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from tirefmu.numerics.noise_model import ROWS_OF_PART, NoiseParts, Whitening, noise_parts
+from tirefmu.numerics import ROWS_OF_PART, NoiseParts, Whitening, noise_parts
 
 STEP = 0.02
 NOISE = NoiseParts(white=0.05, short=1.0, drift=0.3, fading=0.5, memory=2.0)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.signal import savgol_filter
 
-from tirefmu.numerics.smoothing import parabolas, smoothed, without_spikes
+from tirefmu.numerics import parabolas, smoothed, without_spikes
 
 
 def sweeps(n=3000):

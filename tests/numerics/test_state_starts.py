@@ -7,12 +7,10 @@ import pandas as pd
 import pytest
 
 from tirefmu.diagnosis.diagnose import with_library
-from tirefmu.diagnosis.signals.signals import signals_of
-from tirefmu.diagnosis.signals.simulation import Simulator
+from tirefmu.diagnosis.signals import Simulator, signals_of
 from tirefmu.fitting import fit
 from tirefmu.fmu.description.interface import interface
-from tirefmu.measurements import Recording
-from tirefmu.measurements.state_starts import with_fitted_starts
+from tirefmu.measurements import Recording, with_fitted_starts
 from tirefmu.symbolic.added import effect_text, read_effect
 from tirefmu.tires import Tire
 

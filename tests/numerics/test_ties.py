@@ -6,10 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.measurements import Recording
-from tirefmu.measurements.checks.columns.check import column_notes
+from tirefmu.measurements import Recording, column_notes
 from tirefmu.measurements.checks.columns.explanation import explanation
-from tirefmu.numerics.ties import BITS, graded
+from tirefmu.numerics import BITS, graded
 
 ALPHA = np.linspace(-0.2, 0.2, 99)
 KAPPA = np.linspace(-0.25, 0.25, 99)

@@ -7,8 +7,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.boundary.errors import DataError
-from tirefmu.measurements.recording import Recording
-from tirefmu.measurements.turn_slip import with_turn_slip
+from tirefmu.measurements import Recording, with_turn_slip
 from tirefmu.tires.hub import wheel_motion
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tirefmu.numerics.wheel_periodicity import once_per_revolution
+from tirefmu.numerics import once_per_revolution
 
 RATE, RADIUS = 100.0, 0.23
 

@@ -11,9 +11,17 @@ import pandas as pd
 import pytest
 
 from tests.json_schemas import check_file, objections
-from tirefmu.applications.planning.bench_file import Bench, Heat, Limits, PlanError, example_text, read_bench
-from tirefmu.applications.planning.plan import plan
-from tirefmu.applications.planning.program import change_time, program_from
+from tirefmu import plan
+from tirefmu.applications.planning import (
+    Bench,
+    Heat,
+    Limits,
+    PlanError,
+    change_time,
+    example_text,
+    program_from,
+    read_bench,
+)
 from tirefmu.boundary.errors import UnknownName
 from tirefmu.commands.cli import main
 from tirefmu.commands.demo import bench_tire

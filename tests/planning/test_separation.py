@@ -8,8 +8,7 @@ from dataclasses import replace
 import pytest
 
 from tests.json_schemas import objections
-from tirefmu.applications.planning.bench_file import Bench, Limits, PlanError, example_text
-from tirefmu.applications.planning.separation import pairs_of, plan_between
+from tirefmu.applications.planning import Bench, Limits, PlanError, example_text, pairs_of, plan_between
 from tirefmu.boundary.errors import UnknownName
 from tirefmu.commands.cli import main
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, concatenate, write_table

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from tirefmu.applications.project.project_file import project_text
+from tirefmu.applications.project import project_text
 from tirefmu.measurements import VirtualBench, alpha_sweeps, concatenate, kappa_sweeps, write_table
 from tirefmu.tires import published
 
@@ -65,8 +65,7 @@ class Page:
 def window(project):
     """Return a server over the project: `client`, `page`, `state`; its processes are not started."""
     client_of = pytest.importorskip("starlette.testclient", reason="the extra studio is not installed").TestClient
-    from tirefmu.applications.studio.project_state import ProjectState
-    from tirefmu.applications.studio.serve import Server
+    from tirefmu.applications.studio import ProjectState, Server
 
     state = ProjectState(project)
     server = Server(state, TOKEN, PORT)

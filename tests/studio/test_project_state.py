@@ -8,7 +8,7 @@ from tirefmu.boundary.errors import TirefmuError
 from tirefmu.commands.cli import main
 
 pytest.importorskip("tomlkit", reason="the extra studio is not installed")
-from tirefmu.applications.studio.project_state import ProjectState, Stale
+from tirefmu.applications.studio import ProjectState, Stale
 
 
 @pytest.fixture

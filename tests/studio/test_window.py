@@ -8,18 +8,16 @@ import random
 import numpy as np
 import pytest
 
-from tirefmu.applications.project.records import Records
-from tirefmu.applications.project.steps import steps_of
+from tirefmu.applications.project import Records, steps_of
 from tirefmu.commands.cli import main
 from tirefmu.fitting import fit
-from tirefmu.measurements import recording_from, write_table
-from tirefmu.measurements.evaluation import predicted_outputs
+from tirefmu.measurements import predicted_outputs, recording_from, write_table
 from tirefmu.tires import published, read_tir
 
 from .conftest import ORIGIN, SOCKET, TOKEN, Page
 
 pytest.importorskip("starlette", reason="the extra studio is not installed")
-from tirefmu.applications.studio.data_view import recording_of
+from tirefmu.applications.studio import recording_of
 
 
 def test_the_tables_are_shown_with_the_state_of_each_row(window):

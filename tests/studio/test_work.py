@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from tirefmu.applications.studio.work import Work
+from tirefmu.applications.studio import Work
 from tirefmu.boundary.errors import TirefmuError
 
 

@@ -12,18 +12,16 @@ import pytest
 
 from tirefmu.boundary.errors import ModelError
 from tirefmu.diagnosis import diagnose
-from tirefmu.fitting import fit
-from tirefmu.fitting.problem.recipe import load_recipe
+from tirefmu.fitting import fit, load_recipe
 from tirefmu.fmu import check, export
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.contract import Baseline, FitDeclaration, PropertyFile, Role, positive
 from tirefmu.symbolic.model.discovery import register
 from tirefmu.symbolic.model.verification import verify
 from tirefmu.symbolic.models import MODELS
-from tirefmu.tires import Tire
+from tirefmu.tires import Tire, read_tir
 from tirefmu.tires.code import code_for
 from tirefmu.tires.property_file.names import not_given
-from tirefmu.tires.property_file.reading import read_tir
 
 ROOT = Path(__file__).parents[2]
 VALUES = {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.3, "UMAX": 1.2, "USOFT": -0.2, "CLONG": 2.5e4, "CSIDE": 1.8e4}

@@ -10,10 +10,10 @@ import pytest
 
 from tirefmu.fitting import fit
 from tirefmu.measurements import Recording
-from tirefmu.tires import Tire
+from tirefmu.tires import Tire, read_tir
 from tirefmu.tires.code import code_for
 from tirefmu.tires.property_file.names import not_given
-from tirefmu.tires.property_file.reading import read_tir, read_tir_with_notes
+from tirefmu.tires.property_file.reading import read_tir_with_notes
 
 LOAD = 3000.0
 VALUES = {

@@ -30,11 +30,17 @@ def test_a_lag_is_the_solution_of_its_equation(way):
     x, u, half, end = 0.3, 1.0, 0.2, -0.7
     straight = solved(lambda t, y: way * (u + (end - u) * t - y), x, 1.0)
     assert laws.lag(x, u, end, way) == pytest.approx(straight, rel=1e-10)
+    assert laws.lag_held(x, u, way) == pytest.approx(laws.lag(x, u, u, way), rel=1e-14)
     slope, bend = 4 * half - 3 * u - end, 2 * (u - 2 * half + end)
     curved = solved(lambda t, y: way * (u + slope * t + bend * t * t - y), x, 1.0)
     assert laws.lag_curved(x, u, half, end, way) == pytest.approx(curved, rel=1e-10)
     added = solved(lambda t, y: 0.4 * (u + slope * t + bend * t * t), x, 1.0)
     assert laws.sum_curved(x, u, half, end, 0.4) == pytest.approx(added, rel=1e-12)
+
+
+def test_a_lag_keeps_its_value_on_no_way_and_has_its_target_after_an_infinite_one():
+    assert laws.lag_held(0.3, -0.7, 0.0) == 0.3
+    assert laws.lag_held(0.3, -0.7, np.inf) == -0.7
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.3, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.3, 40.0])

@@ -8,9 +8,9 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
+from tirefmu.tires import published
 from tirefmu.tires.code import buffer_pool, code_for
 from tirefmu.tires.code.buffer_pool import LARGE, BufferPool
-from tirefmu.tires.published_tires import published
 
 from .test_batch import rows_of
 

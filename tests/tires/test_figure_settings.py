@@ -10,8 +10,8 @@ import sys
 import pytest
 from matplotlib import rc_context
 
+from tirefmu import draw
 from tirefmu.tires import published
-from tirefmu.tires.drawing.files import draw
 
 from ..rooms import ROOMS, ROOT
 

@@ -9,10 +9,9 @@ from scipy.integrate import solve_ivp
 
 from tirefmu.boundary.errors import EffectError
 from tirefmu.symbolic.added import library, read_effect
-from tirefmu.tires import Tire, read_tir
+from tirefmu.tires import Tire, convert_signs, read_tir
 from tirefmu.tires.code import code_for
 from tirefmu.tires.evaluation import quantities
-from tirefmu.tires.signs import convert_signs
 
 #: Values at which each effect of the library with states has an influence.
 ACTIVE = {

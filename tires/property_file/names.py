@@ -187,6 +187,10 @@ def assumed_lines(names: Collection[str], model: Model) -> tuple[OtherEntry, ...
     return tuple((ASSUMED, title, f"'{','.join(those)}'") for title, those in by_section.items() if those)
 
 
+#: What the coverage of a fit calls a role.
+CHARACTERISTICS = {"friction": "peak friction", "stiffness": "slip stiffness", "weighting": "combined slip"}
+
+
 def not_measured_lines(sentences: Collection[str], coefficients: Iterable[str]) -> tuple[OtherEntry, ...]:
     """Return the lines of [TIREFMU_NOT_MEASURED].
 
@@ -222,6 +226,27 @@ def unmeasured_outputs(tire: TireDefinition) -> frozenset[str]:
     ['Fx', 'Mz']
     """
     return frozenset(name for subject in not_measured(tire) for name in subject.split(", ")) & frozenset(tire.outputs)
+
+
+def is_measured(tire: TireDefinition, role: str) -> bool:
+    """Return whether the data of the fit of a tire determined a friction, a slip stiffness or a weighting of a force.
+
+    A quantity may be known although the data do not separate its coefficients.
+
+    >>> from dataclasses import replace
+    >>> from tirefmu.tires import published
+    >>> lines = not_measured_lines(["the peak friction of Fx, Fy is not determined: none"], ["PDX1", "PKY1"])
+    >>> tire = replace(published("trento_hoosier"), other_entries=lines)
+    >>> is_measured(tire, "friction_x"), is_measured(tire, "stiffness_y")
+    (False, True)
+    """
+    kind, _, axis = role.partition("_")
+    force, what = f"F{axis}", CHARACTERISTICS[kind]
+    unknown = any(
+        subject.startswith(f"{what} of ") and force in subject and "not determined" in sentence
+        for subject, sentence in not_measured(tire).items()
+    )
+    return not unknown and force not in unmeasured_outputs(tire)
 
 
 def unmeasured_coefficients(tire: TireDefinition) -> frozenset[str]:

@@ -1,4 +1,4 @@
-"""The time histories of a tire's states over a recording, and their equilibrium.
+"""The time histories of a tire's states over a recording.
 
 States that follow only inputs, and hystereses along lagged slips, have exact updates. A state driven by forces that
 depend on it is integrated in steps that grow with the time since the last change of the inputs. In each step the drive
@@ -25,6 +25,7 @@ import numpy.typing as npt
 from ...symbolic.added.state import State
 from ...symbolic.model import Model
 from ..code import Code
+from .equilibrium import CONVERGED, equilibrium
 from .oscillator import Oscillation, Part
 from .path import PathCourse
 from .transient import (
@@ -49,8 +50,6 @@ FIRST_STEP, GROWTH = 0.3, 1.2
 #: The largest number of iterations; the change of the values that is then accepted; how often a step with a larger
 #: change is halved (more would take hours). The values of a step that still has a larger change are NaN.
 MAX_ITERATIONS, ACCEPTED, MAX_HALVINGS = 50, 1e-9, 10
-#: Iterations end when no value changes by more than this share.
-CONVERGED = 1e-13
 #: Steps that are solved together at first; rows over which temperatures and forces are iterated together.
 WINDOW, WARM_WINDOW = 4096, 512
 
@@ -371,49 +370,3 @@ class StateSimulation:
 def _read_by(state: State) -> frozenset[str]:
     """Return the names that the formulas of a state read, which are parsed once."""
     return state.reads
-
-
-def equilibrium(
-    model: Model,
-    code: Code,
-    rows: FloatArray,
-    parameters: FloatArray,
-    names: Collection[str],
-    given: Mapping[str, FloatArray] | None = None,
-    *,
-    start: bool = False,
-) -> FloatArray:
-    """Return inputs with every state in equilibrium at constant inputs; a state that has none is at its start value.
-
-    So is a temperature: a wheel in steady slip would heat far beyond any use of a tire.
-
-    `rows`, shape (n_inputs, n). `parameters`, shape (n_parameters,). `names`: the states of the tire; the others are 0.
-    `given`, shape (n,): values of states that are not computed. `start`: whether a state that declares a start value
-    has that value, as at the start of a recording. Returns shape (n_inputs, n).
-    """
-    rows = rows.copy()
-    inputs = [quantity.name for quantity in model.inputs]
-    rows[[inputs.index(name) for name in model.states]] = 0.0
-    states = [state for name, state in model.states.items() if name in names]
-    indices = [inputs.index(state.name) for state in states]
-    if not states:
-        return rows
-    moving = np.arange(rows.shape[1])  # the rows that have not converged
-    for i in range(2 * MAX_ITERATIONS):
-        lines = dict(zip(model.state_lines, code.state_lines(rows[:, moving], parameters), strict=True))
-        at = np.ix_(np.array(indices), moving)
-        before = rows[at]
-        after = before.copy()
-        for k, state in enumerate(states):
-            target, _, first, _ = state.line_names
-            if given and state.name in given:
-                after[k] = given[state.name][moving]
-            elif state.settles and not (state.has_start_value and (start or state.is_temperature)):
-                after[k] = lines[target] if i == 0 else (before[k] + lines[target]) / 2.0
-            else:
-                after[k] = lines[first]
-        rows[at] = after
-        moving = moving[~(np.abs(after - before) <= CONVERGED * np.abs(after)).all(axis=0)]
-        if not len(moving):
-            break
-    return rows

@@ -8,6 +8,16 @@ function element(tag, attributes = {}, ...children) {
   return made;
 }
 
+/** Return the SI value of an input in the unit of its slider. */
+function displayed({ scale, zero }, value) {
+  return (value - zero) * scale;
+}
+
+/** Return the SI value of an input from that of its slider. */
+function entered({ scale, zero }, value) {
+  return value / scale + zero;
+}
+
 /** A number that is changed by a slider, a field or a reset button. */
 class SliderRow {
   /**

@@ -63,8 +63,8 @@ function sideForce(tire, inputs, alphas, add, moment) {
   });
   add("Peak |Fy| per load", "", size / load);
   const stiffness = slope(tire, inputs, "alpha", "Fy");
-  add("Cornering stiffness -dFy/dalpha", "N/deg", -stiffness * DEGREE);
-  add("Cornering stiffness per load", "1/deg", (-stiffness * DEGREE) / load);
+  add("Cornering stiffness -dFy/dalpha", "N/rad", -stiffness);
+  add("Cornering stiffness per load", "1/rad", -stiffness / load);
   const axle = [0.5, 1.5].map((share) => Math.max(...peakAt(share * load).map((each) => Math.abs(each.y))));
   add("Balance: peak |Fy| of an axle that transfers half the load, to one that does not", "", (axle[0] + axle[1]) / (2 * size));
   if (moment) {

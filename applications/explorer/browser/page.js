@@ -283,9 +283,8 @@ function resetInputs() {
 function showAll() {
   panel.show();
   for (const [name, row] of inputRows) {
-    const { scale } = input(name);
-    row.markAsUnchanged(unchanged(input(name)) * scale);
-    row.show(view.inputs[name] * scale);
+    row.markAsUnchanged(displayed(input(name), unchanged(input(name))));
+    row.show(displayed(input(name), view.inputs[name]));
   }
   for (const radio of document.getElementsByName("over")) radio.checked = radio.value === view.over;
   find("family").checked = view.family;
@@ -297,10 +296,11 @@ function showAll() {
 
 function buildInputs() {
   for (const each of now.data.inputs) {
-    const { name, text, unit, scale } = each;
-    const spec = { id: `input-${name}`, label: name, text, unit, lower: each.low * scale, upper: each.high * scale, value: each.nominal * scale };
+    const { name, text, unit } = each;
+    const [lower, upper, initial] = [each.low, each.high, each.nominal].map((value) => displayed(each, value));
+    const spec = { id: `input-${name}`, label: name, text, unit, lower, upper, value: initial };
     const row = new SliderRow(spec, (value) => {
-      view.inputs[name] = value / scale;
+      view.inputs[name] = entered(each, value);
       render();
     });
     inputRows.set(name, row);

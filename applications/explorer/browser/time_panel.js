@@ -31,7 +31,7 @@ class TimePanel {
     }
     found.input.addEventListener("change", () => this.change(this.initial(found.input.value), changed));
     for (const end of ["from", "to"]) {
-      this.onNumber(found[end], (value) => this.change({ [end]: value / this.input.scale }, changed));
+      this.onNumber(found[end], (value) => this.change({ [end]: entered(this.input, value) }, changed));
     }
     this.onNumber(found.duration, (value) => this.change({ duration: clipped(value) }, changed));
     this.build();
@@ -69,12 +69,11 @@ class TimePanel {
   show() {
     if (!this.exists) return;
     const { input, kind, from, to } = this.course;
-    const { scale, unit } = this.input;
     this.found.input.value = input;
     for (const radio of document.getElementsByName("course")) radio.checked = radio.value === kind;
-    this.found.from.value = Number((from * scale).toPrecision(7));
-    this.found.to.value = Number((to * scale).toPrecision(7));
-    this.found.unit.textContent = unit;
+    this.found.from.value = Number(displayed(this.input, from).toPrecision(7));
+    this.found.to.value = Number(displayed(this.input, to).toPrecision(7));
+    this.found.unit.textContent = this.input.unit;
     this.found.duration.value = this.duration();
   }
 
@@ -115,9 +114,10 @@ class TimePanel {
       for (const [style, tire, response] of shown) {
         const label = { loaded: "as loaded", other: tire.data.name, now: "this tire" }[style];
         members.forEach((name, i) => {
-          const y = response[kind].map((each) => each[name]);
+          const zero = this.states.find((each) => each.name === name)?.zero ?? 0;
+          const y = response[kind].map((each) => each[name] - zero);
           const own = members.length > 1 ? { label: `${name}, ${label}`, color: LOAD_COLORS[i] } : { label };
-          if (y[0] !== undefined) curves.push({ ...own, style, x: response.t, y });
+          if (Number.isFinite(y[0])) curves.push({ ...own, style, x: response.t, y });
         });
         if (kind === "forces" && style === "now") {
           curves.unshift({ label: "in steady state", style: "steady", x: response.t, y: response.steady.map((each) => each[members[0]]) });

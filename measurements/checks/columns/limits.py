@@ -10,7 +10,14 @@ from ....boundary.errors import DataError
 from ....numerics.arrays import FloatArray
 from ....numerics.ties import graded
 from ....tires.channels import CHANNELS
-from ....tires.input_check import BACKWARD_SLIP, MAX_BACKWARD_ROWS, MAX_WRONG_LOADS, SMALLEST_PRESSURE
+from ....tires.input_check import (
+    BACKWARD_SLIP,
+    FAR_SLIP,
+    MAX_BACKWARD_ROWS,
+    MAX_FAR_SLIPS,
+    MAX_WRONG_LOADS,
+    SMALLEST_PRESSURE,
+)
 from ...recording import Recording
 from ...thresholds import LARGEST_BAR, LARGEST_PSI, RATIO_TOLERANCE, SMALLEST_LOAD
 from ...units import to_si
@@ -33,7 +40,7 @@ def check_plausible(recording: Recording) -> None:
     ------
     DataError
         One line for the first problem: angles in degrees, slip in percent, loads in kN, pressures in kPa, bar or psi,
-        speeds in km/h, temperatures in kelvin, slips of a wheel that turns backwards, or loads of the wrong sign.
+        speeds in km/h, temperatures in kelvin, slips of a wheel that spins, or loads of the wrong sign.
 
     Examples
     --------
@@ -66,7 +73,7 @@ def _problems(recording: Recording) -> Iterator[str]:
             hint = f"declare it: '{name} [{unit}]'" if unit else "check the unit"
             yield f"{name} reaches {worst:.4g} {channel.unit}: {guess}? {hint}".replace(" -:", ":")
     yield from _too_small(recording, declared)
-    yield from _backward_wheel(recording, declared)
+    yield from _spinning_wheel(recording, declared)
     yield from _wrong_load_sign(recording)
 
 
@@ -98,17 +105,18 @@ def _too_small(recording: Recording, declared: list[str]) -> Iterator[str]:
             yield f"p is about {median:.4g} Pa: in {guess}? declare it: 'p [{guess}]' (or 'p [Pa]')"
 
 
-def _backward_wheel(recording: Recording, declared: list[str]) -> Iterator[str]:
-    """Report slips in percent within the limits of the channel: with them the wheel would turn backwards."""
+def _spinning_wheel(recording: Recording, declared: list[str]) -> Iterator[str]:
+    """Report slips in percent within the limits of the channel: with them the wheel would turn backwards or spin."""
     if "kappa" not in recording.table or "kappa" in declared or "Fx" not in recording.table:
         return
     kappa = recording.table["kappa"].to_numpy(dtype=np.float64)[recording.table["Fx"].notna().to_numpy()]
-    share = float(np.mean(kappa < BACKWARD_SLIP)) if len(kappa) else 0.0
-    if share > MAX_BACKWARD_ROWS:
-        yield (
-            f"kappa is below -1 in {100.0 * share:.0f} % of the rows where Fx was measured, a wheel that turns "
-            f"backwards: in percent? declare it: 'kappa [%]' (or 'kappa [1]')"
-        )
+    advice = "in percent? declare it: 'kappa [%]' (or 'kappa [1]')"
+    backwards = float(np.mean(kappa < BACKWARD_SLIP)) if len(kappa) else 0.0
+    far = float(np.mean(np.abs(kappa) >= FAR_SLIP)) if len(kappa) else 0.0
+    if backwards > MAX_BACKWARD_ROWS:
+        yield f"kappa is below -1 in {100.0 * backwards:.0f} % of the rows, a wheel that turns backwards: {advice}"
+    if far > MAX_FAR_SLIPS:
+        yield f"|kappa| is 2 or more in {100.0 * far:.0f} % of the rows, a wheel that spins: {advice}"
 
 
 def _wrong_load_sign(recording: Recording) -> Iterator[str]:

@@ -34,7 +34,7 @@ def residual_findings(recordings: Sequence[Recording], predicted: Sequence[pd.Da
     Returns
     -------
     list of DataFinding
-        One for each recording, channel and cause.
+        One for each recording and cause.
 
     Examples
     --------
@@ -47,13 +47,33 @@ def residual_findings(recordings: Sequence[Recording], predicted: Sequence[pd.Da
     """
     findings: list[DataFinding] = []
     for recording, forces in zip(recordings, predicted, strict=True):
+        causes: dict[str, dict[str, tuple[float, float]]] = {"temperature": {}, "lag": {}}
         for name in OUTPUTS:
             if name in recording.table and name in forces:
-                findings += _causes(recording, name, forces[name].to_numpy(dtype=np.float64))
+                for kind, coefficient, share in _causes(recording, name, forces[name].to_numpy(dtype=np.float64)):
+                    causes[kind][name] = coefficient, share
+        findings += [_finding(recording.source, kind, measured) for kind, measured in causes.items() if measured]
     return findings
 
 
-def _causes(recording: Recording, name: str, force: FloatArray) -> Iterator[DataFinding]:
+def _finding(source: str, kind: str, measured: Mapping[str, tuple[float, float]]) -> DataFinding:
+    """Return the finding on a cause: its coefficient and the share that it explains, by channel."""
+    several, percent = len(measured) > 1, {name: f"{100.0 * share:.0f} %" for name, (_, share) in measured.items()}
+    residuals = f"the residual{'s' * several} of {' and '.join(measured)}"
+    if kind == "temperature":
+        follow = f"follow{'s' * (not several)} the tread temperature, or what changes with it,"
+        sizes = [f"{100.0 * size:+.2f} % of {name} per K" for name, (size, _) in measured.items()]
+        effects: tuple[str, ...] = ("temp_friction", "temp_stiffness")
+    else:
+        follow = "are" if several else "is"
+        sizes = [f"a lag of {1e3 * size:.0f} ms" for size, _ in measured.values()]
+        effects = tuple(dict.fromkeys(_LAG_EFFECT[name] for name in measured))
+    shares = f"{' and '.join(percent.values())} of {'their' if several else 'its'} mean square"
+    return DataFinding(kind, f"{source}: {residuals} {follow} like {' and '.join(sizes)} ({shares})", effects=effects)
+
+
+def _causes(recording: Recording, name: str, force: FloatArray) -> Iterator[tuple[str, float, float]]:
+    """Yield kind, coefficient and explained share of each cause of a channel that matters."""
     residual = recording.table[name].to_numpy(dtype=np.float64) - force
     causes: dict[str, FloatArray] = {}
     if "T" in recording.table:
@@ -64,20 +84,8 @@ def _causes(recording: Recording, name: str, force: FloatArray) -> Iterator[Data
     if name in _LAG_EFFECT:
         causes["lag"] = -_rate(recording, force)
     for kind, (coefficient, share) in _explained(residual, causes).items():
-        percent = f"{100.0 * share:.0f} % of its mean square"
-        if share > MIN_EXPLAINED and kind == "temperature":
-            yield DataFinding(
-                kind,
-                f"{recording.source}: the residual of {name} follows the tread temperature, or an input that changes "
-                f"with it, like {100.0 * coefficient:+.2f} % of {name} per K ({percent})",
-                effects=("temp_friction", "temp_stiffness"),
-            )
-        if share > MIN_EXPLAINED and kind == "lag" and coefficient > 0.0:
-            yield DataFinding(
-                kind,
-                f"{recording.source}: the residual of {name} is like a lag of {1e3 * coefficient:.0f} ms ({percent})",
-                effects=(_LAG_EFFECT[name],),
-            )
+        if share > MIN_EXPLAINED and (kind == "temperature" or coefficient > 0.0):
+            yield kind, coefficient, share
 
 
 def _explained(residual: FloatArray, causes: Mapping[str, FloatArray]) -> dict[str, tuple[float, float]]:

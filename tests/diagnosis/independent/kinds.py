@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from tirefmu.tires.tire import Tire
+from tirefmu.tires import Tire
 
 from ..case import Case
 from .effects import EFFECTS, LAGS, MOMENTS

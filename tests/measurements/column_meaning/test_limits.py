@@ -21,6 +21,10 @@ def recording(signs="iso", declared="", **columns) -> Recording:
             "mixed units? alpha reaches 0.2 rad in the first rows and 11.46 rad from row 10 on",
         ),
         ({"gamma": [0.0, 4.0]}, "gamma reaches 4 rad: in degrees?"),
+        (
+            {"kappa": [0.0, 2.0, 5.0, 8.0], "Fx": [0.0, 9.0, 9.0, 9.0]},
+            "|kappa| is 2 or more in 75 % of the rows, a wheel that spins: in percent?",
+        ),
         ({"kappa": [-4.0, 4.0], "Fx": [-1.0, 1.0]}, "backwards: in percent? declare it: 'kappa [%]' (or 'kappa [1]')"),
         ({"kappa": [-15.0, 100.0]}, "kappa reaches 100: in percent? declare it: 'kappa [%]'"),
         ({"Fz": [0.9, 1.1]}, "no |Fz| is above 1.1 N: in kN?"),

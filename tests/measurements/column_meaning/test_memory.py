@@ -8,8 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.measurements import Recording
-from tirefmu.measurements.checks.columns.check import column_notes
+from tirefmu.measurements import Recording, column_notes
 
 UP = np.linspace(-0.15, 0.15, 160)
 HALF = np.linspace(0.0, 0.15, 120)

@@ -6,8 +6,7 @@ import pytest
 
 from tirefmu.measurements import Recording, check_columns
 from tirefmu.measurements.catalogue import published as names
-from tirefmu.tires import published
-from tirefmu.tires.signs import convert_signs
+from tirefmu.tires import convert_signs, published
 
 #: What a recording lacks: sweeps of kappa, of alpha, all camber but 0, a moment.
 LACKS = {"nothing": (), "kappa": ("Fx",), "alpha": ("Fy", "Mz"), "camber": (), "Mz": ("Mz",)}

@@ -5,9 +5,8 @@ import pandas as pd
 import pytest
 
 from tirefmu.boundary.errors import FitError
-from tirefmu.measurements import Recording, read_recording
+from tirefmu.measurements import Recording, check_nominal, check_radius, read_recording
 from tirefmu.measurements.checks.columns.radii import radii
-from tirefmu.measurements.nominal_values import check_nominal, check_radius
 from tirefmu.symbolic.models import model_named
 
 

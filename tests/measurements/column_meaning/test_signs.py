@@ -8,7 +8,7 @@ import pytest
 
 from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import Recording, check_columns, column_notes
-from tirefmu.tires.signs import SIGNS
+from tirefmu.tires import SIGNS
 
 
 def recording(signs="iso", **columns) -> Recording:

@@ -5,9 +5,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.boundary.errors import DataError, TirefmuError
-from tirefmu.measurements import Recording, check_columns, column_notes, recording_from
-from tirefmu.measurements.interpretation import Interpretation
-from tirefmu.measurements.units import POUND
+from tirefmu.measurements import POUND, Interpretation, Recording, check_columns, column_notes, recording_from
 
 DEGREE = np.pi / 180.0
 

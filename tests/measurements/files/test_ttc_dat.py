@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from tirefmu.boundary.errors import DataError
-from tirefmu.measurements import read_recording
-from tirefmu.measurements.units import POUND, PSI
+from tirefmu.measurements import POUND, PSI, read_recording
 
 NAMES = ["ET", "V", "N", "SA", "IA", "RL", "RE", "P", "FX", "FY", "FZ", "MX", "MZ", "TSTI", "TSTC", "TSTO", "AmbTmp",
          "SR", "SL"]  # fmt: skip

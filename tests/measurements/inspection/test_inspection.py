@@ -6,10 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu import inspect
 from tirefmu.drawing.style import LIGHT_GRAY
-from tirefmu.measurements import Recording
-from tirefmu.measurements.inspection.figures import inspection_figures
-from tirefmu.measurements.inspection.inspection import inspect, inspected
+from tirefmu.measurements import Recording, inspected, inspection_figures
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +66,7 @@ def test_a_panel_over_slip_has_one_level_of_the_other_inputs():
     )
     table["t"], table["Fy"] = 0.01 * np.arange(len(table)), -1000.0 * table["alpha"] + 10.0 * table["part"]
     inspection = inspected(Recording(table.drop(columns="part"), "iso", "a.csv"))
-    (panel,) = inspection_figures(inspection)[1].panels
+    (panel,) = inspection_figures(inspection)[0].panels
     drawn = {series.color: np.sort(series.points[1]) for series in panel.series}
     included = table[inspection.exclusion.included]
     pure = included[included["part"].isin([0, 4])]
@@ -76,3 +75,20 @@ def test_a_panel_over_slip_has_one_level_of_the_other_inputs():
     np.testing.assert_allclose(points, np.sort(pure["Fy"]))
     assert len(gray) + len(points) == len(included)
     assert "80 kPa" in panel.title
+
+
+def test_no_panel_is_without_content():
+    """A slip or a channel that does not vary has none; a force over the other slip only beside a slip of its own."""
+    steps = np.linspace(-0.2, 0.2, 201)
+    side = pd.DataFrame({"alpha": steps, "kappa": 0.0, "Fz": 900.0, "Fx": np.sin(50.0 * steps), "Fy": -9e3 * steps})
+    along = pd.DataFrame({"kappa": steps, "alpha": -0.08, "Fz": 900.0, "Fx": 9e3 * steps, "Fy": 500.0 - 90.0 * steps})
+    for table, expected in ((side, ["Fy over α"]), (along, ["Fx over κ", "Fy over κ"])):
+        table["t"], table["T_road"] = 0.01 * np.arange(len(table)), np.linspace(300.0, 310.0, len(table))
+        over_slip, over_time, *_ = inspection_figures(inspected(Recording(table, "iso", "a.csv")))
+        shown = [f"{panel.y.partition(' ')[0]} over {panel.x.partition(' ')[0]}" for panel in over_slip.panels]
+        assert shown == expected
+        drawn = [panel.y.partition(" ")[0] for panel in over_time.panels]
+        assert "Fz" not in drawn
+        assert ("α" in drawn, "κ" in drawn) == (table is side, table is along)
+        (road,) = (panel for panel in over_time.panels if panel.y == "T_road (deg C)")
+        assert np.nanmax(road.series[0].points[1]) == pytest.approx(36.85)

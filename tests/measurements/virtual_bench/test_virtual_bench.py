@@ -20,6 +20,7 @@ from tirefmu.measurements import (
     check_plausible,
     column_notes,
     concatenate,
+    correlated,
     kappa_sweeps,
     levels,
     small_tire_program,
@@ -27,8 +28,7 @@ from tirefmu.measurements import (
     trento_program,
 )
 from tirefmu.measurements import TestedTire as AnyTire  # pytest takes a Test... for a class of tests
-from tirefmu.measurements.virtual_bench.sensor_noise import correlated
-from tirefmu.tires.signs import SIGNS, convert_signs
+from tirefmu.tires import SIGNS, convert_signs
 
 
 @dataclass(frozen=True)
