@@ -208,7 +208,7 @@ def wheel_table(grid: Grid, estimate: Estimate) -> pd.DataFrame:
 
 
 #: Version of drive.json. New keys increment the second number, changed meanings the first.
-VERSION = "3.0"
+VERSION = "3.1"
 
 
 class CarEntry(TypedDict):

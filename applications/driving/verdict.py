@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -126,6 +126,8 @@ def verdict_on(
         and abs(z) > DEVIATING
         and not contradiction_of(estimate, unknowns, name).certain
     )
+    if contradiction.certain and not of_car and lacking(ranked) > CERTAIN:  # other tires explain more than another car
+        contradiction = replace(contradiction, explained=False)
     # Prediction has one vote of two, as for the factors.
     vote = 1.0 if best.missing or lacking(ranked) < 0.5 else 0.5
     likely = tuple(
@@ -164,8 +166,8 @@ def _contradiction_line(contradiction: Contradiction, estimate: Estimate, unknow
     )
     if not contradiction.explained:
         return (
-            f"the drive contradicts the car file ({numbers}), and no other car of this model explains it: no "
-            "conclusion about the tires or the car is possible"
+            f"the drive contradicts the car file ({numbers}), but another car does not explain it, and no effect of "
+            "the tires is identified: no conclusion about the tires or the car is possible"
         )
     if contradiction.unless:
         names = " or ".join(contradiction.unless)

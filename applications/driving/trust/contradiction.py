@@ -30,7 +30,7 @@ class Contradiction:
       that they have if the file is right. `degrees_of_freedom`: their number.
     - `p`: probability of a larger deviation if the file is right. `converged`: whether the estimate did.
     - `unless`: effects of the library with which the car agrees with its file, if the tires lack one.
-    - `explained`: whether another car would explain the drive: no side forces remain beyond it.
+    - `explained`: whether another car would explain the drive: no side forces remain, and tires explain no more.
     """
 
     deviation: float
