@@ -135,7 +135,7 @@ def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[DemoSte
     table = recording.table
     text = (
         f"{len(table)} rows, loads {table.Fz.min():.0f} to {table.Fz.max():.0f} N, "
-        f"{np.degrees(table.gamma.max()):.0f} deg camber, with noise and drift"
+        f"camber 0 to {np.degrees(table.gamma.max()):.0f} deg, with noise and drift"
     )
     terminal.print(f"  {text}: {folder / 'bench.csv'}")
     files = (folder / "inspection.html", folder / "bench.csv", folder / "truth.tir")
@@ -229,8 +229,9 @@ def _missing_effect(
     with terminal.fitting() as progress:
         reduced = fit([recording], "mf96", start=full.tire, without=["camber_thrust"], progress=progress)
     reduced.tire.save(folder / "without_camber_thrust.tir")
+    given = recording.with_signs("iso")
     maps = [
-        (title, residual_map(result.tire, recording, "Fy", over=("alpha", "gamma")))
+        (title, residual_map(result.tire, given, "Fy", over=("alpha", "gamma")))
         for title, result in (("without camber thrust", reduced), ("with camber thrust", full))
     ]
     draw_residual_maps(maps, folder / "missing_effect.png")

@@ -118,7 +118,7 @@ class PanelChart {
 
   /** Return the width of the names beside the axes. */
   margin() {
-    this.names.style.width = "";
+    this.names.style.width = `${this.size().width}px`; // the names are out of its flow
     const widest = Math.max(0, ...Array.from(this.names.children, (each) => each.offsetWidth));
     const width = Math.min(widest + 4, NAMES * this.size().width);
     this.names.style.width = `${width}px`;
@@ -141,7 +141,7 @@ class PanelChart {
 
   options() {
     const axis = (label, i) => ({
-      label, font: FONT, labelFont: FONT, labelSize: 22, stroke: "#333", size: i ? AXIS.y : AXIS.x,
+      label, font: FONT, labelFont: FONT, labelSize: 22, stroke: "#333", size: i ? AXIS.y : AXIS.x, space: i ? 22 : 50,
       grid: { stroke: "#e4e4e4", width: 1 }, ticks: { stroke: "#999", width: 1, size: 4 },
     });
     return {

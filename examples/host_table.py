@@ -91,7 +91,7 @@ PROGRAMS = (
             "a port that is not set is 0, also the load and the speed: set every input before `initialize`",
             {"FMI 3": "it reads FMI 2", **NO_EXCHANGE}),
     Program("in_cosimtlk.py", "cosimtlk", "CoSim Toolkit",
-            "`advance` compares sums of steps: count steps; it needs the packages requests and fastapi, too",
+            "`advance` compares sums of steps: count steps; it needs the package requests, too",
             {"FMI 3": "it reads FMI 2", **NO_EXCHANGE}),
     Program("in_sofirpy.py", "sofirpy", "sofirpy", "start values are its inputs: later values come from a model",
             {"FMI 3": "it reads FMI 2", **NO_EXCHANGE}),

@@ -11,7 +11,8 @@ from ..boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
     from .comparison.check import check
-    from .comparison.result import CheckedChannel, CheckResult, WorstPoint
+    from .comparison.compared import CheckedChannel, WorstPoint
+    from .comparison.result import CheckResult
     from .packaging.export import export
     from .packaging.system import export_parameters, export_system
     from .proof.repetition import ProofResult, repeat_proof

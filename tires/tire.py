@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
@@ -261,9 +261,10 @@ class Tire(TireDefinition):
         from .drawing.surface_figure import plot  # imports matplotlib, which is slow
         from .drawing.tire_figures import points_of
 
-        if isinstance(data, str):
-            kind, data = data, None
-        points = None if data is None else points_of(self, data)
+        table: Any = data  # a path is refused as no table
+        if isinstance(data, str) and not Path(data).suffix:
+            table, kind = None, data
+        points = None if table is None else points_of(self, table)
         return plot(self, kind, loads=loads, signs=signs, points=points)
 
     def __repr__(self) -> str:

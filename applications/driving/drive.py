@@ -28,7 +28,7 @@ from .rivals import DriveExplanation, explaining, forces_of, lacking, probabilit
 from .simulation import simulated
 from .trust.contradiction import Contradiction, contradiction_of
 from .trust.left_out import Parts, is_better, left_out, parts_of, widened
-from .verdict import disagreement, verdict_on
+from .verdict import disagreement, unexplained_axles, verdict_on
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -131,7 +131,8 @@ def _answer(
     answer = replace(answer, estimate=wide)
     contradiction = contradiction_of(wide, unknowns)
     if contradiction.certain:
-        contradiction = replace(contradiction, unless=explaining(ranked))
+        explained = not unexplained_axles(wide)
+        contradiction = replace(contradiction, unless=explaining(ranked), explained=explained)
     probable = probabilities_of(answer.grid, wide, unknowns)
     factors = factors_of(wide, unknowns, delivered, answer.grid.step, probable.factors)
     new = scaled_tires(delivered, factors)
@@ -139,8 +140,7 @@ def _answer(
     certain = _certain(parts, delivered, factors, contradiction) if answer.estimate.converged else frozenset()
     factors = believed(factors, certain)
     if contradiction.certain:
-        other = " or the tires lack an effect" if contradiction.unless else ""
-        factors = withheld(factors, f"the drive contradicts the car file{other}")
+        factors = withheld(factors, "the drive contradicts the car file")
     elif not answer.estimate.converged:
         factors = withheld(factors, "the estimate did not converge")
     predicted = left_out(parts, of_base, tires, delivered) if parts and of_base else None

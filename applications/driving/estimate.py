@@ -73,6 +73,7 @@ class Estimate(Posterior):
       constant of the log.
     - `size`: of the discrepancy, relative to the side force that the motion requires; its coefficients are last in `z`.
     - `converged`: whether the last step was shorter than its tolerance.
+    - `scatter`: what the scatter over parts of the drive added to `covariance`.
     """
 
     states: FloatArray
@@ -84,6 +85,7 @@ class Estimate(Posterior):
     evidence: float
     size: float
     converged: bool
+    scatter: FloatArray | float = 0.0
 
     @property
     def unexplained(self) -> FloatArray:

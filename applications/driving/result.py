@@ -122,6 +122,7 @@ class Drive:
                     "p": contradiction.p,
                     "degrees_of_freedom": contradiction.degrees_of_freedom,
                     "unless": list(contradiction.unless),
+                    "explained": contradiction.explained,
                 },
                 "entries": entries,
             },
@@ -225,6 +226,7 @@ class ContradictionContent(TypedDict):
     deviation: Annotated[float, "chi-squared"]
     degrees_of_freedom: int
     p: Annotated[float, "probability of a larger deviation if the file is right"]
+    explained: Annotated[bool, "whether another car would explain the drive"]
     unless: Annotated[list[str], "effects with which the car agrees with its file, if the tires lack one"]
 
 

@@ -174,7 +174,7 @@ def _fitted(
         information, rest = both[:-1, :-1], score[:-1] - both[:-1, -1]
         constant = score[-1] - both[-1, -1] / 2
         evidence = constant + _with_wrong_car(information, rest, unknowns)
-        covariance: FloatArray = np.asarray(np.linalg.inv(information + np.eye(len(rest))), dtype=np.float64)
+        covariance = np.asarray(np.linalg.inv(information + np.eye(len(rest))), dtype=np.float64)
         z = covariance @ rest
         change = np.clip(z[-k:] - u, -1.0, 1.0)
         if np.abs(change).max() < SMALL_CHANGE:

@@ -133,7 +133,7 @@ def verdict_on(
         for rival in ranked
         if rival.missing and rival.probability > LIKELY
     )
-    unknown = tuple(axle for i, axle in enumerate(AXLES) if estimate.unexplained[i] > UNEXPLAINED)
+    unknown = unexplained_axles(estimate)
     lines = [*_factor_lines(findings, factors), where, *_car_lines(of_car, unknown, estimate)]
     if best.missing:
         lines.insert(0, _effects_line(likely))
@@ -150,6 +150,11 @@ def verdict_on(
     )
 
 
+def unexplained_axles(estimate: Estimate) -> tuple[str, ...]:
+    """Return the axles with side forces that neither factors nor entries of the car explain."""
+    return tuple(axle for i, axle in enumerate(AXLES) if estimate.unexplained[i] > UNEXPLAINED)
+
+
 def _contradiction_line(contradiction: Contradiction, estimate: Estimate, unknowns: Unknowns) -> str:
     deviations = np.abs(estimate.z[: len(unknowns.car)])
     strongest = [unknowns.car[i] for i in np.argsort(-deviations, kind="stable")[:NAMED]]
@@ -157,6 +162,11 @@ def _contradiction_line(contradiction: Contradiction, estimate: Estimate, unknow
         f"chi-squared {contradiction.deviation:.3g} with {contradiction.degrees_of_freedom} degrees of freedom "
         f"(p {contradiction.p:.1g}), most in {', '.join(strongest)}"
     )
+    if not contradiction.explained:
+        return (
+            f"the drive contradicts the car file ({numbers}), and no other car of this model explains it: no "
+            "conclusion about the tires or the car is possible"
+        )
     if contradiction.unless:
         names = " or ".join(contradiction.unless)
         return (

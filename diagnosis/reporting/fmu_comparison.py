@@ -14,7 +14,7 @@ import pandas as pd
 
 from ...boundary.errors import DataError
 from ...fmu import export
-from ...fmu.comparison.result import EVALUATION_TOLERANCE
+from ...fmu.comparison.compared import EVALUATION_TOLERANCE
 from ...fmu.simulation.simulate import loaded
 from ...measurements import Recording, TableLike, recording_from, recordings_from
 from ...measurements.recording import distinct
@@ -35,7 +35,7 @@ def export_and_simulate(
     """Write base.fmu and improved.fmu, simulate both, and return the error of every measured channel.
 
     Inputs are constant over each step, and a gap in time is one long step. The simulation equals
-    ``tirefmu evaluate --hold`` of the tire files to `tirefmu.fmu.comparison.result.EVALUATION_TOLERANCE`.
+    ``tirefmu evaluate --hold`` of the tire files to `tirefmu.fmu.comparison.compared.EVALUATION_TOLERANCE`.
 
     Parameters
     ----------

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from ...numerics.ties import graded
-from .result import CheckedChannel, WorstPoint
+from .compared import CheckedChannel, WorstPoint
 
 
 def checked_channel(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -15,9 +14,7 @@ from ...boundary.escaping import figure_text
 from ...drawing.figure import Figure, Panel, Series
 from ...drawing.labels import note
 from ...drawing.style import BLACK, BLUE, GRAY, RED
-
-if TYPE_CHECKING:
-    from .result import CheckedChannel, CheckResult
+from .compared import CheckedChannel, Compared
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -27,7 +24,7 @@ MAX_SEPARATED = 50
 MANY = 1000
 
 
-def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: str = "") -> list[Path]:
+def draw_check(result: Compared, folder: str | os.PathLike[str], *, prefix: str = "") -> list[Path]:
     """Draw every measured channel of a check over time, one PNG each.
 
     The upper axes show the data and the FMU by segment, the lower axes the error, with lines at plus and minus the RMSE
@@ -51,12 +48,12 @@ def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: s
         return write_figures(check_figures(result), Path(folder), prefix)
 
 
-def check_figures(result: CheckResult) -> list[Figure]:
+def check_figures(result: Compared) -> list[Figure]:
     """Return the figures of `draw_check`."""
     return [_figure(result, channel) for channel in result.channels]
 
 
-def _figure(result: CheckResult, channel: CheckedChannel) -> Figure:
+def _figure(result: Compared, channel: CheckedChannel) -> Figure:
     segments = f"{result.segments} segment{'s'[: result.segments != 1]}, each started in steady state"
     names = f"{figure_text(result.fmu)} against {figure_text(result.source)}"
     unit = figure_text(channel.unit)
@@ -75,11 +72,11 @@ def _figure(result: CheckResult, channel: CheckedChannel) -> Figure:
     return Figure(channel.name, f"{names}: {channel.name}, {segments}", ((above,), (below,)), note("iso"))
 
 
-def _segments(result: CheckResult) -> list[slice]:
+def _segments(result: Compared) -> list[slice]:
     return [slice(a, b) for a, b in zip(result.starts, [*result.starts[1:], result.rows], strict=True)]
 
 
-def _time(result: CheckResult) -> FloatArray:
+def _time(result: Compared) -> FloatArray:
     """Return the time of every row without the gaps between segments, s."""
     time = result.recording["t"].to_numpy(dtype=np.float64)
     steps = np.diff(time, prepend=time[:1])
@@ -87,7 +84,7 @@ def _time(result: CheckResult) -> FloatArray:
     return np.cumsum(steps)
 
 
-def _values(result: CheckResult, channel: CheckedChannel, time: FloatArray) -> Iterator[Series]:
+def _values(result: Compared, channel: CheckedChannel, time: FloatArray) -> Iterator[Series]:
     """Yield the data as dots and the FMU as a line that is interrupted between segments."""
     data, simulated = (table[channel.name].to_numpy() for table in (result.recording, result.simulated))
     yield Series("points", time, data, GRAY, "data", marker="o", size=1.5 if len(time) > MANY else 4.0)
@@ -98,7 +95,7 @@ def _values(result: CheckResult, channel: CheckedChannel, time: FloatArray) -> I
     yield Series("line", *line, BLUE, "FMU", marker="o" if alone else "", size=0.9)
 
 
-def _errors(result: CheckResult, channel: CheckedChannel, time: FloatArray) -> Iterator[Series]:
+def _errors(result: Compared, channel: CheckedChannel, time: FloatArray) -> Iterator[Series]:
     """Yield the error as dots, lines at plus and minus its RMSE in each segment, and the worst point."""
     error = result.simulated[channel.name].to_numpy() - result.recording[channel.name].to_numpy()
     yield Series("points", time, error, RED, "FMU - data", marker="o", size=1.5 if len(time) > MANY else 4.0)

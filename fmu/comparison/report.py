@@ -10,11 +10,11 @@ from ...drawing.page import page_text, write_page
 from ...drawing.residual_panels import residuals_over_inputs
 from ...measurements import Recording
 from ...measurements.provenance import provenance
+from .compared import EVALUATION_TOLERANCE, Compared
 from .figures import check_figures
-from .result import EVALUATION_TOLERANCE, CheckResult
 
 
-def write_check(result: CheckResult, path: str | Path, *, command: str = "") -> None:
+def write_check(result: Compared, path: str | Path, *, command: str = "") -> None:
     """Write the page of a check.
 
     `command`: the command line, for the provenance. Raises `FmuError` if the file cannot be written.
@@ -33,7 +33,7 @@ def write_check(result: CheckResult, path: str | Path, *, command: str = "") -> 
         write_page(check_page(result, command), path)
 
 
-def check_page(result: CheckResult, command: str = "") -> str:
+def check_page(result: Compared, command: str = "") -> str:
     """Return the text of the page, figures included."""
     errors = {
         c.name: result.recording[c.name].to_numpy() - result.simulated[c.name].to_numpy() for c in result.channels
@@ -47,7 +47,7 @@ def check_page(result: CheckResult, command: str = "") -> str:
     )  # fmt: skip
 
 
-def _reasons(result: CheckResult) -> list[str]:
+def _reasons(result: Compared) -> list[str]:
     """Return why a check failed."""
     reasons = [f"The FMU is invalid: {problem}" for problem in result.problems]
     difference = result.evaluation_difference

@@ -18,7 +18,7 @@ from ...boundary.errors import FmuError, path_from
 from ...boundary.escaping import excerpt, visible
 from ...boundary.named_options import named
 from ..comparison.check import largest_difference
-from ..comparison.result import EVALUATION_TOLERANCE
+from ..comparison.compared import EVALUATION_TOLERANCE
 from ..simulation.archive import unpacked
 from ..simulation.simulate import read_description, simulate
 from . import layout

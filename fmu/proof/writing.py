@@ -22,8 +22,8 @@ from ...tires import TABLE_INPUTS, TABLE_OUTPUTS, Tire
 from ...tires.signs import convert_signs
 from ..comparison.channel_errors import checked_channel
 from ..comparison.check import columns_of, directly, times_of, unit_of
+from ..comparison.compared import EVALUATION_TOLERANCE
 from ..comparison.resources import declared_interface, embedded_tire
-from ..comparison.result import EVALUATION_TOLERANCE
 from ..packaging.export import write_zip
 from ..simulation.archive import unpacked
 from ..simulation.simulate import read_description, simulate

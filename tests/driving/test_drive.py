@@ -25,7 +25,7 @@ from tirefmu.applications.driving.interval import interval_of
 from tirefmu.applications.driving.rivals import DriveExplanation, Rival, forces_of
 from tirefmu.applications.driving.trust.contradiction import contradiction_of
 from tirefmu.applications.driving.trust.left_out import is_better
-from tirefmu.applications.driving.verdict import EffectFinding, _unidentified_line
+from tirefmu.applications.driving.verdict import EffectFinding, _contradiction_line, _unidentified_line
 from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.commands.cli import main
 from tirefmu.diagnosis.diagnose import with_library
@@ -111,7 +111,7 @@ def test_errors_without_a_common_sign_are_no_gain():
 
 def test_a_joint_deviation_is_one_although_no_entry_alone_is(answer):
     n = len(answer.unknowns.car)
-    sure = replace(answer.estimate, covariance=1e-6 * np.eye(len(answer.estimate.z)))
+    sure = replace(answer.estimate, covariance=1e-6 * np.eye(len(answer.estimate.z)), scatter=0.0)
     wrong = contradiction_of(replace(sure, z=np.full(len(sure.z), 2.5)), answer.unknowns)
     right = contradiction_of(replace(sure, z=np.full(len(sure.z), 1.0)), answer.unknowns)
     alone = replace(sure, z=np.where(np.arange(len(sure.z)) == 0, 9.0, 0.5))
@@ -123,6 +123,27 @@ def test_a_joint_deviation_is_one_although_no_entry_alone_is(answer):
     assert not right.certain
     rough = replace(sure, z=np.full(len(sure.z), 2.5), converged=False)
     assert not contradiction_of(rough, answer.unknowns).certain
+
+
+def test_what_parts_of_a_drive_differ_by_is_no_contradiction(answer):
+    z, sure = np.full(len(answer.estimate.z), 2.5), 1e-6 * np.eye(len(answer.estimate.z))
+    narrow = replace(answer.estimate, z=z, covariance=sure, scatter=0.0)
+    scatter = 4.0 * np.eye(len(z))
+    assert contradiction_of(narrow, answer.unknowns).certain
+    assert not contradiction_of(replace(narrow, covariance=sure + scatter, scatter=scatter), answer.unknowns).certain
+
+
+def test_the_car_is_wrong_only_if_another_one_explains_the_drive_and_no_effect_does(answer):
+    sure = replace(answer.estimate, z=np.full(len(answer.estimate.z), 2.5), scatter=0.0)
+    wrong = contradiction_of(replace(sure, covariance=1e-6 * np.eye(len(sure.z))), answer.unknowns)
+    lines = {}
+    for key, case in {"car": wrong, "tires": replace(wrong, unless=("load_friction",)),
+                      "neither": replace(wrong, explained=False)}.items():  # fmt: skip
+        assert case.of_car == (key == "car")
+        lines[key] = _contradiction_line(case, sure, answer.unknowns)
+        assert lines[key].startswith("the drive contradicts the car file")
+    assert "or the tires lack load_friction" in lines["tires"]
+    assert "no other car of this model explains it" in lines["neither"]
 
 
 def test_where_the_car_is_wrong_no_factor_is_determined(answer):
@@ -334,7 +355,7 @@ def test_a_tire_of_another_load_class_is_refused(nominal, message, log, car, tir
 
 
 def test_the_command_writes_the_answer(log, tire, tmp_path, capsys):
-    log[:520].rename(columns={"ay": "AccY"}).assign(AccY=log["ay"] / 9.80665).to_csv(tmp_path / "log.csv", index=False)
+    log[:900].rename(columns={"ay": "AccY"}).assign(AccY=log["ay"] / 9.80665).to_csv(tmp_path / "log.csv", index=False)
     tire.save(tmp_path / "front.tir")
     lines = [f"[{name}]\n" + "\n".join(f"{k} = {v}" for k, v in of.items()) for name, of in road.car_content().items()]
     (tmp_path / "car.toml").write_text("\n".join(lines), encoding="utf-8")

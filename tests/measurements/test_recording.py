@@ -64,6 +64,8 @@ def test_measured_outputs():
 
 
 def test_the_row_of_a_bad_number_is_counted_from_one():
-    table = pd.DataFrame({"alpha": [0.0, 0.1, np.nan], "Fz": 500.0, "Fy": [0.0, 1.0, 2.0]})
-    with pytest.raises(DataError, match="row 3: alpha is NaN"):
-        recording_from(table)
+    for value, words in ((np.nan, "NaN"), (np.inf, "infinite")):
+        table = pd.DataFrame({"alpha": [0.0, 0.1, value], "Fz": 500.0, "Fy": [0.0, 1.0, 2.0]})
+        for source in (table, Recording(table, "iso", "made")):  # read as a file is, and checked as it is
+            with pytest.raises(DataError, match=f"row 3: alpha is {words}"):
+                recording_from(source)

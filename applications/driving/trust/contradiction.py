@@ -30,6 +30,7 @@ class Contradiction:
       that they have if the file is right. `degrees_of_freedom`: their number.
     - `p`: probability of a larger deviation if the file is right. `converged`: whether the estimate did.
     - `unless`: effects of the library with which the car agrees with its file, if the tires lack one.
+    - `explained`: whether another car would explain the drive: no side forces remain beyond it.
     """
 
     deviation: float
@@ -37,6 +38,7 @@ class Contradiction:
     p: float
     converged: bool
     unless: tuple[str, ...] = ()
+    explained: bool = True
 
     @property
     def certain(self) -> bool:
@@ -45,32 +47,38 @@ class Contradiction:
 
     @property
     def of_car(self) -> bool:
-        """Whether it is the car that contradicts its file: no effect that the tires may lack explains the drive."""
-        return self.certain and not self.unless
+        """Whether it is the car that differs from its file: another one explains the drive, and no effect of tires."""
+        return self.certain and self.explained and not self.unless
 
 
 def contradiction_of(estimate: Estimate, unknowns: Unknowns, without: str = "") -> Contradiction:
     """Return the joint deviation of an estimate.
 
     If the file is right, standardized deviations scatter about 0 with the part of their variance that the drive takes
-    away. `without`: an entry of which the file says nothing; the others may then be elsewhere (linearized).
+    away, and with what parts of the drive differ by. `without`: an entry of which the file says nothing; the others may
+    then be elsewhere (linearized).
     """
-    z, covariance = estimate.z, estimate.covariance
+    z, covariance = estimate.z, estimate.covariance - estimate.scatter
     kept = [i for i, name in enumerate(unknowns.car) if name != without]
     if without:
         precision = np.linalg.inv(covariance)
         free = precision - np.diag(np.arange(len(z)) == unknowns.car.index(without)).astype(np.float64) * (1.0 - UNTOLD)
         covariance = np.asarray(np.linalg.inv(free), dtype=np.float64)
         z = covariance @ (precision @ z)
-    deviation, degrees = joint_deviation(z[kept], covariance[np.ix_(kept, kept)])
+    scatter = (estimate.scatter + np.zeros_like(covariance))[np.ix_(kept, kept)]
+    deviation, degrees = joint_deviation(z[kept], covariance[np.ix_(kept, kept)], scatter)
     return Contradiction(deviation, degrees, _chance(deviation, degrees), estimate.converged)
 
 
-def joint_deviation(z: FloatArray, covariance: FloatArray) -> tuple[float, int]:
-    """Return the joint deviation of standardized entries, shape (n,), with a posterior covariance, and its freedom."""
+def joint_deviation(z: FloatArray, covariance: FloatArray, scatter: FloatArray | float = 0.0) -> tuple[float, int]:
+    """Return the joint deviation of standardized entries, shape (n,), and its degrees of freedom.
+
+    `covariance`: of the posterior; `scatter`: more of it, of a model that is wrong.
+    """
     values, vectors = np.linalg.eigh(np.eye(len(z)) - covariance)
-    seen = values > SEEN
-    return float(np.sum((vectors.T @ z)[seen] ** 2 / values[seen])), int(seen.sum())
+    seen = vectors[:, values > SEEN]
+    along, variance = seen.T @ z, seen.T @ (np.eye(len(z)) - covariance + scatter) @ seen
+    return float(along @ np.linalg.solve(variance, along)), seen.shape[1]
 
 
 def is_agreement(z: FloatArray, covariance: FloatArray) -> bool:

@@ -127,7 +127,8 @@ def widened(estimate: Estimate, parts: Parts | None) -> Estimate:
     scatter = np.sqrt((n - 1) / n * np.sum((parts.z - parts.z.mean(axis=0)) ** 2, axis=0))
     deviation = np.sqrt(np.diag(estimate.covariance))
     scale = np.clip(scatter, deviation, np.maximum(deviation, 1.0)) / deviation
-    return replace(estimate, covariance=estimate.covariance * np.outer(scale, scale))
+    wide = estimate.covariance * np.outer(scale, scale)
+    return replace(estimate, covariance=wide, scatter=wide - estimate.covariance)
 
 
 def is_better(before: FloatArray, after: FloatArray) -> bool:
