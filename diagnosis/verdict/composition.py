@@ -111,7 +111,10 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
     refined = tuple(f"{name}: {', '.join(form.free)}" for name, form in fits.refinements)
     detectable, not_identifiable = detectable_sizes(fits.after, lacking, tested, fits.start)
     of_recording = _recording_errors(outcome, delivery)
-    sentences = verdict_sentences(findings, unknown, confounded, refined, adequacy, detectable, against, of_recording)
+    sentences = verdict_sentences(
+        findings, unknown, confounded, refined, adequacy, detectable, against, of_recording,
+        stopped=bool(outcome.stopped),
+    )  # fmt: skip
     form = _form(fits, delivered=not against)
     sentences += [form.sentence] * form.delivered
     if outcome.stopped:

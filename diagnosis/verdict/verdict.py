@@ -13,19 +13,20 @@ from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
 from .findings import FoundEffect
 
-_NOTHING = "nothing material is missing"
+_NOTHING, _UNIDENTIFIED = "nothing material is missing", "no effect is identified as missing"
 
 
 def verdict_sentences(
     findings: Sequence[FoundEffect], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]],
     refined: Sequence[str], adequacy: Sequence[Adequacy], detectable: Mapping[str, Mapping[str, float]],
-    against: Sequence[str], recording: Mapping[str, Any],
+    against: Sequence[str], recording: Mapping[str, Any], *, stopped: bool = False,
 ) -> list[str]:  # fmt: skip
     """Return the sentences of the verdict: what is missing, refined, not identified and removed, and reservations.
 
     `confounded`: correlation with other explanations, by effect. `refined`: refinements of effects of the baseline
     model. `detectable`: smallest detectable sizes, by effect and channel. `against`: reasons why the improved tire is
-    not delivered. `recording`: errors of the recording.
+    not delivered. `recording`: errors of the recording. `stopped`: whether explanations remained, so that nobody knows
+    that nothing is missing.
     """
     parts = _missing(findings, unknown, confounded)
     if refined:
@@ -34,7 +35,7 @@ def verdict_sentences(
     if red:
         what = "is missing in the delivered tire" if against else "is missing and was not identified"
         parts.append(f"something {what} in {', '.join(red)}")
-    parts = parts or [_nothing(adequacy, detectable)]
+    parts = parts or [_UNIDENTIFIED if stopped else _nothing(adequacy, detectable)]
     if against:
         parts.append(f"the improved tire is not delivered, because {'; '.join(against)}")
     if removed := _removed(recording["periodic"], adequacy):
@@ -49,6 +50,8 @@ def headline_text(findings: Sequence[FoundEffect], adequacy: Sequence[Adequacy],
 
     >>> headline_text((), (), True, False)
     'Nothing material is missing'
+    >>> headline_text((), (), True, True)
+    'Best explanation so far: no effect is identified as missing'
     """
     missing = [finding.effect for finding in findings if finding.probability >= 0.5 and finding.effect != "UNKNOWN"]
     red = [rated.channel for rated in adequacy if rated.rating == "red"]
@@ -61,7 +64,7 @@ def headline_text(findings: Sequence[FoundEffect], adequacy: Sequence[Adequacy],
     if not delivered:
         parts.append("the improved tire is not delivered")
     if "missing" not in " ".join(parts):
-        parts = ["no effect is identified as missing" if findings else _NOTHING, *parts]
+        parts = [_UNIDENTIFIED if findings or stopped else _NOTHING, *parts]
     text = "; ".join(parts)
     return f"Best explanation so far: {text}" if stopped else text[0].upper() + text[1:]
 

@@ -193,6 +193,13 @@ def test_an_effect_that_is_more_probably_absent_is_not_called_missing():
     assert "Missing" not in verdict_sentences(findings[1:], (), {}, (), (), {}, (), nothing)[0]
 
 
+def test_a_comparison_that_was_stopped_does_not_say_that_nothing_is_missing():
+    recording = {"periodic": (), "derived_columns": ()}
+    (text,) = verdict_sentences((), (), {}, (), (), {}, (), recording, stopped=True)
+    assert text == "No effect is identified as missing"
+    assert headline_text((), (), True, True).endswith("no effect is identified as missing")
+
+
 def test_the_headline_has_what_is_missing_and_where_something_else_is():
     """The same effects as the sentences, in a few words, and never that nothing is missing beside them."""
     lag, conicity = (FoundEffect(n, ("Fy",), {}, 0.0, 0.5, 0.1, p) for n, p in (("load_lag", 0.87), ("conicity", 0.2)))
