@@ -6,7 +6,7 @@ both are estimated again and the comparison is repeated.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -15,23 +15,23 @@ import numpy.typing as npt
 from ...numerics.ties import graded
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
-from ..probing.effect_probing import Screen, starts
+from ..probing.effect_probing import starts
 from ..thresholds import CONFOUNDED, EFFECT_ODDS, REFIT_MARGIN, RIVALS
-from ..unexplained.formula_proposal import Dictionary
 from .answer import Answer, answer_of, percent
 from .budget import Budget, Ended
 from .evidence import Projected, caution, inflation
-from .explanation import UNKNOWN, Explanation, Term
+from .explanation import UNKNOWN, Explanation
+from .formula import best_formula
 from .gains import Gain, gains, projected, rivals_of
 from .linearization import Addition, Linearization
 from .refit import Refitted, Shared, refitted, shared_problem, some_rows, with_terms
-from .terms import form_errors, prior_deviation
+from .terms import form_errors
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Number of estimates of the noise, of extended explanations for each, and of terms of a part; growth of the variance
-#: of the noise after which it is estimated again. Conventions: computing time.
-ESTIMATES, COMPARED, TERMS, GROWTH = 5, 12, 3, 1.5
+#: Number of estimates of the noise, and of extended explanations for each; growth of the variance of the noise after
+#: which it is estimated again. Conventions: computing time.
+ESTIMATES, COMPARED, GROWTH = 5, 12, 1.5
 #: Decrease of the score without a part, from which the part is not tried again while the leading explanation changes:
 #: ten margins. Convention: computing time.
 CERTAIN = -10.0 * REFIT_MARGIN
@@ -269,50 +269,13 @@ class _Table:
             return
         self.proposed.add(parts)
         self._report(f"searching for a formula in addition to {', '.join(parts[:-1]) or 'the baseline model'}")
-        formula, errors = self._without_idle_terms(self._formula(refit)), refit.linear.form_errors
+        formula, errors = best_formula(self.shared, refit), refit.linear.form_errors
         terms = formula.explanation.terms
         if all(errors.contain(term.location, term.depends_on) for term in terms):
             return
         columns = np.stack([term.column for term in terms], axis=-1)
         if not self._reproduced(refit.linear, columns @ np.array(formula.term_sizes)):
             self._add(formula)
-
-    def _formula(self, refit: Refitted) -> Refitted:
-        """Return a refit with terms at one location, which are added while the score grows.
-
-        Each is one of all that were tested. The first one is no error of form.
-        """
-        dictionary, best, errors = Dictionary(_screen(refit)), refit, refit.linear.form_errors
-        possible = [
-            i
-            for i, (location, feature) in enumerate(dictionary.terms)
-            if not errors.contain(location, feature.depends_on.union(location.proportional_to))
-        ]
-        while possible and len(best.explanation.terms) < TERMS:
-            i, gain = self._best_term(best, dictionary, dictionary.shortlisted(_screen(best), possible))
-            explanation = best.explanation.with_term(self._term(dictionary, i))
-            if gain + explanation.log_prior <= best.explanation.log_prior:
-                break
-            more = refitted(self.shared, explanation, [best.linear.solution.parameters], best.linear.simulator)
-            if more.score <= best.score:
-                break
-            place, texts = dictionary.terms[i][0], {term.feature.text for term in explanation.terms}
-            possible = [k for k, (at, term) in enumerate(dictionary.terms) if at == place and term.text not in texts]
-            best = more
-        return best
-
-    def _without_idle_terms(self, best: Refitted) -> Refitted:
-        """Return the refit of a formula without the terms without which its score is larger."""
-        while len(best.explanation.terms) > 1:
-            fewer = [
-                refitted(self.shared, explanation, [best.linear.solution.parameters], best.linear.simulator)
-                for explanation in best.explanation.with_a_term_less()
-            ]
-            other = max(fewer, key=lambda refit: graded(refit.score))
-            if other.score <= best.score:
-                break
-            best = other
-        return best
 
     def _reproduced(self, linear: Linearization, change: FloatArray) -> bool:
         """Return whether an effect of the library reproduces a change of the forces, shape (n_channels, n)."""
@@ -321,19 +284,6 @@ class _Table:
         sizes = [1, *(len(addition.deviation) for addition in effects)]
         whole = Projected.of(linear.equations([alone, *effects]), sizes)
         return any(whole.correlations(group)[0] > CONFOUNDED for group in whole.groups[1:])
-
-    def _best_term(self, refit: Refitted, dictionary: Dictionary, tried: Sequence[int]) -> tuple[int, float]:
-        """Return the term with the largest gain in the linear problem, and this gain."""
-        terms = [self._term(dictionary, i) for i in tried]
-        additions = [Addition(UNKNOWN, term.column[:, :, None], np.array([term.deviation])) for term in terms]
-        columns = projected(refit.linear, additions)
-        gained = [columns.gain(group)[0] for group in columns.groups]
-        return tried[int(np.argmax(graded(gained)))], max(gained)
-
-    def _term(self, dictionary: Dictionary, i: int) -> Term:
-        (location, feature), column = dictionary.terms[i], dictionary.column(i)
-        deviation = prior_deviation(self.shared.problem, column)
-        return Term(location, feature, column, deviation, -float(np.log(len(dictionary.terms))))
 
     def _near(self) -> list[tuple[str, ...]]:
         """Return the roots, those with one part less, and those with nearly the score of the leader."""
@@ -417,9 +367,3 @@ class _Table:
         form, estimate = best.addition.form, best.estimate * best.addition.deviation
         begins = [start for at in solutions for start in starts(simulator, at, form, estimate)]
         return refitted(self.shared, self._extended(refit, best), begins, simulator)
-
-
-def _screen(refit: Refitted) -> Screen:
-    """Return the linearization of a refit in rows of independent noise."""
-    problem = replace(refit.linear.problem, whitening=None)
-    return Screen(problem, problem.at(refit.linear.solution.parameters, refit.linear.solution.free))
