@@ -23,7 +23,7 @@ import pandas as pd
 from languages import tires_of_models
 
 from tirefmu.fmu import add_proof, export, repeat_proof
-from tirefmu.fmu.comparison.result import EVALUATION_TOLERANCE as TOLERANCE
+from tirefmu.fmu.comparison.compared import EVALUATION_TOLERANCE as TOLERANCE
 from tirefmu.fmu.simulation.archive import unpacked
 from tirefmu.fmu.simulation.simulate import simulate
 from tirefmu.symbolic.wheel.quantities import CARRIER, CONTACT_FORCES, ROAD, SPIN

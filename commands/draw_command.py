@@ -51,9 +51,9 @@ def draw(
     check_output_paths(json_file, folder=output)
     check_input_paths(tire, *tables)
     from ..tires import tire_from
+    from ..tires.definition import default_loads
     from ..tires.description import limits_of
     from ..tires.drawing.files import draw as run
-    from ..tires.drawing.tire_figures import default_loads
     from ..tires.property_file.use import use_notes
     from .terminal import Terminal
 

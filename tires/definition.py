@@ -239,3 +239,23 @@ def _range(name: str, lower: float, upper: float) -> tuple[float, float]:
     if not lower <= upper:
         raise TireError(f"the range of {name} is crossed: {lower} to {upper}")
     return float(lower), float(upper)
+
+
+def default_loads(tire: TireDefinition) -> tuple[float, ...]:
+    """Return three loads over the range in which a tire is known, as round as the range allows.
+
+    `tire`: of its range, the part from a quarter of the nominal load to three times it; up to twice the nominal load
+    where it has no range. The result is in N; fewer loads if the range is a single load.
+
+    >>> from tirefmu.tires import published
+    >>> default_loads(published("unicamp_small_tire"))
+    (60.0, 110.0, 160.0)
+    """
+    nominal = tire.values["FNOMIN"]
+    low, high = tire.ranges.get("Fz", (0.0, 2.0 * nominal))
+    high = min(high, 3.0 * nominal) if high > 0.0 else 2.0 * nominal
+    low = min(max(low, 0.25 * nominal), high)
+    even = np.linspace(low, high, 3).tolist()
+    rounded = (float(f"{load:.2g}") for load in even)
+    loads = (near if low <= near <= high else load for near, load in zip(rounded, even, strict=True))
+    return tuple(dict.fromkeys(loads))

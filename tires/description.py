@@ -7,13 +7,12 @@ from math import isfinite
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from ..symbolic.declarations import Coefficient
 from ..symbolic.models import MODELS
 from . import Tire
-from .definition import TireDefinition
-from .drawing.tire_figures import default_loads
+from .definition import TireDefinition, default_loads
+from .evaluation import quantities
 from .implausible import implausible
 from .property_file.names import MAX_SEARCHED, OWN_SECTIONS, near_miss, not_given, not_measured, unit_of
 from .property_file.text import number_and_rest
@@ -89,11 +88,11 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
 
 def _characteristics(tire: Tire) -> list[dict[str, float]]:
     """Return friction and slip stiffness of the upright tire in pure slip, at loads of its range."""
-    rows = pd.DataFrame({"Fz": default_loads(tire)})
-    computed = tire.evaluate(rows, signs="iso", steady=True)
-    quantities = map(tire.symbolic_model.quantity, CHARACTERISTICS)
-    names = ["Fz", *(name for name in quantities if name in computed)]
-    return [dict(zip(names, row, strict=True)) for row in computed[names].to_numpy(dtype=np.float64).tolist()]
+    loads = default_loads(tire)
+    computed = {"Fz": np.array(loads), **quantities(tire.in_signs("iso"), {"Fz": loads})}
+    listed = map(tire.symbolic_model.quantity, CHARACTERISTICS)
+    names = ["Fz", *(name for name in listed if name in computed)]
+    return [{name: float(computed[name][i]) for name in names} for i in range(len(loads))]
 
 
 def limits_of(tire: TireDefinition) -> list[str]:

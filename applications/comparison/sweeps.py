@@ -10,7 +10,8 @@ import pandas as pd
 
 from ...measurements import CHANNELS, Recording, exclude_rows, group_by_condition, level_tolerance
 from ...tires import Tire
-from ...tires.drawing.tire_figures import WIDEST, default_loads
+from ...tires.definition import default_loads
+from ...tires.drawing.tire_figures import WIDEST
 
 #: Curves of a figure; of more sweeps, those with the most rows.
 MAX_SWEEPS = 6

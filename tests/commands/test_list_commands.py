@@ -76,7 +76,8 @@ def test_an_example_recording_is_that_of_the_tire_on_the_bench(command, tmp_path
     assert reported["rows"] == len(first) == len(second)
     assert first.signs == "iso"
     tire = published("trento_hoosier")
-    assert reported["nominal"] == {"Fz0": tire.values["FNOMIN"], "R0": tire.values["UNLOADED_RADIUS"]}
+    assert reported["nominal"]["R0"] == tire.values["UNLOADED_RADIUS"]
+    assert abs(reported["nominal"]["Fz0"] - first.table["Fz"].median()) < 10.0
     evaluated = tire.evaluate(first.table, signs="iso")
     for channel in ("Fx", "Fy", "Mz"):
         error = first.table[channel] - evaluated[channel]

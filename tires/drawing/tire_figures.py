@@ -17,7 +17,7 @@ from ...boundary.escaping import figure_text
 from ...drawing.figure import Figure, Panel, Series, curve, in_rows, measured
 from ...drawing.labels import axis_label, held_text, letter, level_text, note, per_si
 from ...drawing.style import BLACK, LIGHT_GRAY, level_colors, some_of
-from ..definition import TireDefinition
+from ..definition import TireDefinition, default_loads
 from ..evaluation import Conventions, evaluate
 from ..input_check import SignedTable, checked_inputs, checked_table
 from ..property_file.names import not_measured, unmeasured_outputs
@@ -62,26 +62,6 @@ def sketched(
     default = default_loads(tire) if points is None else (measured_loads(points) or default_loads(tire))
     given = default if loads is None else _checked(tire, loads)
     return Sketch(tire, signs, given, rows, None if kappa is None else _checked_range(kappa))
-
-
-def default_loads(tire: TireDefinition) -> tuple[float, ...]:
-    """Return three loads over the range in which a tire is known, as round as the range allows.
-
-    `tire`: of its range, the part from a quarter of the nominal load to three times it; up to twice the nominal load
-    where it has no range. The result is in N; fewer loads if the range is a single load.
-
-    >>> from tirefmu.tires import published
-    >>> default_loads(published("unicamp_small_tire"))
-    (60.0, 110.0, 160.0)
-    """
-    nominal = tire.values["FNOMIN"]
-    low, high = tire.ranges.get("Fz", (0.0, 2.0 * nominal))
-    high = min(high, 3.0 * nominal) if high > 0.0 else 2.0 * nominal
-    low = min(max(low, 0.25 * nominal), high)
-    even = np.linspace(low, high, 3).tolist()
-    rounded = (float(f"{load:.2g}") for load in even)
-    loads = (near if low <= near <= high else load for near, load in zip(rounded, even, strict=True))
-    return tuple(dict.fromkeys(loads))
 
 
 def points_of(tire: TireDefinition, data: pd.DataFrame | SignedTable) -> pd.DataFrame:

@@ -225,7 +225,8 @@ def unmeasured_outputs(tire: TireDefinition) -> frozenset[str]:
     >>> sorted(unmeasured_outputs(replace(tire, other_entries=not_measured_lines([sentence], []))))
     ['Fx', 'Mz']
     """
-    return frozenset(name for subject in not_measured(tire) for name in subject.split(", ")) & frozenset(tire.outputs)
+    subjects = [frozenset(subject.split(", ")) for subject in not_measured(tire)]
+    return frozenset[str]().union(*(outputs for outputs in subjects if outputs <= frozenset(tire.outputs)))
 
 
 def is_measured(tire: TireDefinition, role: str) -> bool:
