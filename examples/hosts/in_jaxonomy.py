@@ -5,18 +5,19 @@ import sys
 
 import jaxonomy
 from fmpy import read_model_description
-from jaxonomy.library import Constant, ModelicaFMU
-from jaxonomy.library.fmu_import import ModelicaFMUME
+from jaxonomy import library
 
 tires, kind, outputs = json.loads(sys.argv[1]), sys.argv[2], sys.argv[3].split(",")
 builder, blocks = jaxonomy.DiagramBuilder(), {}
 for name, (path, inputs) in tires.items():
     given = {"name": name, "output_names": outputs}
-    block = ModelicaFMUME(path, **given) if kind == "ModelExchange" else ModelicaFMU(path, dt=0.001, **given)
-    blocks[name] = builder.add(block)
+    if kind == "ModelExchange":
+        blocks[name] = builder.add(library.fmu_import.ModelicaFMUME(path, **given))
+    else:
+        blocks[name] = builder.add(library.ModelicaFMU(path, dt=0.001, **given))
     for i, variable in enumerate(v for v in read_model_description(path).modelVariables if v.causality == "input"):
         value = inputs.get(variable.name, float(variable.start))
-        constant = builder.add(Constant(value, name=f"{name}_{variable.name}"))
+        constant = builder.add(library.Constant(value, name=f"{name}_{variable.name}"))
         builder.connect(constant.output_ports[0], blocks[name].input_ports[i])
 diagram = builder.build()
 recorded = {f"{t} {key}": blocks[t].output_ports[i] for t in tires for i, key in enumerate(outputs)}
