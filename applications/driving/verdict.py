@@ -10,14 +10,14 @@ import numpy.typing as npt
 
 from ...numerics.ties import graded
 from .estimate import Estimate
-from .factors import CERTAIN, Factor
+from .factors import CERTAIN, WIDTH, Factor
 from .inputs.car import Car
 from .inputs.car_entries import ENTRIES
 from .inputs.grid import Grid
 from .inputs.unknowns import AXLES, Unknowns
 from .interval import OUTPUTS
 from .rivals import DriveExplanation, Rival, lacking
-from .trust.contradiction import Contradiction, contradiction_of
+from .trust.contradiction import Contradiction, chances_of_entries, contradiction_of
 from .trust.left_out import LeftOut
 
 FloatArray = npt.NDArray[np.float64]
@@ -27,8 +27,6 @@ LIKELY = 0.05
 #: Deviation of the balance of forces, per load, beyond which the tires do not explain the drive. The lateral force of a
 #: repeated bench measurement scatters by 1 to 2 %.
 UNEXPLAINED = 0.03
-#: Standard deviations of the car file beyond which an entry contradicts it. Convention.
-DEVIATING = 3.0
 #: Entries that are named with a contradiction.
 NAMED = 3
 #: What a factor that a drive determines is.
@@ -117,13 +115,15 @@ def verdict_on(
         for name, factor in factors[axle].items()
         if (axle, name) in certain
     )
-    values = unknowns.car_values(car, estimate.z)
+    values, chances = unknowns.car_values(car, estimate.z), chances_of_entries(estimate, unknowns)
+    deviations = np.sqrt(np.diag(estimate.covariance))
     of_car = tuple(
         CarFinding(name, values[name], car.values[name], float(z), wrong[name])
-        for name, z in zip(unknowns.car, estimate.z, strict=False)
-        if contradiction.of_car
+        for name, z, deviation in zip(unknowns.car, estimate.z, deviations, strict=False)
+        if (contradiction.of_car or (estimate.converged and not contradiction.certain))
         and wrong[name] > CERTAIN
-        and abs(z) > DEVIATING
+        and chances[name] < 1.0 - CERTAIN
+        and abs(z) > WIDTH * deviation
         and not contradiction_of(estimate, unknowns, name).certain
     )
     if contradiction.certain and not of_car and lacking(ranked) > CERTAIN:  # other tires explain more than another car
@@ -225,8 +225,9 @@ def _factor_lines(findings: tuple[TireDifference, ...], factors: Mapping[str, Ma
 
 def _car_lines(of_car: tuple[CarFinding, ...], unknown: tuple[str, ...], estimate: Estimate) -> list[str]:
     lines = [
-        f"car: {ENTRIES[entry.name].meaning} contradicts its file: {entry.value:.4g} instead of {entry.given:.4g} "
-        f"{ENTRIES[entry.name].unit}, {abs(entry.deviation):.1f} standard deviations"
+        f"car: {ENTRIES[entry.name].meaning} is {'higher' if entry.deviation > 0.0 else 'lower'} than in its file: "
+        f"{entry.value:.4g} instead of {entry.given:.4g} {ENTRIES[entry.name].unit}, "
+        f"{abs(entry.deviation):.1f} standard deviations"
         for entry in of_car
     ]
     lines += [

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import chi2
+from scipy.stats import chi2, norm
 
 from ..estimate import Estimate
 from ..inputs.unknowns import Unknowns
@@ -79,6 +79,21 @@ def joint_deviation(z: FloatArray, covariance: FloatArray, scatter: FloatArray |
     seen = vectors[:, values > SEEN]
     along, variance = seen.T @ z, seen.T @ (np.eye(len(z)) - covariance + scatter) @ seen
     return float(along @ np.linalg.solve(variance, along)), seen.shape[1]
+
+
+def chances_of_entries(estimate: Estimate, unknowns: Unknowns) -> dict[str, float]:
+    """Return for each entry the probability that any one of a right file deviates as far as it does.
+
+    The joint deviation of many entries hides a single one. The bound for the largest of several normal variables holds
+    for any correlation (Sidak, JASA 62, 1967).
+    """
+    n = len(unknowns.car)
+    scatter = np.diag(estimate.scatter + np.zeros_like(estimate.covariance))[:n]
+    variance = 1.0 - (np.diag(estimate.covariance)[:n] - scatter)
+    seen = variance > SEEN
+    alone = 2.0 * norm.sf(np.abs(estimate.z[:n]) / np.sqrt(np.where(seen, variance, np.inf) + scatter))
+    any_one = -np.expm1(seen.sum() * np.log1p(-np.minimum(alone, 1.0 - 1e-16)))
+    return dict(zip(unknowns.car, any_one.tolist(), strict=True))
 
 
 def is_agreement(z: FloatArray, covariance: FloatArray) -> bool:
