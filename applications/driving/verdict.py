@@ -141,7 +141,7 @@ def verdict_on(
         lines.insert(0, _effects_line(likely))
     elif likely:
         lines.append(_unidentified_line(likely))
-    if contradiction.certain:
+    if contradiction.doubtful:
         lines.insert(0, _contradiction_line(contradiction, estimate, unknowns))
     if not estimate.converged:
         lines.insert(0, "the estimate did not converge: no conclusion about the tires or the car is possible")
@@ -164,6 +164,8 @@ def _contradiction_line(contradiction: Contradiction, estimate: Estimate, unknow
         f"chi-squared {contradiction.deviation:.3g} with {contradiction.degrees_of_freedom} degrees of freedom "
         f"(p {contradiction.p:.1g}), most in {', '.join(strongest)}"
     )
+    if not contradiction.certain:
+        return f"the car deviates from its file more than expected ({numbers}): no difference of the tires is certain"
     if not contradiction.explained:
         return (
             f"the drive contradicts the car file ({numbers}), but another car does not explain it, and no effect of "

@@ -20,6 +20,9 @@ UNTOLD = 1e-4
 #: Probability below which the deviation is a contradiction. Judgement: uncertainties of a file are approximate, and
 #: one sensor at three standard deviations does not mean another car.
 IMPROBABLE = 1e-6
+#: Probability below which no factor is found. The margin is what one entry at 1.5 standard deviations adds if its
+#: uncertainty is a third: uncertainties of a file are approximate, and a finding does not rest on that of one entry.
+DOUBTFUL = 1e-3
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,11 @@ class Contradiction:
     def certain(self) -> bool:
         """Whether car and tires together contradict the drive: an estimate that is not at its optimum says nothing."""
         return self.converged and self.p < IMPROBABLE
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether the car deviates too far from its file for a finding of a tire."""
+        return self.p < DOUBTFUL
 
     @property
     def of_car(self) -> bool:
