@@ -166,16 +166,16 @@ def _contradiction_line(contradiction: Contradiction, estimate: Estimate, unknow
     )
     if not contradiction.certain:
         return f"the car deviates from its file more than expected ({numbers}): no difference of the tires is certain"
-    if not contradiction.explained:
-        return (
-            f"the drive contradicts the car file ({numbers}), but another car does not explain it, and no effect of "
-            "the tires is identified: no conclusion about the tires or the car is possible"
-        )
     if contradiction.unless:
         names = " or ".join(contradiction.unless)
         return (
             f"the drive contradicts the car file ({numbers}), or the tires lack {names}, with which the car agrees "
             "with its file: no further conclusion about the tires is possible"
+        )
+    if not contradiction.explained:
+        return (
+            f"the drive contradicts the car file ({numbers}), but another car does not explain it, and no effect of "
+            "the tires is identified: no conclusion about the tires or the car is possible"
         )
     return f"the drive contradicts the car file: {numbers}: no conclusion about the tires is possible"
 
