@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import road
+from scipy.stats import chi2
 
 import tirefmu
 from tests.json_schemas import check_file, objections
@@ -121,6 +122,11 @@ def test_a_joint_deviation_is_one_although_no_entry_alone_is(answer):
     assert wrong.degrees_of_freedom == n
     assert wrong.certain
     assert not right.certain
+    assert not right.doubtful
+    near = replace(right, deviation=float(chi2.isf(2e-6, n)), p=2e-6)
+    assert near.doubtful
+    assert not near.certain
+    assert "no difference of the tires is certain" in _contradiction_line(near, sure, answer.unknowns)
     rough = replace(sure, z=np.full(len(sure.z), 2.5), converged=False)
     assert not contradiction_of(rough, answer.unknowns).certain
 

@@ -20,9 +20,8 @@ UNTOLD = 1e-4
 #: Probability below which the deviation is a contradiction. Judgement: uncertainties of a file are approximate, and
 #: one sensor at three standard deviations does not mean another car.
 IMPROBABLE = 1e-6
-#: Probability below which no factor is found. The margin is what one entry at 1.5 standard deviations adds if its
-#: uncertainty is a third: uncertainties of a file are approximate, and a finding does not rest on that of one entry.
-DOUBTFUL = 1e-3
+#: Part of its uncertainty that an entry may have: those of a file are approximate, too large ones as well.
+PART = 1 / 3
 
 
 @dataclass(frozen=True)
@@ -50,8 +49,8 @@ class Contradiction:
 
     @property
     def doubtful(self) -> bool:
-        """Whether the car deviates too far from its file for a finding of a tire."""
-        return self.p < DOUBTFUL
+        """Whether it were certain if an entry that deviates as expected had but a part of its uncertainty."""
+        return _chance(self.deviation + 1.0 / PART**2 - 1.0, self.degrees_of_freedom) < IMPROBABLE
 
     @property
     def of_car(self) -> bool:
