@@ -16,14 +16,12 @@ from .inputs.car_entries import ENTRIES
 from .inputs.grid import Grid
 from .inputs.unknowns import AXLES, Unknowns
 from .interval import OUTPUTS
-from .rivals import DriveExplanation, Rival, lacking
+from .rivals import LIKELY, DriveExplanation, Rival, lacking
 from .trust.contradiction import Contradiction, chances_of_entries, contradiction_of
 from .trust.left_out import LeftOut
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Probability from which an effect is reported.
-LIKELY = 0.05
 #: Deviation of the balance of forces, per load, beyond which the tires do not explain the drive. The lateral force of a
 #: repeated bench measurement scatters by 1 to 2 %.
 UNEXPLAINED = 0.03
