@@ -122,7 +122,7 @@ def verdict_on(
         and wrong[name] > CERTAIN
         and chances[name] < 1.0 - CERTAIN
         and abs(z) > WIDTH * deviation
-        and not contradiction_of(estimate, unknowns, name).certain
+        and contradiction_of(estimate, unknowns, name).p > 1.0 - CERTAIN
     )
     if contradiction.certain and not of_car and lacking(ranked) > CERTAIN:  # other tires explain more than another car
         contradiction = replace(contradiction, explained=False)
