@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
-from typing import Any
+from typing import Any, ClassVar
 
 from ...numerics.noise_floor import NoiseFloor
 from ...numerics.ties import graded
@@ -24,6 +24,8 @@ class Adequacy:
     - `memory`: whether the residual is above the floor and is explained by the direction in which slips change or by
       slow time, not by the recorded inputs alone.
     """
+
+    JSON_KEYS: ClassVar = ("ratio", "residual", "floor", "adequate", "location as where", "memory")
 
     channel: str
     residual: float
