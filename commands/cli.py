@@ -86,9 +86,9 @@ def _warnings_as_lines(name: str, quiet: bool) -> Iterator[None]:
     with warnings.catch_warnings():
         shown_by_python, printed = warnings.showwarning, set()
 
-        def show(message: Warning | str, category: type[Warning], *where: Any) -> None:
+        def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
             if not issubclass(category, TirefmuWarning):
-                shown_by_python(message, category, *where)
+                shown_by_python(message, category, *where, **more)
             elif str(message) not in printed and not quiet:
                 printed.add(str(message))
                 print(f"{name}: warning: {message}", file=sys.stderr)
