@@ -5,6 +5,7 @@ Numbers, lists and arrays are treated alike. NaN is no error here: the forces th
 
 from __future__ import annotations
 
+import math
 import re
 import warnings
 from collections.abc import Collection, Mapping
@@ -89,6 +90,19 @@ def _largest_load(tire: TireDefinition) -> float:
     nominal = tire.values["FNOMIN"]
     _, highest = tire.ranges.get("Fz", (0.0, NOMINAL_SHARE * nominal))
     return max(highest, nominal)
+
+
+def possible_range(tire: TireDefinition, name: str) -> tuple[float, float]:
+    """Return the possible values of an input in SI units; slip angles up to 180 deg, since a car may spin.
+
+    >>> from tirefmu.tires import published
+    >>> possible_range(published("trento_hoosier"), "Fz")
+    (0.0, 6100.0)
+    """
+    if name not in CHANNELS:
+        return -math.inf, math.inf
+    own = {"alpha": (-math.pi, math.pi), "Fz": (0.0, load_limit(tire)), "p": (SMALLEST_PRESSURE, math.inf)}
+    return own.get(name, CHANNELS[name].limits)
 
 
 def checked_inputs(tire: TireDefinition, inputs: Mapping[str, Any]) -> dict[str, FloatArray]:
