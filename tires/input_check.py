@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..boundary.errors import DataError, TirefmuError, UnknownName, WrongType
-from .channels import CHANNELS
+from ..symbolic.channels import CHANNELS
 from .definition import TireDefinition
 from .signs import TABLE_INPUTS, convert_signs
 

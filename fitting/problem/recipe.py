@@ -23,10 +23,10 @@ from ...boundary.json_schema import document, object_schema, one_of
 from ...boundary.schema_check import check_content
 from ...measurements.row_selection.expression import Selection, parse_range, parse_selection
 from ...numerics.arrays import FloatArray
+from ...symbolic.channels import CHANNELS
 from ...symbolic.effects import EFFECTS
 from ...symbolic.model import Model
 from ...symbolic.models import MODELS, model_named
-from ...tires.channels import CHANNELS
 
 #: The recipes that come with the package.
 RECIPES = ("progressive", "joint", "trento", "scaling", "family")

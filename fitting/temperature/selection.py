@@ -12,7 +12,7 @@ import pandas as pd
 from ...boundary.errors import DataError, nearest, no_single_text
 from ...measurements import Recording
 from ...numerics.arrays import FloatArray
-from ...tires.channels import channel
+from ...symbolic.channels import channel
 from ..options import FitOptions
 from .heat_balance import EFFECT, ZERO_CELSIUS
 
