@@ -29,7 +29,9 @@ class Coefficient:
     - `assumed`: the value that other readers assume, in ISO-W, if a .tir file lacks the key; the default if None.
     - `channels`: the outputs from which it can be identified, the most informative first; those of its section if
       empty.
-    - `fitted`: whether a fit may free it without naming it; as its section if None.
+    - `fitted`: whether a fit frees it by default; as its section if None. Otherwise a stage of a recipe frees it only by
+      its name, or by that of a section without any coefficient that is fitted by default. A coefficient that is fitted
+      only on request belongs to an effect with `optional = true`.
     - `name`, `section`: the .tir name and the .tir section, filled in by the class that declares it.
     """
 
@@ -75,7 +77,7 @@ class Section:
     """A section of the .tir file; its coefficients are the class attributes.
 
     The class takes the section's title and, for the coefficients that do not declare them, the `channels` from which
-    they can be identified (default: Fx, Fy and Mz) and whether a fit may free them (`fitted`).
+    they can be identified (default: Fx, Fy and Mz) and whether a fit frees them by default (`fitted`).
 
     >>> class Shape(Section, title="SHAPE"):
     ...     CX = Coefficient("shape factor", start=1.5)

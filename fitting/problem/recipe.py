@@ -57,7 +57,8 @@ class Stage:
     - `selection`: condition of the key ``select``, an expression of channels as in ``--where``, in adapted SAE.
     - `hold`: inputs whose measured values are replaced by the nearest value in `where`.
     - `free`: the free coefficients; all coefficients of the core and of the effects if empty.
-    - `sections`: only coefficients of these sections of the .tir file; of all sections if empty.
+    - `sections`: only coefficients of these sections of the .tir file; of all sections if empty. Those that a fit does
+      not free by default (`fitted` of their declaration) only if the section has no other.
     - `effects`: only coefficients of the core and of these effects of the tire; of all effects if None. A recipe may
       apply to several models: channels, sections and effects that a model does not have are ignored.
     - `rows`: number of random rows; all rows if None.
