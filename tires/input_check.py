@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from ..boundary.errors import DataError, TirefmuError, TirefmuWarning, UnknownName, WrongType
 from ..boundary.escaping import quoted
-from .channels import CHANNELS
+from ..symbolic.channels import CHANNELS
 from .definition import TireDefinition
 from .signs import TABLE_INPUTS, convert_signs
 

@@ -13,7 +13,7 @@ import pandas as pd
 from ...boundary.escaping import excerpt, visible
 from ...boundary.named_options import named
 from ...numerics.arrays import BoolArray, FloatArray, IndexArray
-from ...tires.channels import CHANNELS
+from ...symbolic.channels import CHANNELS
 from ..checks.columns.check import check_columns
 from ..checks.columns.meanings import ColumnMeaning, column_meanings
 from ..checks.recordings.data_findings import data_findings

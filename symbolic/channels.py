@@ -21,11 +21,13 @@ class Channel:
     meaning : str
         What is measured.
     unit, quantity : str
-        The SI unit (deg C for T) and the physical quantity; "absolute temperature" is in kelvin.
+        The SI unit (deg C for T; "1" of a ratio) and the physical quantity; "absolute temperature" is in kelvin.
     role : str
         "input" (imposed by the bench) or "output" (response of the tire).
     bench_names : tuple of str
         Names in FSAE TTC files, the preferred one first.
+    bench_unit : str
+        The unit in TTC files that declare none. Empty: that of the physical quantity there; a ratio has none in common.
     aliases : tuple of str
         Other common names. A message suggests the contract's name for them; they are never accepted silently.
     limits : tuple of float
@@ -61,6 +63,12 @@ class Channel:
     controlled: bool = False
     usual: tuple[float, float] | None = None
     stream: int = 0
+    bench_unit: str = ""
+
+    @property
+    def after(self) -> str:
+        """The unit as written after a number: a blank and the SI unit; nothing for a ratio."""
+        return "" if self.unit == "1" else f" {self.unit}"
 
 
 # Limits: a wheel turns by at most 90 deg, and -1 is a locked wheel; a spinning wheel of a slow vehicle reaches several.
@@ -72,9 +80,9 @@ _DECLARATIONS = (
         "t", "time", "s", "time", "input", ("ET",), ("time", "elapsed_time", "timestamp"), usual=(0.0, 600.0), stream=0
     ),
     Channel(
-        "kappa", "longitudinal slip (omega R_e - V_x)/|V_x|, a fraction", "-", "ratio", "input", ("SL",),
+        "kappa", "longitudinal slip (omega R_e - V_x)/|V_x|, a fraction", "1", "ratio", "input", ("SL",),
         ("slip", "slip_ratio", "longitudinal_slip", "long_slip"), (-10.5, 10.5), 0.01,
-        "a fraction (in percent? 10 % is 0.1)", ("%", "in percent"), (), True, (-0.3, 0.3), 1,
+        "a fraction (in percent? 10 % is 0.1)", ("%", "in percent"), (), True, (-0.3, 0.3), 1, "1",
     ),
     Channel(
         "alpha", "slip angle", "rad", "angle", "input", ("SA",),
