@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 from ...boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
-    from .answer import RankedExplanation, answer_of, percent
+    from .answer import OneOf, RankedExplanation, answer_of, percent
     from .budget import Budget, Ended
     from .compare import compared
     from .discrepancy import effect_discrepancy, model_discrepancy, smooth_functions
     from .evidence import NormalEquations, Projected
     from .explanation import UNKNOWN, Explanation, Term
     from .final import balanced, final_fits
+    from .folds import without_folds
     from .form import FORM, form_effect, form_of
     from .gains import rivals_of
     from .linearization import Addition, Linearization

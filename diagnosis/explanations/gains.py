@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from ...numerics.ties import graded
-from ..thresholds import REPORTED, RIVALS
-from .evidence import Projected
+from ..thresholds import REPORTED
+from ..weighted_columns import joined
+from .evidence import NormalEquations, Projected
 from .linearization import Addition, Linearization
 
 FloatArray = npt.NDArray[np.float64]
@@ -25,9 +26,10 @@ class Gain:
     estimate: FloatArray
 
 
-def projected(linear: Linearization, additions: Sequence[Addition]) -> Projected:
-    """Return the columns of additions without what an explanation contains."""
-    return Projected.of(linear.equations(additions), [len(addition.deviation) for addition in additions])
+def projected(linear: Linearization, additions: Sequence[Addition], *, exactly: bool = False) -> Projected:
+    """Return the columns of additions without what an explanation contains; `exactly` as of `equations`."""
+    equations = linear.equations(additions, exactly=exactly)
+    return Projected.of(equations, [len(addition.deviation) for addition in additions])
 
 
 def gains(columns: Projected, additions: Sequence[Addition]) -> dict[str, list[Gain]]:
@@ -39,13 +41,38 @@ def gains(columns: Projected, additions: Sequence[Addition]) -> dict[str, list[G
     return scored
 
 
-def rivals_of(parts: Collection[str], columns: Projected, additions: Sequence[Addition]) -> tuple[str, ...]:
-    """Return the `RIVALS` effects that take most of what parts of an explanation take, if they are confounded."""
-    size = dict[str, float]()
-    for part, group in zip(additions, columns.groups, strict=True):
-        if part.name in parts:
-            correlations = columns.correlations(group)
-            for other, others in zip(additions, columns.groups, strict=True):
-                size[other.name] = max(size.get(other.name, 0.0), float(correlations[others].max()))
-    confounded = [name for name, most in size.items() if most > REPORTED and name not in parts]
-    return tuple(sorted(confounded, key=lambda name: -graded(size[name]))[:RIVALS])
+def in_place_of(part: str, linear: Linearization, additions: Sequence[Addition]) -> Projected:
+    """Return the columns of additions with the response to a part as the residual; its column is the first group.
+
+    Of the explanation, only its other coefficients and the errors of the recording are projected out: how well an
+    addition takes the place of the part does not depend on what its form may err by.
+    """
+    problem, solution = linear.problem, linear.solution
+    owned = {name for effect, form in linear.explanation.forms if effect == part for name in form.free}
+    others = [name for name in solution.free if name not in owned]
+    recorded = problem.disturbances.of_recording()
+    fixed = [recorded.columns, linear.simulator.jacobian(solution.parameters, others)]
+    columns = joined([
+        *map(problem.weighted_columns, (*fixed, linear.response(part)[:, :, None])),
+        *(addition.weighted_columns or problem.weighted_columns(addition.columns) for addition in additions),
+    ])  # fmt: skip
+    deviations = [recorded.deviation, problem.prior(others)[1], np.ones(1), *(one.deviation for one in additions)]
+    precision, matrix = np.concatenate(deviations) ** -2.0, columns.times(columns)
+    response = len(recorded.deviation) + len(others)
+    normal = NormalEquations(
+        matrix, matrix[response], float(matrix[response, response]), precision, np.zeros(len(precision))
+    )
+    return Projected.of(normal, [1, *(len(addition.deviation) for addition in additions)])
+
+
+def rivals_of(columns: Projected, additions: Sequence[Addition]) -> dict[str, Gain]:
+    """Return the best addition of each effect that is confounded with a part, by `in_place_of`, most of all first."""
+    correlation, best = dict[str, float](), dict[str, Gain]()
+    for addition, group in zip(additions, columns.groups[1:], strict=True):
+        size = float(columns.correlations(group)[0])
+        correlation[addition.name] = max(correlation.get(addition.name, 0.0), size)
+        gain, estimate = columns.gain(group)
+        if addition.name not in best or graded(gain) > graded(best[addition.name].gain):
+            best[addition.name] = Gain(gain, addition, estimate)
+    confounded = [name for name, size in correlation.items() if size > REPORTED]
+    return {name: best[name] for name in sorted(confounded, key=lambda name: -graded(correlation[name]))}

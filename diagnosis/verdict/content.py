@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, NotRequired, TypedDict
 
 from ...boundary.json_schema import document, schema_of
-from ..explanations.answer import RankedExplanation
+from ..explanations.answer import OneOf, RankedExplanation
 from .findings import CoefficientInterval
 
 #: Version of diagnosis.json. New keys increment the second number, changed meanings the first.
-VERSION = "4.2"
+VERSION = "4.3"
 
 
 class Size(TypedDict):
@@ -91,6 +91,7 @@ class DiagnosisContent(TypedDict):
     verdict: Annotated[str, "in one line"]
     found: Annotated[Sequence[FoundContent], "in falling order of probability"]
     explanations: Annotated[Sequence[RankedExplanation], "in falling order of probability"]
+    one_of: Annotated[Sequence[OneOf], "effects of which one is missing, where the recording does not tell which"]
     probabilities: Annotated[Mapping[str, float], "of each candidate and of UNKNOWN"]
     confounded_with: Mapping[str, Sequence[str]]
     correlation: Mapping[str, Mapping[str, float]]
