@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from ...boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
+    from .additions import rivals_of
     from .answer import OneOf, RankedExplanation, answer_of, percent
     from .budget import Budget, Ended
     from .compare import compared
@@ -14,11 +15,10 @@ if TYPE_CHECKING:
     from .evidence import NormalEquations, Projected
     from .explanation import UNKNOWN, Explanation, Term
     from .final import balanced, final_fits
-    from .folds import without_folds
     from .form import FORM, form_effect, form_of
-    from .gains import rivals_of
     from .linearization import Addition, Linearization
     from .refit import shared_problem
+    from .table import without_folds
     from .terms import unknown_terms
 
 __getattr__, __dir__ = on_demand(__name__)

@@ -91,14 +91,14 @@ class Answer:
 
         Others are added to an effect while they increase the probability that exactly one is missing.
 
-        >>> one = answer_of({("conicity",): 2.0, ("plysteer",): 2.0, (): -50.0}, ["conicity", "plysteer"])
-        >>> one.one_of(["conicity"])
+        >>> answer = answer_of({("conicity",): 2.0, ("plysteer",): 2.0, (): -50.0}, ["conicity", "plysteer"])
+        >>> answer.one_of(["conicity"])
         (OneOf(effects=('conicity', 'plysteer'), probability=1.0),)
         """
         probabilities, classes = self.probabilities, list[OneOf]()
         unsure = [name for name in self.candidates if UNSURE < probabilities[name] <= 1.0 - UNSURE]
         for effect in (name for name in effects if name in unsure):
-            if any(effect in known.effects for known in classes):
+            if any(effect in alternatives.effects for alternatives in classes):
                 continue
             members = [effect]
             while len(members) == 1 or self._exactly_one(members) <= 1.0 - UNSURE:
@@ -113,7 +113,8 @@ class Answer:
         return tuple(classes)
 
     def _exactly_one(self, names: Collection[str]) -> float:
-        return sum(one.probability for one in self.explanations if len(set(names).intersection(one.effects)) == 1)
+        chosen = set(names)
+        return sum(ranked.probability for ranked in self.explanations if len(chosen.intersection(ranked.effects)) == 1)
 
     @property
     def reported(self) -> tuple[RankedExplanation, ...]:

@@ -18,16 +18,14 @@ from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import starts
 from ..thresholds import CONFOUNDED, REFIT_MARGIN, RIVALS
+from .additions import Gain, best_formula, gains, in_place_of, projected, rivals_of
 from .answer import UNSURE, Answer, answer_of
 from .budget import Budget, Ended
 from .evidence import Projected, inflation
 from .explanation import UNKNOWN, Explanation
-from .folds import fold_evidences
-from .formula import best_formula
-from .gains import Gain, gains, in_place_of, projected, rivals_of
 from .linearization import Addition, Linearization
 from .refit import Refitted, Shared, refitted, shared_problem, some_rows, with_terms
-from .table import Parts, Table
+from .table import Parts, Table, fold_evidences
 from .terms import form_errors
 
 FloatArray = npt.NDArray[np.float64]
@@ -103,13 +101,13 @@ def _simplest(table: Table, answer: Answer) -> Refitted:
         number = sum(states.get(name, 0) for name in refit.explanation.effects)
         return number, len(refit.linear.solution.free), -graded(probability[refit.explanation.parts])
 
-    for known in answer.one_of(leader.explanation.effects):
-        rest = set(leader.explanation.parts).difference(known.effects)
+    for alternatives in answer.one_of(leader.explanation.effects):
+        rest = set(leader.explanation.parts).difference(alternatives.effects)
         least = UNSURE * probability[leader.explanation.parts]
         equal = [
             refit
             for parts, refit in table.refits.items()
-            if set(parts).difference(known.effects) == rest
+            if set(parts).difference(alternatives.effects) == rest
             and len(parts) == len(rest) + 1
             and probability[parts] > least
         ]

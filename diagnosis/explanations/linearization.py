@@ -109,8 +109,9 @@ class Linearization:
         another one is added, which therefore gains more in a refit than beside errors of this size.
         """
         if exactly:
-            _, own, errors = _columns_and_equations(self)
-            return self.equations(additions).without(range(len(own.target) - errors, len(own.target)))
+            _, contained, errors = _columns_and_equations(self)
+            end = len(contained.target)
+            return self.equations(additions).without(range(end - errors, end))
         if not additions:
             return self._own_equations
         base = self._own_equations

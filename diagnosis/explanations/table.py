@@ -1,4 +1,9 @@
-"""The explanations that were compared under one noise, as a value, and their probabilities."""
+"""The explanations that were compared under one noise, as a value, and their probabilities.
+
+The evidence of an explanation decides between two by chance if both predict a recording equally well. As in a bagged
+posterior (Huggins and Miller, Bayesian Analysis 18, 2023), probabilities are therefore averaged over recordings without
+a part of the blocks of time. The columns of the refits serve for all of them.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...numerics.ties import graded
-from ..thresholds import EFFECT_ODDS, REFIT_MARGIN
+from ..thresholds import EFFECT_ODDS, FOLDS, REFIT_MARGIN
 from .answer import percent
 from .evidence import caution, inflation
 from .explanation import Explanation
@@ -42,8 +47,12 @@ class Table:
         Of those that do not lead, computed forces are freed.
         """
         parts, before = refit.explanation.parts, self.leader if self.refits else refit
-        known = self.refits.get(parts)
-        table = self if known and known.score >= refit.score else replace(self, refits={**self.refits, parts: refit})
+        before_it = self.refits.get(parts)
+        table = (
+            self
+            if before_it and before_it.score >= refit.score
+            else replace(self, refits={**self.refits, parts: refit})
+        )
         for other in (before, refit):
             if other.linear.simulator is not table.leader.linear.simulator:
                 other.linear.simulator.forget()
@@ -131,3 +140,41 @@ class Table:
         core = [refit.linear.simulator.index[name] for name in self.shared.free]
         moved[core] = self.absent[core]
         return moved
+
+
+def fold_evidences(table: Table) -> dict[Parts, FloatArray]:
+    """Return the scores that make the probabilities, without each fold of the blocks, shape (`FOLDS`,).
+
+    Explanations with little probability differ from the leading one as on all rows.
+    """
+    divided = table.divided()
+    best = max(divided.values())
+    leading = table.leader.explanation.parts
+    chosen = [parts for parts in table.refits if divided[parts] > best + 2.0 * REFIT_MARGIN or parts == leading]
+    factor = caution(table.explained)
+    change = {}
+    for parts in chosen:
+        table.shared.budget.check()
+        refit = table.refits[parts]
+        change[parts] = (without_folds(refit.linear) - refit.evidence) / factor
+        refit.linear.simulator.forget()
+    return {parts: divided[parts] + change.get(parts, change[leading]) for parts in divided}
+
+
+def without_folds(linear: Linearization) -> FloatArray:
+    """Return the logarithm of the evidence of an explanation without each fold of the blocks, shape (`FOLDS`,).
+
+    The rows that remain count as often as makes them as many as all.
+    """
+    signals, equations = linear.simulator.signals, linear.equations()
+    blocks = np.unique(signals.block)
+    fold = (np.random.default_rng(0).permutation(len(blocks)) % FOLDS)[np.searchsorted(blocks, signals.block)]
+    parts = [linear.products(np.flatnonzero(fold == k)) for k in range(FOLDS)]
+    whole, times = np.sum(parts, axis=0), FOLDS / (FOLDS - 1.0)
+    evidences = []
+    for part in parts:
+        rest = times * (whole - part)
+        of_priors = equations.power - whole[-1, -1]
+        fewer = replace(equations, matrix=rest[:-1, :-1], target=rest[:-1, -1], power=rest[-1, -1] + of_priors)
+        evidences.append(fewer.solved()[1])
+    return np.array(evidences)

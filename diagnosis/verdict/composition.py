@@ -44,7 +44,7 @@ from .fit_error import (
     without_skew,
 )
 from .improved_tire import tire_of
-from .residual_location import residual_maps, time_course
+from .residual_location import residual_maps, scale_errors, time_course
 from .result import NO_FORM, Diagnosis
 from .verdict import verdict_sentences
 
@@ -103,7 +103,7 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
     against, final = delivery.against, delivery.final
     where_after = residual_maps(final)
     after = {name: errors["after"] for name, errors in delivery.errors["train"].items()}
-    adequacy = adequacies(after, delivery.floors, where_after)
+    adequacy = adequacies(after, delivery.floors, where_after, scale_errors(final))
     unknown = _unknown(fits, adequacy, delivered=not against)
     lacking = {name: candidate for name, candidate in outcome.candidates.items() if name not in fits.effects}
     tested = tried(fits.after, lacking)
@@ -207,7 +207,7 @@ def _next_measurements(
 ) -> tuple[str, ...]:  # fmt: skip
     """Return the measurements that separate confounded explanations, and that determine unexplained structure."""
     detections = outcome.final.start.symbolic_model.detections
-    pairs = [pair for known in one_of for pair in combinations(known.effects, 2)]
+    pairs = [pair for alternatives in one_of for pair in combinations(alternatives.effects, 2)]
     pairs += [(name, other) for name, others in confounded.items() for other in others]
     separating = [separating_measurement(*pair, detections) for pair in pairs]
     return tuple(dict.fromkeys([*separating, *(part.next_measurement for part in unknown if part.next_measurement)]))

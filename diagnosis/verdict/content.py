@@ -62,6 +62,9 @@ class AdequacyContent(TypedDict):
     adequate: bool | None
     where: str
     memory: bool
+    of_inputs: Annotated[float, "part of the residual that follows the recorded inputs"]
+    of_past: Annotated[float, "part of the residual that follows the direction of slip or slow time"]
+    lacks: Annotated[str, "where the tire gives too much or too little, in words, or empty"]
 
 
 class ExtrapolationContent(TypedDict):

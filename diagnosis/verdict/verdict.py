@@ -56,9 +56,11 @@ def headline_text(
     >>> headline_text((), (), True, True)
     'Best explanation so far: no effect is identified as missing'
     """
-    in_class = {name for known in one_of for name in known.effects}
+    in_class = {name for alternatives in one_of for name in alternatives.effects}
     names = [finding.effect for finding in findings if finding.probability >= 0.5 and finding.effect != "UNKNOWN"]
-    missing = [name for name in names if name not in in_class] + [" or ".join(known.effects) for known in one_of]
+    missing = [name for name in names if name not in in_class] + [
+        " or ".join(alternatives.effects) for alternatives in one_of
+    ]
     red = [rated.channel for rated in adequacy if rated.rating == "red"]
     parts = [f"missing: {', '.join(missing)}"] if missing else []
     if any(finding.effect == "UNKNOWN" and finding.probability >= 0.5 for finding in findings):
@@ -80,14 +82,14 @@ def _missing(
 ) -> list[str]:  # fmt: skip
     """Return the sentences on effects that are more probable than not, and on others of the improved tire."""
     missing, uncertain = list[str](), list[str]()
-    in_class = {name: known for known in one_of for name in known.effects}
+    in_class = {name: alternatives for alternatives in one_of for name in alternatives.effects}
     for finding in findings:
         if finding.effect in in_class:
-            known = in_class[finding.effect]
+            alternatives = in_class[finding.effect]
             bounds = f"; at its bound: {', '.join(finding.at_bounds)}" if finding.at_bounds else ""
             missing.append(
-                f"{' or '.join(known.effects)} (one of them: probability {percent(known.probability)}; the improved "
-                f"tire has {finding.effect}, the simplest{bounds})"
+                f"{' or '.join(alternatives.effects)} (one of them: probability {percent(alternatives.probability)}; "
+                f"the improved tire has {finding.effect}, the simplest{bounds})"
             )
             continue
         certain = missing if finding.probability >= 0.5 else uncertain

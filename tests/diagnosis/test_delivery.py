@@ -161,16 +161,18 @@ def test_the_density_is_that_of_the_residual_of_the_fitted_rows():
 
 def test_a_residual_far_above_the_floor_is_inadequate():
     floors = {"Fx": NoiseFloor(10.0, 10.0), "Fy": NoiseFloor(19.0, 10.0)}
-    fx, fy = adequacies({"Fx": 12.0, "Fy": 20.0}, floors, [])
+    fx, fy = adequacies({"Fx": 12.0, "Fy": 20.0}, floors, [], {"Fy": "the tire gives 9 % too little Fy"})
     assert (fx.adequate, fx.memory) == (True, False)
     assert (fy.adequate, fy.memory, fy.rating) == (False, True, "red")
-    assert "history" in str(fy)
+    parts = fx.of_inputs**2 + fx.of_past**2 + fx.floor**2, fy.of_inputs**2 + fy.of_past**2 + fy.floor**2
+    assert parts == pytest.approx((12.0**2, 20.0**2))
+    assert "16.2 N time or the past; the tire gives 9 % too little Fy" in str(fy)
     assert Adequacy("Fx", 10.0, 10.0, "", (), False).rating == "green"
     unknown = Adequacy("Fx", 10.0, np.nan, "", (), False)
     assert (unknown.adequate, unknown.rating) == (None, "amber")
     assert Adequacy("Fx", 10.0, 0.0, "", (), False).adequate is False
     numbers = NoiseFloor(np.float64(19.0), np.float64(10.0))  # of NumPy, as computations return them
-    (fy,) = adequacies({"Fy": np.float64(20.0)}, {"Fy": numbers}, [])
+    (fy,) = adequacies({"Fy": np.float64(20.0)}, {"Fy": numbers}, [], {})
     assert (fy.adequate, fy.memory, fy.rating) == (False, True, "red")
 
 
