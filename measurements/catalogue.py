@@ -28,7 +28,7 @@ def columns() -> list[dict[str, Any]]:
         {
             "name": channel.name,
             "meaning": channel.meaning,
-            "role": channel.role,
+            "role": "output" if channel.role == "output" else "input",
             "unit": channel.unit,
             "units": list(UNITS_OF_TABLES.get(channel.quantity, ())),
             "ttc": list(channel.bench_names),

@@ -101,8 +101,8 @@ def possible_range(tire: TireDefinition, name: str) -> tuple[float, float]:
     """
     if name not in CHANNELS:
         return -math.inf, math.inf
-    own = {"alpha": (-math.pi, math.pi), "Fz": (0.0, load_limit(tire)), "p": (SMALLEST_PRESSURE, math.inf)}
-    return own.get(name, CHANNELS[name].limits)
+    wider = {"alpha": (-math.pi, math.pi), "Fz": (0.0, load_limit(tire)), "p": (SMALLEST_PRESSURE, math.inf)}
+    return wider.get(name, CHANNELS[name].limits)
 
 
 def checked_inputs(tire: TireDefinition, inputs: Mapping[str, Any]) -> dict[str, FloatArray]:

@@ -30,7 +30,7 @@ def lacked(rules: Host, model: str) -> tuple[str, ...]:
     Not relaxation lengths: a host computes transient slip in its own way.
     """
     declared, relaxation = MODELS[model].coefficients, MODELS[model].motion.relaxation
-    unpublished = [name for name, one in declared.items() if not one.published and name not in relaxation]
+    unpublished = [name for name in declared if not declared[name].published and name not in relaxation]
     return (*rules.dialects[model].lacking, *unpublished)
 
 

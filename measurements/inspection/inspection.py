@@ -248,7 +248,7 @@ def _channel(recording: Recording, name: str) -> ChannelSummary:
     low, middle, high = (float(v) for v in np.quantile(values, (0.0, 0.5, 1.0))) if len(values) else (np.nan,) * 3
     in_file = name in recording.about.get("declared", "").split()
     reason = "declared in the file" if in_file else recording.about.get("units") or "SI, as no unit is declared"
-    levels = held_levels(column) if declared.role == "input" and name not in ("t", "T") else []
+    levels = held_levels(column) if declared.role != "output" and name not in ("t", "T") else []
     return ChannelSummary(
         name, declared.meaning, declared.unit, reason, len(values), len(column) - len(values), low + 0.0,
         middle + 0.0, high + 0.0, tuple(level + 0.0 for level in levels),

@@ -8,7 +8,7 @@ from itertools import groupby
 import numpy as np
 
 from ...drawing.labels import drawn_unit, drawn_value, per_si
-from ...symbolic.channels import CHANNELS
+from ...symbolic.channels import CHANNELS, CONTROLLED_INPUTS
 from ..checks.columns.meanings import ASSUMPTIONS
 from ..checks.rows.row_exclusion import EXCLUSION_REASONS
 from .inspection import Inspection, SweepSummary
@@ -62,7 +62,7 @@ def channel_table(inspection: Inspection) -> Table:
         name = channel.name
         values = [_number(name, value) for value in (channel.lowest, channel.median, channel.highest)]
         levels = ", ".join(_number(name, level) for level in channel.levels)
-        swept = "swept" if CHANNELS[name].controlled else ""
+        swept = "swept" if name in CONTROLLED_INPUTS else ""
         counts = [str(channel.rows), str(channel.missing)]
         rows.append([name, drawn_unit(name), *counts, *values, levels or swept])
     return header, rows

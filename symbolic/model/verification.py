@@ -60,7 +60,7 @@ def _check_coefficients(model: Model) -> None:
     for name, declaration in model.coefficients.items():
         if declaration.default != declaration.default:
             raise ModelError(f"{model.name}: coefficient {name} has neither a neutral value nor a start")
-    for name, declaration in ((name, one) for section in model.sections for name, one in section.coefficients.items()):
+    for name, declaration in (item for section in model.sections for item in section.coefficients.items()):
         _check_declaration(model, name, declaration)
     named = [(f"role {role}", name) for role, declared in model.roles.items() for name in declared.coefficients]
     named += [("the baseline", name) for name in model.baseline.coefficients]
