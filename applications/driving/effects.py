@@ -159,8 +159,8 @@ def effect_columns(
 def _idle(tire: Tire) -> frozenset[str]:
     """Return the effects of a tire that do not act on its side force: it lacks them as if it did not have them."""
     declared = tire.symbolic_model.coefficients
-    acting = {name for name, one in declared.items() if one.neutral is not None and tire.values[name] != one.neutral}
-    of_side_force = {name for name, one in declared.items() if "Fy" in (one.channels or ("Fy",))}
+    acting = {name for name, entry in declared.items() if entry.neutral not in (None, tire.values[name])}
+    of_side_force = {name for name, entry in declared.items() if "Fy" in (entry.channels or ("Fy",))}
     owned = {name: tire.symbolic_model.owned(name) & of_side_force for name in tire.has}
     return frozenset(name for name, keys in owned.items() if keys and not keys & acting)
 

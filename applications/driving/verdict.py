@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
@@ -65,21 +66,20 @@ class EffectFinding:
 class DriveVerdict:
     """The verdict.
 
-    - `tires`: findings. `car`: entries that contradict the car file; `contradiction`: all of them together. `effect`:
-      that the new tires have. `left_out`: how the tires predict, None for a drive too short for that.
+    - `car`: entries that contradict the car file; `contradiction`: all of them together. `left_out`: how the tires
+      predict, None for a drive too short for that.
     - `better`: whether something was found of the tires, and they predict better.
-    - `effects`: of the library, likely ones first; `lacking`: the probability that the tires lack any of them.
     - `unknown`: axles whose side force the tires do not explain.
     - `lines`: the verdict in words.
     """
 
-    tires: tuple[TireDifference, ...]
+    tires: Annotated[tuple[TireDifference, ...], "differences of the tires"]
     car: tuple[CarFinding, ...]
     contradiction: Contradiction
     left_out: LeftOut | None
-    effect: str | None
-    effects: tuple[EffectFinding, ...]
-    lacking: float
+    effect: Annotated[str | None, "of the library, that the new tires have"]
+    effects: Annotated[tuple[EffectFinding, ...], "of the library, likely ones first"]
+    lacking: Annotated[float, "probability that the tires lack an effect of the library"]
     unknown: tuple[str, ...]
     lines: tuple[str, ...]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -30,17 +31,18 @@ class Contradiction:
 
     - `deviation`: chi-squared: squares of the deviations of independent combinations of entries, over the variances
       that they have if the file is right. `degrees_of_freedom`: their number.
-    - `p`: probability of a larger deviation if the file is right. `converged`: whether the estimate did.
-    - `unless`: effects of the library with which the car agrees with its file, if the tires lack one.
+    - `converged`: whether the estimate did.
     - `explained`: whether another car would explain the drive: no side forces remain, and tires explain no more.
     """
 
-    deviation: float
+    JSON_KEYS: ClassVar = ("deviation", "degrees_of_freedom", "p", "explained", "unless")
+
+    deviation: Annotated[float, "chi-squared"]
     degrees_of_freedom: int
-    p: float
+    p: Annotated[float, "probability of a larger deviation if the file is right"]
     converged: bool
-    unless: tuple[str, ...] = ()
-    explained: bool = True
+    unless: Annotated[tuple[str, ...], "effects with which the car agrees with its file, if the tires lack one"] = ()
+    explained: Annotated[bool, "whether another car would explain the drive"] = True
 
     @property
     def certain(self) -> bool:

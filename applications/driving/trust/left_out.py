@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -37,15 +38,16 @@ MOST = 2.0
 class LeftOut:
     """Errors of the simulated car in the parts that were left out of its estimate.
 
-    - `before`, `after`: rms of yaw rate, ay and lateral speed, with the given and with the new tires.
+    - `before`, `after`: rms of yaw rate, ay and lateral speed.
     - `parts`: first and last time of each part, s, and the rms of the error of the yaw rate, rad/s, before and after.
-    - `better`: whether the new tires are better, beyond the scatter over the parts.
     """
 
-    before: Mapping[str, float]
-    after: Mapping[str, float]
+    JSON_KEYS: ClassVar = ("before", "after", "better")
+
+    before: Annotated[Mapping[str, float], "tires as given"]
+    after: Annotated[Mapping[str, float], "new tires"]
     parts: tuple[tuple[float, float, float, float], ...]
-    better: bool
+    better: Annotated[bool, "whether the new tires are better, beyond the scatter over the parts"]
 
 
 @dataclass(frozen=True)
