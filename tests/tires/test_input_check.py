@@ -9,6 +9,7 @@ import pytest
 from tirefmu import draw, evaluate
 from tirefmu.boundary.errors import DataError, TirefmuError, TirefmuWarning, WrongType
 from tirefmu.measurements import Recording
+from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.tires import published
 
 TIRE = published("trento_hoosier").in_signs("iso")
@@ -169,3 +170,10 @@ def test_an_input_under_another_name_is_not_ignored(name):
         TIRE.evaluate(pd.DataFrame({name: [5.0], "Fz": 900.0}))
     TIRE.evaluate(pd.DataFrame({name: [5.0], "alpha": 0.1, "Fz": 900.0}))
     TIRE.evaluate(TIRE.evaluate(pd.DataFrame({"alpha": [0.1], "Fz": 900.0})))  # quantities are no inputs
+
+
+def test_a_time_is_no_temperature():
+    tire = with_library(TIRE)
+    assert "T" in tire.inputs
+    recording = tire.evaluate(pd.DataFrame({"t": [0.0, 0.1], "alpha": 0.1, "Fz": 900.0}))
+    np.testing.assert_array_equal(recording["t"], [0.0, 0.1])
