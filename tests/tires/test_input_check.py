@@ -8,8 +8,8 @@ import pytest
 
 from tirefmu import draw, evaluate
 from tirefmu.boundary.errors import DataError, TirefmuError, TirefmuWarning, WrongType
-from tirefmu.measurements import Recording
 from tirefmu.diagnosis.diagnose import with_library
+from tirefmu.measurements import Recording
 from tirefmu.tires import published
 
 TIRE = published("trento_hoosier").in_signs("iso")
