@@ -69,8 +69,9 @@ class SignedTable(Protocol):
 #: Loads above this multiple of a tire's largest load are refused. Judgement: an impact reaches several times the static
 #: load, and the polynomials of the load change the sign of the friction within this multiple.
 FAR_LOAD = 5.0
-#: Share of a tire's largest load. If no load is above it, the loads are probably in kN.
-KILONEWTON = 1e-3
+#: Shares of a tire's largest and of its nominal load. If all loads are below both, they are probably in kN; the
+#: tire of a model car has a nominal load of some N.
+KILONEWTON, MINOR = 1e-3, 0.1
 #: The largest load of a tire without a stated range, as a multiple of its nominal load: the Trento tire has 220 N for
 #: loads up to 1220 N.
 NOMINAL_SHARE = 5.0
@@ -241,7 +242,9 @@ def _warn_of_unit(tire: TireDefinition, name: str, values: FloatArray) -> None:
     if (
         name == "Fz"
         and values.size
-        and 0.0 < np.nanmax(np.abs(values), initial=0.0) <= KILONEWTON * _largest_load(tire)
+        and 0.0
+        < np.nanmax(np.abs(values), initial=0.0)
+        <= min(KILONEWTON * _largest_load(tire), MINOR * tire.values["FNOMIN"])
     ):
         sentence = f"Fz {_extent(values)} is nearly no load for this tire: it is in N (in kN? 1 kN is 1000)"
         warnings.warn(sentence, TirefmuWarning, stacklevel=4)

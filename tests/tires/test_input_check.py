@@ -162,6 +162,8 @@ def test_loads_that_are_probably_in_kilonewton_are_evaluated_with_a_warning(load
         TIRE.forces(alpha=0.1, Fz=loads)
     TIRE.forces(alpha=0.1, Fz=[0.0, 5.0])
     TIRE.forces(alpha=0.1, Fz=0.0)
+    of_model_car = TIRE.with_values(FNOMIN=0.004 * TIRE.values["FNOMIN"])
+    of_model_car.forces(alpha=0.1, Fz=[0.5, 1.0])
 
 
 @pytest.mark.parametrize("name", ["SA", "Alpha", "alpha_deg", "slip_angle", "Slip Angle", "alpha (deg)"])
