@@ -9,7 +9,7 @@
 #            An estimator of friction or stiffness takes the jump for another tire: the curves of a Magic Formula that is
 #            fitted to a drive differ from those of the car by 8 %, and by 3 % without the shifts.
 # Source:    commonroad-vehicle-models 3.0.2 on PyPI (vehiclemodels/utils/tire_model.py), run on 2026-11-28; the formulas are
-#            4.E27 to 4.E30 in Pacejka, Tire and Vehicle Dynamics, 3rd edition.
+#            4.E27 to 4.E29 in Pacejka, Tire and Vehicle Dynamics, 3rd edition.
 # Guess written down before: a jump of both shifts, which add to 9 % of the load; they have opposite signs.
 set -euo pipefail
 folder=$(mktemp -d)
