@@ -65,6 +65,7 @@ def batch(jobs, tmp_path_factory):
     return found
 
 
+@pytest.mark.slow
 def test_the_tires_are_those_of_single_fits(jobs, batch):
     """In another process: this one compiles without optimization, which changes the last digits."""
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as other:

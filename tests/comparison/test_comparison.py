@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.hostile import HOSTILE, Skeleton
+from tests.hostile import EACH_PAGE, Skeleton
 from tirefmu import compare
 from tirefmu.applications.comparison.figures import comparison_figures, write_comparison
 from tirefmu.applications.comparison.sweeps import sweeps
@@ -137,7 +137,7 @@ def test_one_figure_has_one_pressure_and_one_curve_for_each_load(new, bench):
     assert set().union(*(condition.rows["p"] for condition in found)) == {83e3, 83.5e3}
 
 
-@pytest.mark.parametrize("text", HOSTILE)
+@pytest.mark.parametrize("text", EACH_PAGE)
 def test_texts_do_not_change_the_page(old, new, bench, tmp_path, monkeypatch, text):
     monkeypatch.setattr("tirefmu.applications.comparison.figures.comparison_figures", lambda *_: [])
 

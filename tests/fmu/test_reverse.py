@@ -14,7 +14,7 @@ import pytest
 from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.symbolic.models import MODELS
 
-from ..relatives import is_slow, slow_relatives
+from ..relatives import slow_but, slow_relatives
 from .conftest import OK, Host
 
 #: Effects that make a force or a moment without slip, or distinguish the signs of a slip; coefficients of other ones.
@@ -32,8 +32,11 @@ SLIPS = (-1.0, -0.1, -0.05, 0.05, 0.3, 1.5)
 MOTIONS = [(V_x, share * V_x, slip) for V_x in SPEEDS for share in ACROSS for slip in SLIPS]
 with_speed = pytest.mark.parametrize(
     ("model", "inputs"),
-    [pytest.param(name, kind, marks=pytest.mark.slow if is_slow(name) else ()) for name, model in MODELS.items()
-     for kind in KINDS if kind != "slip" or "V" in {quantity.name for quantity in model.inputs}],
+    slow_but(
+        [("mf61", "slip"), ("mf61", "hub"), ("brush", "wheel"), ("fiala", "slip")],
+        [(name, kind) for name, model in MODELS.items()
+         for kind in KINDS if kind != "slip" or "V" in {quantity.name for quantity in model.inputs}],
+    ),
 )  # fmt: skip
 
 

@@ -34,6 +34,7 @@ def tirefmu(folder, *arguments, package=None):
     return subprocess.run(command, capture_output=True, text=True, cwd=folder, env=environment)
 
 
+@pytest.mark.slow
 def test_what_packages_add_is_listed_and_absent_without_them(installed, tmp_path):
     program = "from tirefmu.commands.cli import main; main(['effects']), main(['models'])"
     for package, listed in ((str(installed), True), ("", False)):
