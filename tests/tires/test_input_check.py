@@ -9,7 +9,7 @@ import pytest
 from tirefmu import draw, evaluate
 from tirefmu.boundary.errors import DataError, TirefmuError, TirefmuWarning, WrongType
 from tirefmu.measurements import Recording
-from tirefmu.tires import published
+from tirefmu.tires import Tire, published
 
 TIRE = published("trento_hoosier").in_signs("iso")
 MANY = np.linspace(-1.0, 1.0, 49)
@@ -169,3 +169,9 @@ def test_an_input_under_another_name_is_not_ignored(name):
         TIRE.evaluate(pd.DataFrame({name: [5.0], "Fz": 900.0}))
     TIRE.evaluate(pd.DataFrame({name: [5.0], "alpha": 0.1, "Fz": 900.0}))
     TIRE.evaluate(TIRE.evaluate(pd.DataFrame({"alpha": [0.1], "Fz": 900.0})))  # quantities are no inputs
+
+
+def test_time_is_no_temperature():
+    warm = Tire("mf96", TIRE.values, effects=TIRE.has | {"temp_friction"})
+    assert "T" in warm.inputs
+    warm.evaluate(pd.DataFrame({"t": [0.0, 1.0], "alpha": 0.1, "Fz": 900.0}))
