@@ -188,7 +188,8 @@ def _check_headers(rows: pd.DataFrame, source: str, read: Collection[str]) -> No
             continue
         head = _HEAD.match(column)
         written = head[1] if head else column
-        meant = _BENCH_NAMES.get(written) or _ALIASES.get(written.casefold().replace(" ", "_"))
+        other = _BENCH_NAMES.get(written) or _ALIASES.get(written.casefold().replace(" ", "_"))
+        meant = written if written in TABLE_INPUTS else other
         if meant in read and meant not in rows:
             raise DataError(
                 f"{source}: column {quoted(column)} is not {meant}: the columns are in SI units and have plain names "
