@@ -195,13 +195,13 @@ def _behaviour(tire: Tire) -> Iterator[Doubt]:
     """Yield doubts about the signs of friction and slip stiffness over the range of loads, in adapted SAE."""
     load, model = loads(tire), tire.symbolic_model
     names = [model.quantity(f"{role}_{axis}") for axis in "xy" for role in ("friction", "stiffness")]
-    known = set[str]()
+    named = set[str]()
     for held in ({}, *_ends_of_other_inputs(tire)):
         computed = quantities(tire, {"Fz": load, **held})
-        doubts = [doubt for name in names if name and name not in known for doubt in _sign(name, computed[name], load)]
+        doubts = [doubt for name in names if name and name not in named for doubt in _sign(name, computed[name], load)]
         at = "".join(f", {name} = {value:.4g}" for name, value in held.items())
         yield from (replace(doubt, reason=doubt.reason + at) for doubt in doubts)
-        known |= {doubt.name for doubt in doubts}
+        named |= {doubt.name for doubt in doubts}
     computed = quantities(tire, {"Fz": load})
     for axis in ("x", "y"):
         friction = model.quantity(f"friction_{axis}")
@@ -251,7 +251,7 @@ def _forces(tire: Tire) -> Iterator[Doubt]:
     """Yield doubts about the size of forces and moments over loads, slips and camber, in adapted SAE."""
     load, radius = loads(tire), tire.values["UNLOADED_RADIUS"]
     straight = [{}, *(held for held in _ends_of_other_inputs(tire) if "gamma" in held)]
-    found: dict[str, Doubt] = {}
+    doubts: dict[str, Doubt] = {}
     for held in straight:
         computed = forces(tire, {"Fz": load, **held})
         for name in computed:
@@ -261,7 +261,7 @@ def _forces(tire: Tire) -> Iterator[Doubt]:
             low = LEAST_RESISTANCE if name == "My" else -most
             at = "".join(f", {other} = {value:.3g}" for other, value in held.items())
             for doubt in _outside(name, computed[name], load, (low, most), size):
-                found.setdefault(name, replace(doubt, reason=f"{doubt.reason}{at}, without slip"))
+                doubts.setdefault(name, replace(doubt, reason=f"{doubt.reason}{at}, without slip"))
     slips, shape = _slips(tire), (-1, 1, 1)
     inputs = {"Fz": load.reshape(shape), "kappa": slips["kappa"][:, None], "alpha": slips["alpha"]}
     computed = forces(tire, inputs)
@@ -269,13 +269,13 @@ def _forces(tire: Tire) -> Iterator[Doubt]:
         size = load * (radius if name.startswith("M") else 1.0)
         largest = np.abs(computed[name]).max(axis=(1, 2))
         for doubt in _outside(name, largest, load, (0.0, FORCES[name][2]), size):
-            found.setdefault(name, replace(doubt, reason=f"{doubt.reason}, over both slips"))
+            doubts.setdefault(name, replace(doubt, reason=f"{doubt.reason}, over both slips"))
     middle = len(slips["alpha"]) // 2
     of_kappa = np.abs(computed["Fy"][:, :, middle]).max(axis=1)
     for doubt in _outside("Fy", of_kappa, load, (0.0, SIDE_FORCE_OF_KAPPA), load):
-        found.setdefault("Fy", replace(doubt, reason=f"{doubt.reason}, by kappa alone"))
-    yield from found.values()
-    if not found and tire.symbolic_model.quantity("weighting_y"):
+        doubts.setdefault("Fy", replace(doubt, reason=f"{doubt.reason}, by kappa alone"))
+    yield from doubts.values()
+    if not doubts and tire.symbolic_model.quantity("weighting_y"):
         yield from _ellipse(tire, computed["Fx"], computed["Fy"], slips)
 
 

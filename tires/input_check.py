@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from ..boundary.errors import DataError, TirefmuError, TirefmuWarning, UnknownName, WrongType
 from ..boundary.escaping import quoted
-from .channels import CHANNELS
+from ..symbolic.channels import CHANNELS
 from .definition import TireDefinition
 from .signs import TABLE_INPUTS, convert_signs
 
@@ -95,8 +95,8 @@ def possible_range(tire: TireDefinition, name: str) -> tuple[float, float]:
     """
     if name not in CHANNELS:
         return -math.inf, math.inf
-    own = {"alpha": (-math.pi, math.pi), "Fz": (0.0, load_limit(tire)), "p": (SMALLEST_PRESSURE, math.inf)}
-    return own.get(name, CHANNELS[name].limits)
+    wider = {"alpha": (-math.pi, math.pi), "Fz": (0.0, load_limit(tire)), "p": (SMALLEST_PRESSURE, math.inf)}
+    return wider.get(name, CHANNELS[name].limits)
 
 
 def checked_inputs(tire: TireDefinition, inputs: Mapping[str, Any]) -> dict[str, FloatArray]:

@@ -19,7 +19,7 @@ from ...symbolic.models import MODELS
 from ...tires import Tire, TireLike, tire_from, write_tir
 from ...tires.definition import RANGES
 from .dialects import Host
-from .lacking import acting, nearest
+from .lacking import acting, lacked, nearest
 from .lint import LintMessage, host_messages, host_named, lost_effects
 
 #: Typical dimensions where a model has none, as shares of the unloaded radius; hosts draw the tire and do not compute
@@ -108,7 +108,7 @@ def convert(tire: TireLike, path: str | Path, host: str, model: str | None = Non
     chosen = model or (whole.model if whole.model in rules.dialects else next(iter(rules.dialects)))
     if chosen not in rules.dialects:
         raise TirefmuError(f"{rules.title} has no {chosen}: choose from {', '.join(rules.dialects)}")
-    lacking = rules.dialects[chosen].lacking
+    lacking = lacked(rules, chosen)
     plain = without_added(whole)
     table = _operating_range(whole)
     forces = whole.evaluate(table, steady=True)

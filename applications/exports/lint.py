@@ -14,7 +14,7 @@ from ...tires import Tire
 from ...tires.implausible import Doubt, implausible
 from ...tires.property_file.reading import read_tir_with_notes
 from .dialects import HOSTS, Dialect, Host
-from .lacking import acting
+from .lacking import acting, lacked
 
 #: Sections that other readers skip.
 OWN = "TIREFMU"
@@ -139,7 +139,7 @@ def host_messages(path: str | Path, host: str) -> list[LintMessage]:
     errors = [*_model_errors(entries, rules.dialects[tire.model]), *_unit_errors(entries, rules)]
     errors += [*_layout_errors(text, rules), *_number_errors(tire), *_range_errors(tire, "error")]
     errors += [*_line_end_errors(path, text, rules), *_table_errors(text, rules)]
-    errors += _lacking_errors(entries, tire, rules.dialects[tire.model].lacking)
+    errors += _lacking_errors(entries, tire, lacked(rules, tire.model))
     notes = [*_line_end_notes(path, rules), *lost_effects(tire, rules), *read.disputed, *rules.notes]
     return errors + [LintMessage("note", 0, note) for note in notes]
 

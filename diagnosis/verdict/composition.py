@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from ...measurements import Recording
 from ...numerics.noise_floor import NoiseFloor
 from ...numerics.ties import graded
 from ...tires.tire import Tire
-from ..explanations.answer import Answer
+from ..explanations.answer import Answer, OneOf
 from ..explanations.effect_evidence import Evidence
 from ..explanations.explanation import UNKNOWN
 from ..explanations.final import Final
@@ -31,8 +32,8 @@ from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy, adequacies
 from .delivery import reasons_against
 from .detectability import detectable_sizes
-from .extrapolation import extrapolations
-from .findings import CoefficientInterval, FormCorrection, FoundEffect
+from .extrapolation import Extrapolation, extrapolations
+from .findings import CoefficientInterval, FormCorrection, FoundEffect, Size
 from .fit_error import (
     DeliveredResiduals,
     FitErrors,
@@ -43,8 +44,9 @@ from .fit_error import (
     without_skew,
 )
 from .improved_tire import tire_of
-from .residual_location import residual_maps, time_course
-from .result import NO_FORM, Diagnosis
+from .parts import DiagnosisRun, Identifiability, Improvement, Misfit
+from .residual_location import residual_maps, scale_errors, time_course
+from .result import Diagnosis
 from .verdict import verdict_sentences
 
 FloatArray = npt.NDArray[np.float64]
@@ -102,7 +104,7 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
     against, final = delivery.against, delivery.final
     where_after = residual_maps(final)
     after = {name: errors["after"] for name, errors in delivery.errors["train"].items()}
-    adequacy = adequacies(after, delivery.floors, where_after)
+    adequacy = adequacies(after, delivery.floors, where_after, scale_errors(final))
     unknown = _unknown(fits, adequacy, delivered=not against)
     lacking = {name: candidate for name, candidate in outcome.candidates.items() if name not in fits.effects}
     tested = tried(fits.after, lacking)
@@ -111,9 +113,10 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
     refined = tuple(f"{name}: {', '.join(form.free)}" for name, form in fits.refinements)
     detectable, not_identifiable = detectable_sizes(fits.after, lacking, tested, fits.start)
     of_recording = _recording_errors(outcome, delivery)
+    one_of = outcome.answer.one_of(finding.effect for finding in findings)
     sentences = verdict_sentences(
         findings, unknown, confounded, refined, adequacy, detectable, against, of_recording,
-        stopped=bool(outcome.stopped),
+        one_of=one_of, stopped=bool(outcome.stopped),
     )  # fmt: skip
     form = _form(fits, delivered=not against)
     sentences += [form.sentence] * form.delivered
@@ -121,48 +124,36 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
         sentences[0] = f"Best explanation so far, {outcome.stopped}: {sentences[0]}"
     return Diagnosis(
         sentences=tuple(sentences),
-        stopped=outcome.stopped,
-        form=form,
         found=findings,
         answer=outcome.answer,
         confounded_with=confounded,
-        next_measurement=_next_measurements(outcome, confounded, unknown),
         unknown=unknown,
-        not_identifiable=not_identifiable,
-        refined=refined,
-        gap=delivery.errors,
-        adequacy=adequacy,
-        delivered=not against,
-        not_delivered_because=against,
         evidence=fits.evidence,
-        detectable=detectable,
-        where=residual_maps(fits.before),
-        where_after=where_after,
-        time_course=time_course(fits.before, final),
+        adequacy=adequacy,
         recording=of_recording,
-        extrapolation=extrapolations(
-            fits.after.problem, fits.after.solution, added, {name: _inputs_of(outcome, name) for name in added}
-        ),
-        holdout_rows=tuple(
-            (int(signals.table_rows[first]), int(signals.table_rows[last]))
-            for first, last in signals.holdout_stretches()
-        ),
         base_tire=delivery.base_tire,
         tire=delivery.tire,
         signs=FORMULA_SIGNS,
-        recording_signs=outcome.recording.signs,
-        seconds=time.perf_counter() - began,
-        rows=outcome.recording.table,
+        identifiability=Identifiability(
+            detectable, not_identifiable, _next_measurements(outcome, one_of, confounded, unknown)
+        ),
+        misfit=Misfit(delivery.errors, residual_maps(fits.before), where_after, time_course(fits.before, final)),
+        improvement=Improvement(refined, form, _extrapolations(outcome, added), against),
+        run=DiagnosisRun(
+            outcome.recording.table,
+            outcome.recording.signs,
+            tuple(tuple(signals.table_rows[list(ends)].tolist()) for ends in signals.holdout_stretches()),
+            round(time.perf_counter() - began, 2),
+            outcome.stopped,
+        ),
     )
 
 
 def _form(fits: Final, *, delivered: bool) -> FormCorrection:
     """Return the sizes of the correction of the form by channel."""
     if fits.form is None:
-        return NO_FORM
-    change = zip(fits.after.signals.channels, fits.form.change, strict=True)
-    sizes = {name: (float(np.sqrt(np.mean(row**2))), float(np.abs(row).max())) for name, row in change if np.any(row)}
-    return FormCorrection(sizes, delivered)
+        return FormCorrection({}, False)
+    return FormCorrection(Size.by_channel(fits.after.signals.channels, fits.form.change), delivered)
 
 
 def _added(fits: Final) -> dict[str, tuple[str, ...]]:
@@ -200,13 +191,14 @@ def _delivery(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -
 
 
 def _next_measurements(
-    outcome: DiagnosisOutcome, confounded: Mapping[str, Mapping[str, float]], unknown: tuple[Unknown, ...]
-) -> tuple[str, ...]:
+    outcome: DiagnosisOutcome, one_of: Sequence[OneOf], confounded: Mapping[str, Mapping[str, float]],
+    unknown: tuple[Unknown, ...],
+) -> tuple[str, ...]:  # fmt: skip
     """Return the measurements that separate confounded explanations, and that determine unexplained structure."""
     detections = outcome.final.start.symbolic_model.detections
-    separating = [
-        separating_measurement(name, other, detections) for name, others in confounded.items() for other in others
-    ]
+    pairs = [pair for alternatives in one_of for pair in combinations(alternatives.effects, 2)]
+    pairs += [(name, other) for name, others in confounded.items() for other in others]
+    separating = [separating_measurement(*pair, detections) for pair in pairs]
     return tuple(dict.fromkeys([*separating, *(part.next_measurement for part in unknown if part.next_measurement)]))
 
 
@@ -244,6 +236,11 @@ def _unidentified(adequacy: tuple[Adequacy, ...], fits: Final) -> tuple[Unknown,
     depends_on = tuple(sorted({*worst.over, *(("memory",) if worst.memory else ())}))
     reason = "no effect and no formula explains it"
     return (Unknown(depends_on, "", False, None, reason, "hold or repeat the operating conditions of the residual"),)
+
+
+def _extrapolations(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -> tuple[Extrapolation, ...]:
+    after = outcome.final.after
+    return extrapolations(after.problem, after.solution, added, {name: _inputs_of(outcome, name) for name in added})
 
 
 def _inputs_of(outcome: DiagnosisOutcome, effect: str) -> tuple[str, ...]:
@@ -289,7 +286,6 @@ def _finding(outcome: DiagnosisOutcome, name: str, evidence: Evidence) -> FoundE
         value = float(solution.parameters[problem.simulator.index[coefficient]])
         error = float(errors[solution.free.index(coefficient)]) * quantile
         coefficients[coefficient] = CoefficientInterval(value, value - error, value + error)
-    sizes = zip(outcome.signals.channels, evidence.change, strict=True)
     return FoundEffect(
         name,
         _shown(evidence, fits.after),
@@ -299,7 +295,7 @@ def _finding(outcome: DiagnosisOutcome, name: str, evidence: Evidence) -> FoundE
         evidence.gain_error,
         outcome.answer.probabilities[name],
         _stretches(evidence, outcome.signals),
-        {channel: (float(np.sqrt(np.mean(row**2))), float(np.abs(row).max())) for channel, row in sizes if np.any(row)},
+        Size.by_channel(outcome.signals.channels, evidence.change),
         frozenset(coefficient for coefficient in names if declarations[coefficient].flips),
         problem.at_bounds(solution.parameters, names),
     )

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from tirefmu import compare
-from tirefmu.applications.comparison import comparison_figures
+from tirefmu.applications.comparison.figures import comparison_figures
 from tirefmu.applications.explorer.tire_data import tire_data
 from tirefmu.drawing.style import DOTTED
 from tirefmu.fitting import fit
