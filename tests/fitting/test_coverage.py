@@ -15,6 +15,7 @@ from tirefmu.applications.explorer.tire_data import tire_data
 from tirefmu.drawing.style import DOTTED
 from tirefmu.fitting import fit
 from tirefmu.fitting.reporting import figures_of
+from tirefmu.fitting.reporting.text_tables import short_fit_lines
 from tirefmu.fmu.packaging.export import contents
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire, read_tir
@@ -185,3 +186,7 @@ def test_an_effect_that_does_nothing_is_named():
     )  # fmt: skip
     assert any("relax_mf does nothing" in note for note in result.notes)
     assert not any("load_friction does nothing" in note for note in result.notes)
+    printed = list(short_fit_lines(result, result.verdict))
+    assert [line for line in printed if "does nothing" in str(line)] == [
+        "note: the effect relax_mf does nothing: its coefficients have neutral values"
+    ]
