@@ -52,6 +52,23 @@ def use_notes(tire: TireDefinition) -> tuple[str, ...]:
     return tuple(_notes(tire, entries))
 
 
+def transient_notes(tire: TireDefinition) -> list[str]:
+    """Return a sentence if other programs let the slips of a file lag, by the tens of USE_MODE, and this tire does not.
+
+    >>> from tirefmu.tires import Tire
+    >>> entries = (("MODEL", "USE_MODE", "14"),)
+    >>> transient_notes(Tire("mf61", {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}, other_entries=entries))
+    ['USE_MODE = 14: other programs let the slips lag, this tire does not: it has no effect relax_*']
+    """
+    modes = [value for section, key, value in tire.other_entries if (section, key.upper()) == ("MODEL", "USE_MODE")]
+    numbers = [number for number, _ in map(number_and_rest, modes) if number == number // 1]
+    if tire.lags or not tire.symbolic_model.relaxing_effects or not any(abs(n) // 10 % 10 for n in numbers):
+        return []
+    return [
+        f"USE_MODE = {numbers[0]:g}: other programs let the slips lag, this tire does not: it has no effect relax_*"
+    ]
+
+
 def _notes(tire: TireDefinition, entries: dict[str, str]) -> Iterator[str]:
     if "USE_MODE" in entries and tire.symbolic_model.property_file.fittyp:
         yield from _mode(entries["USE_MODE"])
