@@ -29,9 +29,8 @@ def lacked(rules: Host, model: str) -> tuple[str, ...]:
 
     Not relaxation lengths: a host computes transient slip in its own way.
     """
-    declared, relaxation = MODELS[model].coefficients, MODELS[model].motion.relaxation
-    unpublished = [name for name in declared if not declared[name].published and name not in relaxation]
-    return (*rules.dialects[model].lacking, *unpublished)
+    unpublished = {name for name, declared in MODELS[model].coefficients.items() if not declared.published}
+    return (*rules.dialects[model].lacking, *sorted(unpublished.difference(MODELS[model].motion.relaxation)))
 
 
 def acting(tire: Tire, lacking: Collection[str]) -> list[str]:

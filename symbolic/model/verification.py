@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from math import inf
 
 from ...boundary.errors import ModelError, nearest
 from ...boundary.escaping import excerpt
@@ -60,8 +59,10 @@ def _check_coefficients(model: Model) -> None:
     for name, declaration in model.coefficients.items():
         if declaration.default != declaration.default:
             raise ModelError(f"{model.name}: coefficient {name} has neither a neutral value nor a start")
-    for name, declaration in (item for section in model.sections for item in section.coefficients.items()):
-        _check_declaration(model, name, declaration)
+    of_files = {effect.section for effect in model.added}  # with any text, checked by their reader
+    for section in model.sections:
+        for name, declaration in section.coefficients.items() if section.title not in of_files else ():
+            _check_declaration(model, name, declaration)
     named = [(f"role {role}", name) for role, declared in model.roles.items() for name in declared.coefficients]
     named += [("the baseline", name) for name in model.baseline.coefficients]
     named += [("the relaxation lengths", name) for name in model.motion.relaxation]
@@ -83,9 +84,9 @@ def _check_declaration(model: Model, name: str, declared: Coefficient) -> None:
     if not _DESCRIPTION.match(declared.description):
         begins = "in lower case, or as 'Fy at ...' or 'MF5.2: ...'"
         raise ModelError(f"{where}: the description {excerpt(declared.description, 40)!r} has to begin {begins}")
-    if not -inf < declared.lower <= declared.generic <= declared.upper < inf or declared.lower == declared.upper:
+    if not declared.lower <= declared.generic <= declared.upper or declared.lower == declared.upper:
         bounds = f"{declared.lower:g} to {declared.upper:g}"
-        raise ModelError(f"{where}: the start {declared.generic:g} is not within finite bounds, but {bounds}")
+        raise ModelError(f"{where}: the start {declared.generic:g} is not within its bounds, {bounds}")
 
 
 def _check_quantities(model: Model) -> None:

@@ -1,13 +1,10 @@
 """The declarations agree with the contract. Names that resemble a channel are recognized, others are not."""
 
-import numpy as np
 import pytest
 
 from tirefmu.boundary.errors import UnknownName
 from tirefmu.measurements import CHANNELS, INPUTS, OUTPUTS, channel, to_si
 from tirefmu.measurements.column_names import intended_channel, unit_in_name
-from tirefmu.measurements.files.columns.content import Column, Content
-from tirefmu.measurements.files.ttc_channels import bench_content
 from tirefmu.symbolic import quantities
 from tirefmu.symbolic.declarations import Quantity
 from tirefmu.tires import SIGNS, TABLE_INPUTS, TABLE_OUTPUTS
@@ -39,15 +36,6 @@ def test_a_quantity_of_the_equations_has_the_unit_of_its_channel():
     assert {each.name for each in declared} >= {"kappa", "alpha", "Fz", "T", "Fy"}
     for each in declared:
         assert each.unit.replace("degC", "deg C") == CHANNELS[each.name].unit
-
-
-@pytest.mark.parametrize("name", CHANNELS)
-def test_each_channel_of_a_bench_file_has_a_unit_there(name):
-    declared = CHANNELS[name]
-    if not declared.bench_names:
-        return
-    content = bench_content(Content((Column(declared.bench_names[0], np.ones(3)),)), "B1.mat")
-    assert np.isfinite(to_si([1.0], content.units[name], declared.quantity))
 
 
 def test_no_alias_means_two_channels():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from tirefmu.symbolic.effects import EFFECTS
@@ -24,6 +26,8 @@ def test_every_coefficient_has_a_complete_declaration(model):
     for name, declaration in model.coefficients.items():
         assert declaration.name == name
         assert declaration.unit in UNITS, name
+        assert math.isfinite(declaration.lower), name
+        assert math.isfinite(declaration.upper), name
         assert declaration.section in {section.title for section in model.sections}
         if declaration.neutral is None:
             assert declaration.start is not None, f"{name} has neither a neutral value nor a start"

@@ -102,10 +102,10 @@ def test_a_wrong_declaration_is_named(made, change, message):
     [
         (("Grip on ice",), "the description 'Grip on ice' has to begin in lower case"),
         (("Fun",), "the description 'Fun' has to begin"),
-        (("grip", "1", 1.0, 1.0), "the start 0 is not within finite bounds, but 1 to 1"),
-        (("grip", "1", -1.0, 1.0, 0.0, 9.0), "the start 9 is not within finite bounds, but -1 to 1"),
-        (("MF5.2: grip", "1", -1.0), "the start 0 is not within finite bounds, but -1 to inf"),
+        (("grip", "1", 1.0, 1.0), "the start 0 is not within its bounds, 1 to 1"),
+        (("grip", "1", -1.0, 1.0, 0.0, 9.0), "the start 9 is not within its bounds, -1 to 1"),
         (("Fy at rest", "1", -1.0, 1.0), ""),
+        (("MF5.2: grip", "1", -1.0), ""),
     ],
 )
 def test_a_wrong_coefficient_is_named(made, declared, message):
