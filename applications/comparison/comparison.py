@@ -13,6 +13,7 @@ from ...boundary.escaping import visible
 from ...boundary.named_options import named
 from ...measurements import Recording, TableLike, exclude_rows, recordings_from
 from ...tires import Tire, TireLike, tire_from
+from ...tires.input_check import load_limit
 from ...tires.property_file.names import is_measured, unmeasured_coefficients
 from ...tires.tire_argument import tire_label
 
@@ -102,7 +103,7 @@ class Comparison:
     - `names`: different ones.
     - `effects`: effects of the first tire that the second lacks, and the reverse.
     - `differences`: those of effects that a tire lacks are among them; those that no data determined are last.
-    - `characteristics`: at the nominal load of the first tire.
+    - `characteristics`: at the nominal load of the first tire, or the nearest one within the range of the second.
     """
 
     tires: tuple[Tire, Tire]
@@ -113,7 +114,7 @@ class Comparison:
     errors: tuple[ComparedChannel, ...]
 
     def __repr__(self) -> str:
-        """Return the verdict and the characteristics at the nominal load of the first tire."""
+        """Return the verdict and the characteristics at one load."""
         shown = (
             f"  {c.remark} at {c.load:g} N: {c.first:.4g} and {c.second:.4g} {'' if c.unit == '1' else c.unit}".rstrip()
             for c in self.characteristics
@@ -128,7 +129,12 @@ class Comparison:
             if not changes:
                 return self.counted
             load = self.characteristics[0].load
-            return f"at {load:g} N, {self.names[1]} against {self.names[0]}: {', '.join(changes)}"
+            outside = [
+                f", outside the range of {name}"
+                for name, tire in zip(self.names, self.tires, strict=True)
+                if "Fz" in tire.ranges and not tire.ranges["Fz"][0] <= load <= tire.ranges["Fz"][1]
+            ]
+            return f"at {load:g} N{''.join(outside)}, {self.names[1]} against {self.names[0]}: {', '.join(changes)}"
         closer: dict[str, list[str]] = {}
         for channel in dict.fromkeys(error.channel for error in self.errors):
             closer.setdefault(self._closer(channel), []).append(channel)
@@ -219,7 +225,7 @@ def compare(
 
 def _characteristics(tires: tuple[Tire, Tire], given: tuple[str, str]) -> Iterator[ComparedCharacteristic]:
     first, second = tires
-    load = first.values["FNOMIN"]
+    load = _common_load(first, second)
     tables = [tire.evaluate(pd.DataFrame({"Fz": [load]}), signs="iso", steady=True) for tire in tires]
     for role, title in ROLES.items():
         names = [tire.symbolic_model.quantity(role) for tire in (first, second)]
@@ -233,6 +239,14 @@ def _characteristics(tires: tuple[Tire, Tire], given: tuple[str, str]) -> Iterat
                 values[1],
                 tuple(name for name, tire in zip(given, tires, strict=True) if not is_measured(tire, role)),
             )
+
+
+def _common_load(first: Tire, second: Tire) -> float:
+    """Return the nominal load of the first tire, or the nearest one of the second's range, if the first reaches it."""
+    nominal = first.values["FNOMIN"]
+    low, high = second.ranges.get("Fz", (0.0, load_limit(second)))
+    nearest = max(low, min(nominal, high))
+    return nearest if 0.0 < nearest <= load_limit(first) else nominal
 
 
 def _differences(tires: tuple[Tire, Tire], names: tuple[str, str]) -> list[Difference]:

@@ -39,6 +39,21 @@ def bench(old):
     return VirtualBench(old, Noise.none()).run(concatenate([alpha, kappa_sweeps(LOADS, [0.0, 0.05], sample_rate=8.0)]))
 
 
+@pytest.mark.parametrize(
+    ("ranges", "begin"),
+    [
+        ((100.0, 1000.0), "at 220 N, new against old"),
+        ((60.0, 160.0), "at 160 N, new against old"),
+        ((300.0, 9000.0), "at 300 N, new against old"),
+        ((60.0, 90.0), "at 90 N, outside the range of old, new against old"),
+        ((8000.0, 9000.0), "at 220 N, outside the range of new, new against old"),
+    ],
+)
+def test_quantities_are_compared_at_a_load_of_both_tires(old, new, ranges, begin):
+    result = compare(old, replace(new, ranges={**new.ranges, "Fz": ranges}), names=("old", "new"))
+    assert result.verdict.startswith(begin)
+
+
 def test_differences_are_those_of_the_values(old, new):
     result = compare(old, new, names=("old", "new"))
     iso = old.in_signs("iso").values, new.in_signs("iso").values
