@@ -85,7 +85,8 @@ def diagnose(
         Called with a sentence at each step, and with what leads. If it raises `KeyboardInterrupt` while explanations
         are compared, or Ctrl-C is pressed then, the result is the best explanation so far (`Diagnosis.stopped`).
     time_limit : float, optional
-        Seconds. Explanations that are not compared within 70 % of it are not; the result is marked in the same way.
+        Seconds. Explanations that are not compared within 60 % of it are not; the result is marked in the same way.
+        The final fits end after 85 % of it.
     form : bool
         Whether the improved tire may have a correction of the formula's own form, effect "form".
 
@@ -140,15 +141,15 @@ def diagnose(
 
         def with_final_fits(*, no_formula: str = "", correct_form: bool = form) -> Diagnosis:
             fits = final_fits(
-                comparison, problem, solution, start, report, no_formula=no_formula, correct_form=correct_form
+                comparison, problem, solution, start, budget, no_formula=no_formula, correct_form=correct_form
             )
             outcome = DiagnosisOutcome(recorded_or_read, candidates_tried, fits, comparison.answer, comparison.stopped)
             return composed(outcome, began)
 
         result = with_final_fits()
-        if not result.delivered and result.form.channels:
+        if not result.delivered and result.form.channels and not budget.late:
             result = with_final_fits(correct_form=False)
-        if not result.delivered and any(part.effect for part in result.unknown):
+        if not result.delivered and any(part.effect for part in result.unknown) and not budget.late:
             result = with_final_fits(no_formula=f"with it, {'; '.join(result.not_delivered_because)}")
         return _with_source_of_temperature(result, recording, start, candidates_tried).in_signs("iso")
 

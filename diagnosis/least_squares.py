@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -50,6 +50,7 @@ class LeastSquares:
     - `inverse_noise`, shape (n_channels, n): reciprocal noise standard deviation of each row; 0 for excluded rows.
     - `center`: prior means that differ from the declared default.
     - `whitening`: filter for time-correlated noise; without it, rows are independent.
+    - `stop`: called after each iteration of a fit; True ends it.
     """
 
     simulator: Simulator
@@ -57,6 +58,7 @@ class LeastSquares:
     disturbances: Disturbances
     center: Mapping[str, float]
     whitening: Whitening | None = None
+    stop: Callable[[], bool] = lambda: False
 
     def over(self, simulator: Simulator) -> LeastSquares:
         """Return the problem with another simulator, for the same rows."""
@@ -130,7 +132,9 @@ class LeastSquares:
         lower, upper = subsample.bounds(free)
         projected = _Projected(subsample, start, free)
         first = np.clip(start[projected.indices], lower, upper)
-        end = minimize(projected, first, lower, upper, lambda _, cost: tolerance * cost, DAMPING, steps=iterations)
+        end = minimize(
+            projected, first, lower, upper, lambda _, cost: tolerance * cost, DAMPING, steps=iterations, stop=self.stop
+        )
         return self.at(projected.parameters(end.x), free)
 
     def solve_without(self, solution: Solution, names: Collection[str], *, iterations: int) -> Solution:

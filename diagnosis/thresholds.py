@@ -99,6 +99,8 @@ FORM_ERROR, PAST_ERROR = 0.1, 1.0
 #: Prior standard deviations of the discrepancy of the model, as a share of the forces; the evidence selects one of them
 #: for each channel. Conventions.
 DISCREPANCIES = (0.002, 0.006, 0.02, 0.06)
+#: Number of parts of the recording without each of which the leading explanations are scored. Convention.
+FOLDS = 5
 #: Largest number of effects that are refitted in place of one with which they are confounded. Logarithm of the evidence
 #: relative to the best explanation from which an addition is refitted: a twentieth. Conventions: computing time.
 RIVALS, REFIT_MARGIN = 3, -3.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -35,6 +35,10 @@ class WeightedColumns:
         for (chosen, rows), (others, columns) in zip(self.of_channels, other.of_channels, strict=True):
             products[np.ix_(chosen, others)] += rows.T @ columns
         return products
+
+    def at(self, rows: IntArray) -> WeightedColumns:
+        """Return the columns at some of the rows."""
+        return replace(self, of_channels=tuple((chosen, columns[rows]) for chosen, columns in self.of_channels))
 
     def along(self, weighted: FloatArray) -> FloatArray:
         """Return the products with weighted rows, shape (n_channels, n), shape (number,)."""

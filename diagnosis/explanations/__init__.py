@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 from ...boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
-    from .answer import RankedExplanation, answer_of, percent
+    from .additions import rivals_of
+    from .answer import OneOf, RankedExplanation, answer_of, percent
     from .budget import Budget, Ended
     from .compare import compared
     from .discrepancy import effect_discrepancy, model_discrepancy, smooth_functions
@@ -15,9 +16,9 @@ if TYPE_CHECKING:
     from .explanation import UNKNOWN, Explanation, Term
     from .final import balanced, final_fits
     from .form import FORM, form_effect, form_of
-    from .gains import rivals_of
     from .linearization import Addition, Linearization
     from .refit import shared_problem
+    from .table import without_folds
     from .terms import unknown_terms
 
 __getattr__, __dir__ = on_demand(__name__)

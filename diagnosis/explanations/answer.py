@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from ...numerics.ties import graded
 from .explanation import UNKNOWN
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Probability below which an effect is excluded, and above one minus which it is certain. Convention.
+UNSURE = 0.1
 
 
 @dataclass(frozen=True)
@@ -33,6 +39,22 @@ class RankedExplanation:
     def parts(self) -> tuple[str, ...]:
         """The effects, then `UNKNOWN` if it has an unknown component."""
         return (*self.effects, UNKNOWN) if self.unknown else self.effects
+
+
+@dataclass(frozen=True)
+class OneOf:
+    """Effects of which one is missing; the recording does not tell which.
+
+    Attributes
+    ----------
+    effects : tuple of str
+        In falling order of probability.
+    probability : float
+        Of all explanations that contain exactly one of them, 0 to 1.
+    """
+
+    effects: tuple[str, ...]
+    probability: float
 
 
 @dataclass(frozen=True)
@@ -64,6 +86,36 @@ class Answer:
                 sums[name] += explanation.probability
         return {name: min(value, 1.0) for name, value in sums.items()}  # sums are rounded
 
+    def one_of(self, effects: Iterable[str]) -> tuple[OneOf, ...]:
+        """Return the classes of effects of which one is missing, for each of some effects that is not certain.
+
+        Others are added to an effect while they increase the probability that exactly one is missing.
+
+        >>> answer = answer_of({("conicity",): 2.0, ("plysteer",): 2.0, (): -50.0}, ["conicity", "plysteer"])
+        >>> answer.one_of(["conicity"])
+        (OneOf(effects=('conicity', 'plysteer'), probability=1.0),)
+        """
+        probabilities, classes = self.probabilities, list[OneOf]()
+        unsure = [name for name in self.candidates if UNSURE < probabilities[name] <= 1.0 - UNSURE]
+        for effect in (name for name in effects if name in unsure):
+            if any(effect in alternatives.effects for alternatives in classes):
+                continue
+            members = [effect]
+            while len(members) == 1 or self._exactly_one(members) <= 1.0 - UNSURE:
+                others = [name for name in unsure if name not in members]
+                other = max(others, key=lambda name: graded(self._exactly_one([*members, name])), default="")
+                if not other or self._exactly_one([*members, other]) <= self._exactly_one(members):
+                    break
+                members.append(other)
+            if len(members) > 1 and (share := self._exactly_one(members)) > 1.0 - UNSURE:
+                ordered = sorted(members, key=lambda name: (-graded(probabilities[name]), name))
+                classes.append(OneOf(tuple(ordered), min(share, 1.0)))
+        return tuple(classes)
+
+    def _exactly_one(self, names: Collection[str]) -> float:
+        chosen = set(names)
+        return sum(ranked.probability for ranked in self.explanations if len(chosen.intersection(ranked.effects)) == 1)
+
     @property
     def reported(self) -> tuple[RankedExplanation, ...]:
         """The leading explanations that have at least 99 % together."""
@@ -72,11 +124,14 @@ class Answer:
         return tuple(explanation for explanation, sum_before in leading if sum_before < 0.99)
 
 
-def answer_of(evidences: Mapping[tuple[str, ...], float], candidates: Iterable[str]) -> Answer:
-    """Return the answer from the logarithm of the evidence of each explanation, prior odds included, by its parts."""
-    values = np.array(list(evidences.values()))
-    weights, ranked = np.exp(values - values.max()), list[RankedExplanation]()
-    for parts, weight in zip(evidences, weights / weights.sum(), strict=True):
+def answer_of(evidences: Mapping[tuple[str, ...], float | FloatArray], candidates: Iterable[str]) -> Answer:
+    """Return the answer from the logarithm of the evidence of each explanation, prior odds included, by its parts.
+
+    Arrays have the logarithms on several recordings, over which probabilities are averaged.
+    """
+    values = np.stack([np.atleast_1d(value) for value in evidences.values()])
+    weights, ranked = np.exp(values - values.max(axis=0)), list[RankedExplanation]()
+    for parts, weight in zip(evidences, (weights / weights.sum(axis=0)).mean(axis=1), strict=True):
         effects = tuple(part for part in parts if part != UNKNOWN)
         ranked.append(RankedExplanation(effects, UNKNOWN in parts, float(weight)))
     return Answer(tuple(sorted(ranked, key=lambda explanation: -graded(explanation.probability))), tuple(candidates))
@@ -91,6 +146,6 @@ def percent(probability: float) -> str:
     >>> percent(0.9999), percent(0.625)
     ('over 90 %', '62 %')
     """
-    if not 0.1 <= probability <= 0.9:
+    if not UNSURE <= probability <= 1.0 - UNSURE:
         return "over 90 %" if probability > 0.5 else "under 10 %"
     return f"{100.0 * probability:.0f} %"

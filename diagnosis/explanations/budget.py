@@ -15,9 +15,9 @@ class Ended(Exception):
     """The time of a comparison is over."""
 
 
-#: Share of the time limit within which explanations are compared; final fits, FMUs and the page need the rest.
-#: Convention.
-COMPARING_SHARE = 0.7
+#: Shares of the time limit at whose end explanations are no longer compared, and final fits end; FMUs and the page need
+#: the rest. Conventions.
+COMPARING_SHARE, FITTING_SHARE = 0.6, 0.85
 
 
 @dataclass(eq=False)
@@ -70,5 +70,12 @@ class Budget:
         """Why the comparison has to end; empty while it goes on."""
         if self._interruption.requested:
             return "stopped on request"
-        over = self.seconds and time.monotonic() - self._began > COMPARING_SHARE * self.seconds
-        return f"stopped by the time limit of {self.seconds:g} s" if over else ""
+        return f"stopped by the time limit of {self.seconds:g} s" if self._passed(COMPARING_SHARE) else ""
+
+    @property
+    def late(self) -> bool:
+        """Whether the final fits have to end: what is optional is left out then, fits end after their next step."""
+        return self._passed(FITTING_SHARE)
+
+    def _passed(self, share: float) -> bool:
+        return bool(self.seconds) and time.monotonic() - self._began > share * (self.seconds or 0.0)

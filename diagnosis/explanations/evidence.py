@@ -7,7 +7,7 @@ inference via coarsening, JASA 114, 2019). For Gaussian noise this is a larger v
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,6 +69,14 @@ class NormalEquations:
     power: float
     precision: FloatArray
     gradient: FloatArray
+
+    def without(self, columns: Collection[int]) -> NormalEquations:
+        """Return the equations without some of the columns."""
+        others = np.delete(np.arange(len(self.target)), list(columns))
+        return NormalEquations(
+            self.matrix[np.ix_(others, others)], self.target[others], self.power, self.precision[others],
+            self.gradient[others],
+        )  # fmt: skip
 
     def solved(self) -> tuple[FloatArray, float]:
         """Return the estimate, shape (m,), and the logarithm of the evidence, up to a constant of the recording.

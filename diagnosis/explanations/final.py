@@ -8,7 +8,7 @@ the forces of the fit before.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,6 +28,7 @@ from ..unexplained.formula_proposal import (
     unknown_of,
     with_formula,
 )
+from .budget import Budget
 from .compare import ComparedExplanations
 from .effect_evidence import Evidence, effect_evidence
 from .explanation import Explanation
@@ -80,9 +81,9 @@ class Final:
 
 def final_fits(
     comparison: ComparedExplanations, problem: LeastSquares, baseline: Solution, start: Tire,
-    report: Callable[[str], None], *, no_formula: str = "", correct_form: bool = True,
+    budget: Budget, *, no_formula: str = "", correct_form: bool = True,
 ) -> Final:  # fmt: skip
-    """Return the final fits.
+    """Return the final fits. When the time ends, fits stay where they are, and the form is not corrected.
 
     Parameters
     ----------
@@ -92,8 +93,7 @@ def final_fits(
     baseline : Solution
     start : Tire
         The baseline model with all effects that were tested, switched off.
-    report : callable
-        Called with a sentence.
+    budget : Budget
     no_formula : str
         The reason why the formula of an unknown component may not be added to the model, if any.
     correct_form : bool
@@ -103,7 +103,9 @@ def final_fits(
     disturbances = problem.disturbances.without(linear.unneeded_cross_talk())
     signals = problem.simulator.signals
     aligned = signals.delayed(linear.simulator.signals.skew - signals.skew)
-    problem = replace(problem, disturbances=disturbances).over(problem.simulator.with_signals(aligned))
+    problem = replace(problem, disturbances=disturbances, stop=lambda: budget.late).over(
+        problem.simulator.with_signals(aligned)
+    )
     problem, base = _fitted(driven(problem, baseline), baseline.parameters, baseline.free)
     refinements = linear.needed_refinements()
     extended, solution = problem, base
@@ -111,10 +113,10 @@ def final_fits(
     if freed > set(base.free):
         free = tuple(sorted(freed, key=linear.simulator.names.index))
         extended, solution = _fitted(driven(problem, linear.solution), linear.solution.parameters, free)
-    unknown, added = _unknown(comparison, start, extended, solution, report, no_formula)
+    unknown, added = _unknown(comparison, start, extended, solution, budget, no_formula)
     if added is not None:
         extended, solution, start = added.problem, added.solution, added.tire
-    form = form_of(extended, solution, start) if correct_form else None
+    form = form_of(extended, solution, start) if correct_form and not budget.late else None
     if form is not None:
         extended, solution, start = form.problem, form.solution, form.start
     for _ in range(BALANCING):
@@ -146,7 +148,7 @@ def _fitted(problem: LeastSquares, start: FloatArray, free: Collection[str]) -> 
 
 def _unknown(
     comparison: ComparedExplanations, start: Tire, problem: LeastSquares, solution: Solution,
-    report: Callable[[str], None], no_formula: str,
+    budget: Budget, no_formula: str,
 ) -> tuple[tuple[Unknown, ...], AddedFormula | None]:  # fmt: skip
     """Return the report of the unknown component, and the model with its formula if possible."""
     terms = comparison.leader.explanation.terms
@@ -156,7 +158,7 @@ def _unknown(
         terms[0].location, tuple(term.feature for term in terms), comparison.leader.term_sizes
     )
     effect = effect_of(structure)
-    report("adding the proposed formula to the model equations")
+    budget.report("adding the proposed formula to the model equations")
     added = no_formula or with_formula(structure, effect, start, problem, solution)
     return (unknown_of(structure, effect, added),), added if isinstance(added, AddedFormula) else None
 

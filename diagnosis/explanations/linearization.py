@@ -24,6 +24,7 @@ from .explanation import UNKNOWN, Explanation
 from .terms import FormErrors, form_errors, unknown_terms
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
 
 #: How the names of the terms in the disturbances begin; their numbers follow.
 TERM = "term_"
@@ -101,8 +102,16 @@ class Linearization:
         bounded = self.problem.at_bounds(self.solution.parameters, self.solution.free, neutral=True)
         return tuple(name for name in self.solution.free if name not in bounded)
 
-    def equations(self, additions: Sequence[Addition] = ()) -> NormalEquations:
-        """Return the normal equations of everything that the explanation contains, and of additions."""
+    def equations(self, additions: Sequence[Addition] = (), *, exactly: bool = False) -> NormalEquations:
+        """Return the normal equations of everything that the explanation contains, and of additions.
+
+        `exactly`: without errors of the form of its effects. They are in proportion to effects that become smaller if
+        another one is added, which therefore gains more in a refit than beside errors of this size.
+        """
+        if exactly:
+            _, contained, errors = _columns_and_equations(self)
+            end = len(contained.target)
+            return self.equations(additions).without(range(end - errors, end))
         if not additions:
             return self._own_equations
         base = self._own_equations
@@ -117,6 +126,11 @@ class Linearization:
             matrix, np.append(base.target, cross[-1]), base.power, precision,
             np.append(base.gradient, np.zeros(added.number)),
         )  # fmt: skip
+
+    def products(self, rows: IntArray) -> FloatArray:
+        """Return the cross products of all columns, and of the misfit as the last one, over some of the rows."""
+        whole = joined([self.problem.disturbance_products[0], self._columns]).at(rows)
+        return whole.times(whole)
 
     @property
     def _own_equations(self) -> NormalEquations:
@@ -144,11 +158,11 @@ class Linearization:
         values = solution.parameters[[simulator.index[name] for name in free]]
         bench, of_bench = bench_errors(simulator, solution.parameters)
         refined = [self._probes(form) for _, form in self._refinements]
-        forms = [self._form_errors(name, form) for name, form in self.explanation.forms]
-        forms.append(self._baseline_errors())
+        forms = [self._baseline_errors()]
         if (of_terms := self._response_of_terms()).any():
             depends_on = frozenset().union(*(term.depends_on for term in self.explanation.terms))
             forms.append(FORM_ERROR * effect_discrepancy(of_terms, self._inputs(depends_on)))
+        forms += [self._form_errors(name, form) for name, form in self.explanation.forms]  # the last ones
         parts = [simulator.jacobian(solution.parameters, free), bench, *(columns for columns, _ in refined)]
         deviations = [deviation, of_bench, *(spread for _, spread in refined)]
         deviations += [np.ones(errors.shape[-1]) for errors in forms]
@@ -168,7 +182,7 @@ class Linearization:
         """
         simulator, candidate = self.simulator, self.candidates[effect]
         model = simulator.symbolic_model
-        response, inputs = self._response(effect), self._inputs(candidate.requires)
+        response, inputs = self.response(effect), self._inputs(candidate.requires)
         if not candidate.has_states and effect not in model.relaxing_effects:
             return FORM_ERROR * effect_discrepancy(response, inputs)
         states = [state for added in model.added if added.name == effect for state in added.states]
@@ -220,7 +234,7 @@ class Linearization:
                 pasts.append(np.nan_to_num(simulator.forces(parameters) - absent))
         return np.stack(pasts, axis=-1) if pasts else np.zeros((*self.forces.shape, 0))
 
-    def _response(self, effect: str) -> FloatArray:
+    def response(self, effect: str) -> FloatArray:
         """Return the change of the forces by an effect of the explanation, shape (n_channels, n)."""
         return np.asarray(np.nan_to_num(self.forces - self._without(effect)))
 
@@ -275,12 +289,7 @@ class Linearization:
     def _gain_of(self, columns: Collection[int]) -> float:
         """Return the increase of the logarithm of the evidence by columns that the explanation contains."""
         equations = self._own_equations
-        others = np.delete(np.arange(len(equations.target)), list(columns))
-        reduced = NormalEquations(
-            equations.matrix[np.ix_(others, others)], equations.target[others], equations.power,
-            equations.precision[others], equations.gradient[others],
-        )  # fmt: skip
-        return equations.solved()[1] - reduced.solved()[1]
+        return equations.solved()[1] - equations.without(columns).solved()[1]
 
     def _probes(self, form: Form) -> tuple[FloatArray, FloatArray]:
         """Return the responses of the forces to the probes of a form, and the prior deviations of their multiples."""
@@ -330,8 +339,10 @@ class Linearization:
 
 
 @lru_cache(maxsize=2)
-def _columns_and_equations(linear: Linearization) -> tuple[WeightedColumns, NormalEquations]:
+def _columns_and_equations(linear: Linearization) -> tuple[WeightedColumns, NormalEquations, int]:
     """Return the weighted columns with the misfit, and the normal equations, of what an explanation contains.
+
+    The last columns of the equations are the errors of the form of its effects, of the returned number.
 
     They are stored for the latest linearizations only.
     """
@@ -344,4 +355,6 @@ def _columns_and_equations(linear: Linearization) -> tuple[WeightedColumns, Norm
     deviations = np.concatenate([problem.disturbances.deviation, deviation])
     distances = np.concatenate([np.zeros(len(deviations) - len(distance)), distance])
     power = float(matrix[-1, -1]) + float(np.sum(distances**2))
-    return columns, NormalEquations(matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations)
+    equations = NormalEquations(matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations)
+    number = len(linear.explanation.forms)
+    return columns, equations, sum(part.shape[-1] for part in parts[len(parts) - number :])

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
 
 from ...numerics.noise_floor import NoiseFloor
 from ...numerics.ties import graded
@@ -21,11 +23,17 @@ class Adequacy:
       floor_with_history).
     - `location`: where the mean residual is largest.
     - `over`: the inputs of that location.
+    - `of_inputs`, `of_past`: the parts of the residual, N or N m, that a smooth function of the recorded inputs
+      explains, and that the direction in which slips change or slow time explains beside them. Squares of both and of
+      the floor add up to that of the residual.
+    - `lacks`: where the tire gives too much or too little, in words, or ''.
     - `memory`: whether the residual is above the floor and is explained by the direction in which slips change or by
       slow time, not by the recorded inputs alone.
     """
 
-    JSON_KEYS: ClassVar = ("ratio", "residual", "floor", "adequate", "location as where", "memory")
+    JSON_KEYS: ClassVar = (
+        "ratio", "residual", "floor", "adequate", "location as where", "memory", "of_inputs", "of_past", "lacks",
+    )  # fmt: skip
 
     channel: str
     residual: float
@@ -33,6 +41,9 @@ class Adequacy:
     location: str
     over: tuple[str, ...]
     memory: bool
+    of_inputs: Annotated[float, "part of the residual that follows the recorded inputs"] = 0.0
+    of_past: Annotated[float, "part of the residual that follows the direction of slip or slow time"] = 0.0
+    lacks: Annotated[str, "where the tire gives too much or too little, in words, or empty"] = ""
 
     @property
     def ratio(self) -> float:
@@ -52,21 +63,35 @@ class Adequacy:
         return "green" if self.ratio <= 0.5 * (1.0 + INADEQUATE) else "amber"
 
     def __str__(self) -> str:
-        """Return the sentence of the verdict."""
-        cause = "; it depends on the history of the slips, on time, or on an input that was not recorded"
-        return (
-            f"{self.channel} (residual {self.ratio:.1f} times the noise floor, largest at {self.location}"
-            f"{cause if self.memory else ''})"
+        """Return the sentence of the verdict: how far the residual is above the floor, what it follows, and where.
+
+        >>> channel = Adequacy("Fy", 41.0, 18.6, "Fz 450 N", ("Fz",), False, 30.0, 5.0)
+        >>> print(channel)
+        Fy (residual 2.2 times the noise floor of 18.6 N: 30 N of it follow the recorded inputs; largest at Fz 450 N)
+        """
+        unit = "N" if self.channel.startswith("F") else "N m"
+        causes = ((self.of_inputs, "the recorded inputs"), (self.of_past, "time or the past"))
+        parts = [(size, cause) for size, cause in causes if size > 0.5 * self.floor]
+        follows = ", ".join(
+            f"{size:.3g} {unit} {'of it follow ' if number == 0 else ''}{cause}"
+            for number, (size, cause) in enumerate(parts)
         )
+        texts = [self.lacks] * bool(self.lacks) + [f"largest at {self.location}"] * bool(self.location)
+        above = f"residual {self.ratio:.1f} times the noise floor of {self.floor:.3g} {unit}"
+        return f"{self.channel} ({above}{': ' * bool(follows)}{'; '.join([follows] * bool(follows) + texts)})"
 
 
 def adequacies(
-    residuals: Mapping[str, float], floors: Mapping[str, NoiseFloor], maps: Sequence[Mapping[str, Any]]
+    residuals: Mapping[str, float],
+    floors: Mapping[str, NoiseFloor],
+    maps: Sequence[Mapping[str, Any]],
+    lacks: Mapping[str, str],
 ) -> tuple[Adequacy, ...]:
     """Return the adequacy of each channel.
 
     `residuals`: root mean square residual of the delivered tire by channel, on the fitted rows. `maps`: residual maps
-    of the improved model (`residual_location.residual_maps`).
+    of the improved model (`residual_location.residual_maps`). `lacks`: where it gives too much or too little,
+    in words.
     """
     rated = []
     for channel, residual in residuals.items():
@@ -81,5 +106,14 @@ def adequacies(
             )
         floor = floors[channel]
         memory = INADEQUATE * floor.with_history < residual <= INADEQUATE * floor.floor
-        rated.append(Adequacy(channel, residual, floor.with_history, location, over, memory))
+        of_inputs, of_past = _difference(residual, floor.floor), _difference(floor.floor, floor.with_history)
+        lacking = lacks.get(channel, "")
+        rated.append(
+            Adequacy(channel, residual, floor.with_history, location, over, memory, of_inputs, of_past, lacking)
+        )
     return tuple(rated)
+
+
+def _difference(whole: float, part: float) -> float:
+    """Return the root of the difference of squares of two root mean squares, 0 if the part is larger; NaN remains."""
+    return float(np.sqrt(np.maximum(whole**2 - part**2, 0.0)))

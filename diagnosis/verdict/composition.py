@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from ...measurements import Recording
 from ...numerics.noise_floor import NoiseFloor
 from ...numerics.ties import graded
 from ...tires.tire import Tire
-from ..explanations.answer import Answer
+from ..explanations.answer import Answer, OneOf
 from ..explanations.effect_evidence import Evidence
 from ..explanations.explanation import UNKNOWN
 from ..explanations.final import Final
@@ -44,7 +45,7 @@ from .fit_error import (
 )
 from .improved_tire import tire_of
 from .parts import DiagnosisRun, Identifiability, Improvement, Misfit
-from .residual_location import residual_maps, time_course
+from .residual_location import residual_maps, scale_errors, time_course
 from .result import Diagnosis
 from .verdict import verdict_sentences
 
@@ -103,7 +104,7 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
     against, final = delivery.against, delivery.final
     where_after = residual_maps(final)
     after = {name: errors["after"] for name, errors in delivery.errors["train"].items()}
-    adequacy = adequacies(after, delivery.floors, where_after)
+    adequacy = adequacies(after, delivery.floors, where_after, scale_errors(final))
     unknown = _unknown(fits, adequacy, delivered=not against)
     lacking = {name: candidate for name, candidate in outcome.candidates.items() if name not in fits.effects}
     tested = tried(fits.after, lacking)
@@ -112,9 +113,10 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
     refined = tuple(f"{name}: {', '.join(form.free)}" for name, form in fits.refinements)
     detectable, not_identifiable = detectable_sizes(fits.after, lacking, tested, fits.start)
     of_recording = _recording_errors(outcome, delivery)
+    one_of = outcome.answer.one_of(finding.effect for finding in findings)
     sentences = verdict_sentences(
         findings, unknown, confounded, refined, adequacy, detectable, against, of_recording,
-        stopped=bool(outcome.stopped),
+        one_of=one_of, stopped=bool(outcome.stopped),
     )  # fmt: skip
     form = _form(fits, delivered=not against)
     sentences += [form.sentence] * form.delivered
@@ -132,7 +134,9 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
         base_tire=delivery.base_tire,
         tire=delivery.tire,
         signs=FORMULA_SIGNS,
-        identifiability=Identifiability(detectable, not_identifiable, _next_measurements(outcome, confounded, unknown)),
+        identifiability=Identifiability(
+            detectable, not_identifiable, _next_measurements(outcome, one_of, confounded, unknown)
+        ),
         misfit=Misfit(delivery.errors, residual_maps(fits.before), where_after, time_course(fits.before, final)),
         improvement=Improvement(refined, form, _extrapolations(outcome, added), against),
         run=DiagnosisRun(
@@ -187,13 +191,14 @@ def _delivery(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -
 
 
 def _next_measurements(
-    outcome: DiagnosisOutcome, confounded: Mapping[str, Mapping[str, float]], unknown: tuple[Unknown, ...]
-) -> tuple[str, ...]:
+    outcome: DiagnosisOutcome, one_of: Sequence[OneOf], confounded: Mapping[str, Mapping[str, float]],
+    unknown: tuple[Unknown, ...],
+) -> tuple[str, ...]:  # fmt: skip
     """Return the measurements that separate confounded explanations, and that determine unexplained structure."""
     detections = outcome.final.start.symbolic_model.detections
-    separating = [
-        separating_measurement(name, other, detections) for name, others in confounded.items() for other in others
-    ]
+    pairs = [pair for alternatives in one_of for pair in combinations(alternatives.effects, 2)]
+    pairs += [(name, other) for name, others in confounded.items() for other in others]
+    separating = [separating_measurement(*pair, detections) for pair in pairs]
     return tuple(dict.fromkeys([*separating, *(part.next_measurement for part in unknown if part.next_measurement)]))
 
 

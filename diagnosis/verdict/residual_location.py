@@ -11,6 +11,7 @@ import numpy.typing as npt
 from ...numerics.ties import graded
 from ..probing.candidates import varies
 from ..probing.effect_probing import Screen
+from ..signals.range_text import range_text
 from ..thresholds import MIN_ROWS_OF_CELL
 
 FloatArray = npt.NDArray[np.float64]
@@ -18,6 +19,8 @@ FloatArray = npt.NDArray[np.float64]
 #: The pairs of inputs over which residuals are mapped.
 PAIRS = (("alpha", "kappa"), ("Fz", "gamma"), ("p", "T"), ("V", "distance"))
 CELLS = 8
+#: Least share of the squared residual that scales of the force explain for a text. Convention.
+SCALED_SHARE = 0.1
 
 
 def residual_maps(screen: Screen) -> list[dict[str, Any]]:
@@ -56,6 +59,34 @@ def _pairs(varying: Sequence[str]) -> list[tuple[str, str]]:
     alone = [name for name in varying if name not in paired and name not in slips]
     pairs += [(slips[0], name) for name in alone] if slips else []
     return pairs or [(slips[0], slips[0])] * bool(slips)
+
+
+def scale_errors(screen: Screen) -> dict[str, str]:
+    """Return by channel where the tire gives too much or too little, in words; '' if that says little.
+
+    In parts of the range of one input the residual is compared with the force. The input is the one with which most of
+    the squared residual disappears if the force of each part is scaled, at least `SCALED_SHARE`; the part is the one
+    with the largest share of that.
+    """
+    signals, named = screen.signals, screen.signals.named()
+    inputs = [name for name in named if varies(signals, screen.problem.simulator.tire, name)]
+    texts = dict.fromkeys(signals.channels, "")
+    forces = screen.problem.simulator.forces(screen.solution.parameters)
+    for i, channel in enumerate(signals.channels):
+        used = screen.problem.inverse_noise[i] > 0.0
+        residual, force = screen.solution.residual[i][used], forces[i][used]
+        best = SCALED_SHARE * float(np.sum(residual**2))
+        for name in inputs:
+            edges = np.quantile(named[name][used], np.linspace(0.0, 1.0, CELLS + 1))
+            part = np.clip(np.searchsorted(edges, named[name][used], side="right") - 1, 0, CELLS - 1)
+            power = np.maximum(np.bincount(part, force**2, CELLS), 1e-300)
+            scale = np.bincount(part, residual * force, CELLS) / power
+            if (explained := float(np.sum(scale**2 * power))) > best * (1.0 + 1e-9):
+                best, largest = explained, int(np.argmax(graded(scale**2 * power)))
+                how = "little" if scale[largest] > 0.0 else "much"
+                where = range_text(name, float(edges[largest]), float(edges[largest + 1]))
+                texts[channel] = f"the tire gives {100.0 * abs(scale[largest]):.2g} % too {how} {channel} at {where}"
+    return texts
 
 
 def time_course(before: Screen, after: Screen) -> dict[str, dict[str, list[float]]]:

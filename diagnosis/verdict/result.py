@@ -18,7 +18,7 @@ from ...numerics.ties import graded
 from ...symbolic.added import AddedEffect, effect_schema, effect_text
 from ...tires.signs import reversed_columns
 from ...tires.tire import Tire
-from ..explanations.answer import Answer
+from ..explanations.answer import Answer, OneOf
 from ..explanations.effect_evidence import Evidence
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
@@ -70,9 +70,9 @@ class Diagnosis:
     """
 
     #: Version of diagnosis.json. New keys increment the second number, changed meanings the first.
-    version: ClassVar[str] = "4.2"
+    version: ClassVar[str] = "4.3"
     JSON_KEYS: ClassVar = (
-        "version", "headline", "verdict", "found", "answer.reported as explanations", "answer.probabilities",
+        "version", "headline", "verdict", "found", "answer.reported as explanations", "one_of", "answer.probabilities",
         "confounded as confounded_with", "confounded_with as correlation", "next_measurement", "unknown",
         "identifiability.names as not_identifiable", "not_identifiable as not_identifiable_because", "refined", "gap",
         "adequacy_by_channel as adequacy", "delivered", "not_delivered_because", "evidence as confirmed", "detectable",
@@ -161,7 +161,12 @@ class Diagnosis:
     @property
     def headline(self) -> str:
         """What is missing, in a few words."""
-        return headline_text(self.found, self.adequacy, self.delivered, bool(self.stopped))
+        return headline_text(self.found, self.adequacy, self.delivered, bool(self.stopped), self.one_of)
+
+    @property
+    def one_of(self) -> tuple[OneOf, ...]:
+        """Effects of which one is missing, where the recording does not tell which: one of them is in `found`."""
+        return self.answer.one_of(finding.effect for finding in self.found)
 
     @property
     def confounded(self) -> dict[str, list[str]]:

@@ -7,7 +7,7 @@ from math import hypot
 from typing import Any
 
 from ...numerics.ties import graded
-from ..explanations.answer import percent
+from ..explanations.answer import OneOf, percent
 from ..thresholds import CHANNEL_SHARE
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
@@ -19,16 +19,16 @@ _NOTHING, _UNIDENTIFIED = "nothing material is missing", "no effect is identifie
 def verdict_sentences(
     findings: Sequence[FoundEffect], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]],
     refined: Sequence[str], adequacy: Sequence[Adequacy], detectable: Mapping[str, Mapping[str, float]],
-    against: Sequence[str], recording: Mapping[str, Any], *, stopped: bool = False,
+    against: Sequence[str], recording: Mapping[str, Any], *, one_of: Sequence[OneOf] = (), stopped: bool = False,
 ) -> list[str]:  # fmt: skip
     """Return the sentences of the verdict: what is missing, refined, not identified and removed, and reservations.
 
     `confounded`: correlation with other explanations, by effect. `refined`: refinements of effects of the baseline
     model. `detectable`: smallest detectable sizes, by effect and channel. `against`: reasons why the improved tire is
-    not delivered. `recording`: errors of the recording. `stopped`: whether explanations remained, so that nobody knows
-    that nothing is missing.
+    not delivered. `recording`: errors of the recording. `one_of`: effects of which one is missing. `stopped`:
+    whether explanations remained, so that nobody knows that nothing is missing.
     """
-    parts = _missing(findings, unknown, confounded)
+    parts = _missing(findings, unknown, confounded, one_of)
     if refined:
         parts.append(f"refinement needed: {'; '.join(refined)}")
     red = [str(rated) for rated in adequacy if rated.rating == "red"]
@@ -45,7 +45,10 @@ def verdict_sentences(
     return [part[0].upper() + part[1:] for part in parts]
 
 
-def headline_text(findings: Sequence[FoundEffect], adequacy: Sequence[Adequacy], delivered: bool, stopped: bool) -> str:
+def headline_text(
+    findings: Sequence[FoundEffect], adequacy: Sequence[Adequacy], delivered: bool, stopped: bool,
+    one_of: Sequence[OneOf] = (),
+) -> str:  # fmt: skip
     """Return what an engineer needs first: the effects that are missing, and where something else is.
 
     >>> headline_text((), (), True, False)
@@ -53,7 +56,11 @@ def headline_text(findings: Sequence[FoundEffect], adequacy: Sequence[Adequacy],
     >>> headline_text((), (), True, True)
     'Best explanation so far: no effect is identified as missing'
     """
-    missing = [finding.effect for finding in findings if finding.probability >= 0.5 and finding.effect != "UNKNOWN"]
+    in_class = {name for alternatives in one_of for name in alternatives.effects}
+    names = [finding.effect for finding in findings if finding.probability >= 0.5 and finding.effect != "UNKNOWN"]
+    missing = [name for name in names if name not in in_class] + [
+        " or ".join(alternatives.effects) for alternatives in one_of
+    ]
     red = [rated.channel for rated in adequacy if rated.rating == "red"]
     parts = [f"missing: {', '.join(missing)}"] if missing else []
     if any(finding.effect == "UNKNOWN" and finding.probability >= 0.5 for finding in findings):
@@ -70,11 +77,21 @@ def headline_text(findings: Sequence[FoundEffect], adequacy: Sequence[Adequacy],
 
 
 def _missing(
-    findings: Sequence[FoundEffect], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]]
-) -> list[str]:
+    findings: Sequence[FoundEffect], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]],
+    one_of: Sequence[OneOf],
+) -> list[str]:  # fmt: skip
     """Return the sentences on effects that are more probable than not, and on others of the improved tire."""
     missing, uncertain = list[str](), list[str]()
+    in_class = {name: alternatives for alternatives in one_of for name in alternatives.effects}
     for finding in findings:
+        if finding.effect in in_class:
+            alternatives = in_class[finding.effect]
+            bounds = f"; at its bound: {', '.join(finding.at_bounds)}" if finding.at_bounds else ""
+            missing.append(
+                f"{' or '.join(alternatives.effects)} (one of them: probability {percent(alternatives.probability)}; "
+                f"the improved tire has {finding.effect}, the simplest{bounds})"
+            )
+            continue
         certain = missing if finding.probability >= 0.5 else uncertain
         if finding.effect == "UNKNOWN":
             if unknown[0].formula:

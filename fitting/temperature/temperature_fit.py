@@ -20,7 +20,7 @@ from ...boundary.errors import DataError, nearest, no_single_text
 from ...measurements import Recording
 from ...numerics.arrays import BoolArray, FloatArray
 from ...numerics.correlation import correlation_length
-from ...tires.channels import channel
+from ...symbolic.channels import channel
 from ...tires.tire import Tire
 from ..options import FitOptions
 from .fitted_temperature import FittedTemperature

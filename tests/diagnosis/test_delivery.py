@@ -9,7 +9,7 @@ from scipy.stats import norm
 
 import tirefmu
 from tirefmu.diagnosis import diagnose
-from tirefmu.diagnosis.explanations import final_fits
+from tirefmu.diagnosis.explanations import OneOf, final_fits
 from tirefmu.diagnosis.explanations.effect_evidence import _stretches, effect_evidence, joint_z
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.signals import Simulator
@@ -161,16 +161,18 @@ def test_the_density_is_that_of_the_residual_of_the_fitted_rows():
 
 def test_a_residual_far_above_the_floor_is_inadequate():
     floors = {"Fx": NoiseFloor(10.0, 10.0), "Fy": NoiseFloor(19.0, 10.0)}
-    fx, fy = adequacies({"Fx": 12.0, "Fy": 20.0}, floors, [])
+    fx, fy = adequacies({"Fx": 12.0, "Fy": 20.0}, floors, [], {"Fy": "the tire gives 9 % too little Fy"})
     assert (fx.adequate, fx.memory) == (True, False)
     assert (fy.adequate, fy.memory, fy.rating) == (False, True, "red")
-    assert "history" in str(fy)
+    parts = fx.of_inputs**2 + fx.of_past**2 + fx.floor**2, fy.of_inputs**2 + fy.of_past**2 + fy.floor**2
+    assert parts == pytest.approx((12.0**2, 20.0**2))
+    assert "16.2 N time or the past; the tire gives 9 % too little Fy" in str(fy)
     assert Adequacy("Fx", 10.0, 10.0, "", (), False).rating == "green"
     unknown = Adequacy("Fx", 10.0, np.nan, "", (), False)
     assert (unknown.adequate, unknown.rating) == (None, "amber")
     assert Adequacy("Fx", 10.0, 0.0, "", (), False).adequate is False
     numbers = NoiseFloor(np.float64(19.0), np.float64(10.0))  # of NumPy, as computations return them
-    (fy,) = adequacies({"Fy": np.float64(20.0)}, {"Fy": numbers}, [])
+    (fy,) = adequacies({"Fy": np.float64(20.0)}, {"Fy": numbers}, [], {})
     assert (fy.adequate, fy.memory, fy.rating) == (False, True, "red")
 
 
@@ -191,6 +193,25 @@ def test_an_effect_that_is_more_probably_absent_is_not_called_missing():
     assert "conicity" not in head
     assert "conicity (probability 20 %)" in tail
     assert "Missing" not in verdict_sentences(findings[1:], (), {}, (), (), {}, (), nothing)[0]
+
+
+def test_effects_of_which_one_is_missing_are_one_answer():
+    """Neither name alone is missing; the other effects are named as before."""
+    wear, friction, lag = (
+        FoundEffect(name, ("Fy",), {}, 0.0, 0.5, 0.1, sure)
+        for name, sure in (("wear_drift", 0.3), ("temp_friction", 0.45), ("load_lag", 0.99))
+    )
+    classes = [OneOf(("slip_history", "temp_friction"), 0.95)]
+    nothing = {"periodic": [], "derived_columns": [], "ignored_columns": []}
+    head, tail = verdict_sentences([lag, friction, wear], (), {}, (), (), {}, (), nothing, one_of=classes)
+    assert head == (
+        "Missing: load_lag (probability over 90 %); slip_history or temp_friction (one of them: probability over 90 %; "
+        "the improved tire has temp_friction, the simplest)"
+    )
+    assert "wear_drift" in tail
+    assert headline_text([lag, friction, wear], (), True, False, classes) == (
+        "Missing: load_lag, slip_history or temp_friction"
+    )
 
 
 def test_a_comparison_that_was_stopped_does_not_say_that_nothing_is_missing():

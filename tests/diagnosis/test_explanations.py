@@ -28,6 +28,7 @@ from tirefmu.diagnosis.explanations import (
     shared_problem,
     smooth_functions,
     unknown_terms,
+    without_folds,
 )
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
 from tirefmu.diagnosis.signals import between_rows, signals_of
@@ -107,12 +108,14 @@ def test_a_column_is_correlated_with_the_columns_that_reproduce_it(linear_proble
 def test_an_effect_with_the_same_columns_is_tried_in_place_of_another_one():
     rng = np.random.default_rng(0)
     fixed, part, other = rng.standard_normal((3, 400, 1))
-    same = 3.0 * part + fixed  # all that differs is in the explanation already
-    rows = np.concatenate([fixed, part, same, other], axis=1)
-    normal = NormalEquations(rows.T @ rows, np.zeros(4), 0.0, np.ones(4), np.zeros(4))
-    additions = [Addition(name, np.zeros((1, 1, 1)), np.ones(1)) for name in ("part", "same", "other")]
-    assert rivals_of({"part"}, Projected.of(normal, [1, 1, 1]), additions) == ("same",)
-    assert rivals_of((), Projected.of(normal, [1, 1, 1]), additions) == ()
+    same = 0.5 * part + fixed  # all that differs is in the explanation already
+    rows = np.concatenate([1e3 * fixed, part, same, other], axis=1)
+    matrix = rows.T @ rows
+    columns = Projected.of(NormalEquations(matrix, matrix[1], matrix[1, 1], np.ones(4), np.zeros(4)), [1, 1, 1])
+    additions = [Addition(name, np.zeros((1, 1, 1)), np.ones(1)) for name in ("same", "other")]
+    ((name, gain),) = rivals_of(columns, additions).items()
+    assert name == "same"
+    assert gain.estimate == pytest.approx([2.0], rel=0.05)  # it has the size of the part
 
 
 def test_the_answer_is_a_distribution_over_explanations():
@@ -125,6 +128,24 @@ def test_the_answer_is_a_distribution_over_explanations():
     weights = np.exp([0.0, 3.0, 1.0, 2.0]) / np.exp([0.0, 3.0, 1.0, 2.0]).sum()
     expected = {"conicity": weights[1] + weights[2], "plysteer": weights[3], "wear_drift": 0.0, UNKNOWN: weights[2]}
     assert answer.probabilities == pytest.approx(expected)
+
+
+def test_probabilities_are_averaged_over_recordings():
+    """What is certain in each half and contradicted by the other half is not certain."""
+    halves = {("conicity",): np.array([20.0, 0.0]), ("plysteer",): np.array([0.0, 20.0])}
+    answer = answer_of(halves, ["conicity", "plysteer"])
+    assert answer.probabilities["conicity"] == pytest.approx(0.5)
+    assert answer.one_of(["conicity"])[0].effects == ("conicity", "plysteer")
+
+
+def test_a_class_has_exactly_one_missing_effect():
+    """Neither a certain effect nor one that is missing together with another one is in a class."""
+    sets = {("a", "b"): 0.0, ("a", "c"): 0.0, ("a", "b", "d"): -0.5, ("a", "c", "d"): -0.5}
+    answer = answer_of(sets, list("abcd"))
+    assert [one.effects for one in answer.one_of("abd")] == [("b", "c")]
+    assert answer.one_of("a") == ()
+    assert answer.one_of("d") == ()  # nothing takes its place
+    assert answer_of({("b",): 0.0, ("c",): 0.0, (): 0.0}, list("bc")).one_of("b") == ()
 
 
 def test_the_reported_explanations_have_nearly_all_of_the_probability():
@@ -300,6 +321,19 @@ def test_a_comparison_that_ends_within_a_refit_has_what_was_complete_before(side
     assert early.leader.explanation.parts == ()
     assert late.leader.score > early.leader.score
     assert late.leader.explanation.parts in {one.parts for one in late.answer.explanations}
+
+
+def test_the_evidence_without_folds_is_that_of_as_many_rows(at_true_values, tire):
+    """The mean over folds is near that of all rows, and a fold that says nothing changes nothing."""
+    linear = Linearization(Explanation(), at_true_values.problem, at_true_values.solution, candidates_for(tire))
+    whole = linear.equations()
+    rows = np.arange(linear.problem.inverse_noise.shape[1])
+    products = linear.products(rows)
+    assert products[:-1, :-1] == pytest.approx(whole.matrix, rel=1e-6, abs=1e-6 * np.abs(whole.matrix).max())
+    assert linear.products(rows[::2]) + linear.products(rows[1::2]) == pytest.approx(products, rel=1e-9, abs=1e-3)
+    evidence, folds = whole.solved()[1], without_folds(linear)
+    assert np.ptp(folds) > 0.0
+    assert np.mean(folds) == pytest.approx(evidence, rel=0.1)
 
 
 def test_a_misfit_counts_less_where_more_is_explained(sideways):

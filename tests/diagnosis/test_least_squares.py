@@ -1,5 +1,6 @@
 """Least squares of the diagnosis: cost, derivatives, bounds, recovery of a known tire, disturbances."""
 
+import itertools
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -27,6 +28,14 @@ def test_a_tire_is_recovered_from_other_initial_values(problem, tire):
     assert np.max(np.abs(solution.parameters[indices] - truth) / deviation) < 4.0
     assert solution.cost < 0.5 * problem.inverse_noise.size
     np.testing.assert_array_equal(np.delete(solution.parameters, indices), np.delete(start, indices))
+
+
+def test_a_fit_that_is_stopped_is_at_its_latest_step(problem, tire):
+    start = tire.parameters()
+    start[[problem.simulator.index[name] for name in FREE]] *= 0.8
+    asked = itertools.count()
+    stopped = replace(problem, stop=lambda: next(asked) > 0).solve(start, FREE)
+    assert problem.solve(start, FREE).cost < stopped.cost < problem.at(start, FREE).cost
 
 
 def test_the_gradient_equals_finite_differences_of_the_cost(problem, tire):

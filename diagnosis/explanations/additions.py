@@ -1,0 +1,156 @@
+"""What could be added to an explanation: effects with their gains, those that take another one's place, formulas."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from ...numerics.ties import graded
+from ..probing.effect_probing import Screen
+from ..thresholds import REPORTED
+from ..unexplained.formula_proposal import Dictionary
+from ..weighted_columns import joined
+from .evidence import NormalEquations, Projected
+from .explanation import UNKNOWN, Term
+from .linearization import Addition, Linearization
+from .refit import Refitted, Shared, refitted
+from .terms import prior_deviation
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Number of terms of a formula. Convention: computing time.
+TERMS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Gain:
+    """An addition with the increase of the logarithm of the evidence, prior odds included, and its estimate."""
+
+    gain: float
+    addition: Addition
+    estimate: FloatArray
+
+
+def projected(linear: Linearization, additions: Sequence[Addition], *, exactly: bool = False) -> Projected:
+    """Return the columns of additions without what an explanation contains; `exactly` as of `equations`."""
+    equations = linear.equations(additions, exactly=exactly)
+    return Projected.of(equations, [len(addition.deviation) for addition in additions])
+
+
+def gains(columns: Projected, additions: Sequence[Addition]) -> dict[str, list[Gain]]:
+    """Return what could be added to an explanation, by name, with its gain in the linear problem."""
+    scored = dict[str, list[Gain]]()
+    for addition, group in zip(additions, columns.groups, strict=True):
+        gain, estimate = columns.gain(group)
+        scored.setdefault(addition.name, []).append(Gain(gain + addition.log_prior, addition, estimate))
+    return scored
+
+
+def in_place_of(part: str, linear: Linearization, additions: Sequence[Addition]) -> Projected:
+    """Return the columns of additions with the response to a part as the residual; its column is the first group.
+
+    Of the explanation, only its other coefficients and the errors of the recording are projected out: how well an
+    addition takes the place of the part does not depend on what its form may err by.
+    """
+    problem, solution = linear.problem, linear.solution
+    owned = {name for effect, form in linear.explanation.forms if effect == part for name in form.free}
+    others = [name for name in solution.free if name not in owned]
+    recorded = problem.disturbances.of_recording()
+    fixed = [recorded.columns, linear.simulator.jacobian(solution.parameters, others)]
+    columns = joined([
+        *map(problem.weighted_columns, (*fixed, linear.response(part)[:, :, None])),
+        *(addition.weighted_columns or problem.weighted_columns(addition.columns) for addition in additions),
+    ])  # fmt: skip
+    deviations = [
+        recorded.deviation,
+        problem.prior(others)[1],
+        np.ones(1),
+        *(addition.deviation for addition in additions),
+    ]
+    precision, matrix = np.concatenate(deviations) ** -2.0, columns.times(columns)
+    response = len(recorded.deviation) + len(others)
+    normal = NormalEquations(
+        matrix, matrix[response], float(matrix[response, response]), precision, np.zeros(len(precision))
+    )
+    return Projected.of(normal, [1, *(len(addition.deviation) for addition in additions)])
+
+
+def rivals_of(columns: Projected, additions: Sequence[Addition]) -> dict[str, Gain]:
+    """Return the best addition of each effect that is confounded with a part, by `in_place_of`, most of all first."""
+    correlation, best = dict[str, float](), dict[str, Gain]()
+    for addition, group in zip(additions, columns.groups[1:], strict=True):
+        size = float(columns.correlations(group)[0])
+        correlation[addition.name] = max(correlation.get(addition.name, 0.0), size)
+        gain, estimate = columns.gain(group)
+        if addition.name not in best or graded(gain) > graded(best[addition.name].gain):
+            best[addition.name] = Gain(gain, addition, estimate)
+    confounded = [name for name, size in correlation.items() if size > REPORTED]
+    return {name: best[name] for name in sorted(confounded, key=lambda name: -graded(correlation[name]))}
+
+
+def best_formula(shared: Shared, refit: Refitted) -> Refitted:
+    """Return a refit with a formula at one location, without terms without which its score is larger."""
+    return _without_idle_terms(shared, _grown(shared, refit))
+
+
+def _grown(shared: Shared, refit: Refitted) -> Refitted:
+    """Return a refit with terms at one location, which are added while the score grows.
+
+    Each is one of all that were tested. The first one is no error of form.
+    """
+    dictionary, best, errors = Dictionary(_screen(refit)), refit, refit.linear.form_errors
+    possible = [
+        i
+        for i, (location, feature) in enumerate(dictionary.terms)
+        if not errors.contain(location, feature.depends_on.union(location.proportional_to))
+    ]
+    while possible and len(best.explanation.terms) < TERMS:
+        i, gain = _best_term(shared, best, dictionary, dictionary.shortlisted(_screen(best), possible))
+        explanation = best.explanation.with_term(_term(shared, dictionary, i))
+        if gain + explanation.log_prior <= best.explanation.log_prior:
+            break
+        more = refitted(shared, explanation, [best.linear.solution.parameters], best.linear.simulator)
+        if more.score <= best.score:
+            break
+        place, texts = dictionary.terms[i][0], {term.feature.text for term in explanation.terms}
+        possible = [k for k, (at, term) in enumerate(dictionary.terms) if at == place and term.text not in texts]
+        best = more
+    return best
+
+
+def _without_idle_terms(shared: Shared, best: Refitted) -> Refitted:
+    """Return the refit of a formula without the terms without which its score is larger."""
+    while len(best.explanation.terms) > 1:
+        fewer = [
+            refitted(shared, explanation, [best.linear.solution.parameters], best.linear.simulator)
+            for explanation in best.explanation.with_a_term_less()
+        ]
+        other = max(fewer, key=lambda refit: graded(refit.score))
+        if other.score <= best.score:
+            break
+        best = other
+    return best
+
+
+def _best_term(shared: Shared, refit: Refitted, dictionary: Dictionary, tried: Sequence[int]) -> tuple[int, float]:
+    """Return the term with the largest gain in the linear problem, and this gain."""
+    terms = [_term(shared, dictionary, i) for i in tried]
+    additions = [Addition(UNKNOWN, term.column[:, :, None], np.array([term.deviation])) for term in terms]
+    columns = projected(refit.linear, additions)
+    gained = [columns.gain(group)[0] for group in columns.groups]
+    return tried[int(np.argmax(graded(gained)))], max(gained)
+
+
+def _term(shared: Shared, dictionary: Dictionary, i: int) -> Term:
+    (location, feature), column = dictionary.terms[i], dictionary.column(i)
+    deviation = prior_deviation(shared.problem, column)
+    return Term(location, feature, column, deviation, -float(np.log(len(dictionary.terms))))
+
+
+def _screen(refit: Refitted) -> Screen:
+    """Return the linearization of a refit in rows of independent noise."""
+    problem = replace(refit.linear.problem, whitening=None)
+    return Screen(problem, problem.at(refit.linear.solution.parameters, refit.linear.solution.free))

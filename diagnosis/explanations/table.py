@@ -1,0 +1,180 @@
+"""The explanations that were compared under one noise, as a value, and their probabilities.
+
+The evidence of an explanation decides between two by chance if both predict a recording equally well. As in a bagged
+posterior (Huggins and Miller, Bayesian Analysis 18, 2023), probabilities are therefore averaged over recordings without
+a part of the blocks of time. The columns of the refits serve for all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from ...numerics.ties import graded
+from ..thresholds import EFFECT_ODDS, FOLDS, REFIT_MARGIN
+from .answer import percent
+from .evidence import caution, inflation
+from .explanation import Explanation
+from .linearization import Addition, Linearization
+from .refit import Refitted, Shared
+
+FloatArray = npt.NDArray[np.float64]
+Parts = tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """The explanations that were compared under one noise, by their parts.
+
+    - `absent`, shape (n_parameters,): of the baseline model.
+    - `additions`: by name, to the first explanation that lacks the part. Their columns serve for all explanations.
+    - `refits`: those that were refitted; there is at least the one without parts.
+    - `linear`: logarithms of evidence and prior odds of others, from the linear problem next to them.
+    """
+
+    shared: Shared
+    absent: FloatArray
+    additions: Mapping[str, list[Addition]]
+    refits: Mapping[Parts, Refitted] = field(default_factory=dict)
+    linear: Mapping[Parts, tuple[float, float]] = field(default_factory=dict)
+
+    def with_refit(self, refit: Refitted) -> Table:
+        """Return the table with a refit if it is the best one of its explanation.
+
+        Of those that do not lead, computed forces are freed.
+        """
+        parts, before = refit.explanation.parts, self.leader if self.refits else refit
+        before_it = self.refits.get(parts)
+        table = (
+            self
+            if before_it and before_it.score >= refit.score
+            else replace(self, refits={**self.refits, parts: refit})
+        )
+        for other in (before, refit):
+            if other.linear.simulator is not table.leader.linear.simulator:
+                other.linear.simulator.forget()
+        self.shared.budget.answered = True
+        return table
+
+    def with_linear(self, parts: Parts, score: float, base: Explanation) -> Table:
+        """Return the table with the score of the linear problem at an explanation with an effect less."""
+        if score <= sum(self.linear.get(parts, (-np.inf, 0.0))):
+            return self
+        prior = base.log_prior + float(np.log(EFFECT_ODDS))
+        return replace(self, linear={**self.linear, parts: (score - prior, prior)})
+
+    def possible(self, linear: Linearization) -> tuple[Table, list[Addition]]:
+        """Return what an explanation lacks, and the table with its columns."""
+        missing = [name for name in linear.lacking if name not in self.additions]
+        added = {}
+        for name in missing:
+            self.shared.budget.check()
+            added[name] = [addition.weighted(self.shared.problem) for addition in linear.of_effect(name)]
+        table = replace(self, additions={**self.additions, **added}) if missing else self
+        return table, [addition for name in linear.lacking for addition in table.additions[name]]
+
+    @property
+    def scores(self) -> dict[Parts, float]:
+        """Logarithm of the evidence with the prior odds of each explanation."""
+        of_linear = {parts: evidence + prior for parts, (evidence, prior) in self.linear.items()}
+        return of_linear | {parts: refit.score for parts, refit in self.refits.items()}
+
+    @property
+    def leader(self) -> Refitted:
+        """The refitted explanation with the largest score."""
+        return max(self.refits.values(), key=lambda refit: graded(refit.score))
+
+    @property
+    def explained(self) -> float:
+        """Logarithm of the likelihood, not raised to a power, by which the leading explanation is better than none."""
+        return (self.leader.evidence - self.refits[()].evidence) * inflation(self.shared.explained)
+
+    def divided(self) -> dict[Parts, float]:
+        """Return the scores that make the probabilities: without what inexact forms of effects may explain."""
+        refitted = {parts: (refit.evidence, refit.explanation.log_prior) for parts, refit in self.refits.items()}
+        factor = caution(self.explained)
+        return {parts: prior + evidence / factor for parts, (evidence, prior) in {**self.linear, **refitted}.items()}
+
+    @property
+    def roots(self) -> tuple[Parts, ...]:
+        """The leader and the most probable refit, which may be smaller."""
+        divided = self.divided()
+        return self.leader.explanation.parts, max(self.refits, key=lambda parts: graded(divided[parts]))
+
+    def near(self) -> list[Parts]:
+        """Return the roots, and the refits with nearly the probability of the second one or the score of the first."""
+        divided, (leader, probable) = self.divided(), self.roots
+        order = sorted(self.refits, key=lambda parts: -graded(divided[parts]))
+        behind = {
+            parts: max(divided[parts] - divided[probable], refit.score - self.refits[leader].score)
+            for parts, refit in self.refits.items()
+        }
+        return list(dict.fromkeys([leader, *(parts for parts in order if behind[parts] > REFIT_MARGIN)]))
+
+    def leads_again(self, seen: Collection[Parts], explanation: Explanation) -> bool:
+        """Return whether the leader is one of those seen, and not larger than the explanation of the noise."""
+        parts = self.leader.explanation.parts
+        return parts in seen and len(parts) <= len(explanation.parts)
+
+    def report(self, sentence: str) -> None:
+        """Report what is done, what leads, and its probability among all that were compared."""
+        divided, parts = self.divided(), self.leader.explanation.parts
+        share = float(np.exp(divided[parts] - np.logaddexp.reduce(list(divided.values()))))
+        compared = f" {len(divided)} explanations, probability {percent(share)}" if len(divided) > 1 else ""
+        self.shared.budget.report(f"{sentence}; {', '.join(parts) or 'the baseline model'} leads{compared}")
+
+    def without(self, refit: Refitted, less: Explanation) -> FloatArray:
+        """Return the coefficients of a refit, those of the effects that a smaller explanation lacks absent."""
+        start, index = refit.linear.solution.parameters.copy(), refit.linear.simulator.index
+        forms = [form for effect, form in refit.explanation.forms if effect not in less.effects]
+        freed = [index[name] for form in forms for name in form.free]
+        start[freed] = self.absent[freed]
+        return start
+
+    def with_absent_core(self, start: FloatArray, refit: Refitted) -> FloatArray:
+        """Return a start with the coefficients of the baseline model as fitted without any effect."""
+        moved = start.copy()
+        core = [refit.linear.simulator.index[name] for name in self.shared.free]
+        moved[core] = self.absent[core]
+        return moved
+
+
+def fold_evidences(table: Table) -> dict[Parts, FloatArray]:
+    """Return the scores that make the probabilities, without each fold of the blocks, shape (`FOLDS`,).
+
+    Explanations with little probability differ from the leading one as on all rows.
+    """
+    divided = table.divided()
+    best = max(divided.values())
+    leading = table.leader.explanation.parts
+    chosen = [parts for parts in table.refits if divided[parts] > best + 2.0 * REFIT_MARGIN or parts == leading]
+    factor = caution(table.explained)
+    change = {}
+    for parts in chosen:
+        table.shared.budget.check()
+        refit = table.refits[parts]
+        change[parts] = (without_folds(refit.linear) - refit.evidence) / factor
+        refit.linear.simulator.forget()
+    return {parts: divided[parts] + change.get(parts, change[leading]) for parts in divided}
+
+
+def without_folds(linear: Linearization) -> FloatArray:
+    """Return the logarithm of the evidence of an explanation without each fold of the blocks, shape (`FOLDS`,).
+
+    The rows that remain count as often as makes them as many as all.
+    """
+    signals, equations = linear.simulator.signals, linear.equations()
+    blocks = np.unique(signals.block)
+    fold = (np.random.default_rng(0).permutation(len(blocks)) % FOLDS)[np.searchsorted(blocks, signals.block)]
+    parts = [linear.products(np.flatnonzero(fold == k)) for k in range(FOLDS)]
+    whole, times = np.sum(parts, axis=0), FOLDS / (FOLDS - 1.0)
+    evidences = []
+    for part in parts:
+        rest = times * (whole - part)
+        of_priors = equations.power - whole[-1, -1]
+        fewer = replace(equations, matrix=rest[:-1, :-1], target=rest[:-1, -1], power=rest[-1, -1] + of_priors)
+        evidences.append(fewer.solved()[1])
+    return np.array(evidences)
