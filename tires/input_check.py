@@ -190,9 +190,12 @@ def _check_headers(rows: pd.DataFrame, source: str, read: Collection[str]) -> No
         if name in TABLE_INPUTS:
             raise DataError(f"{source}: column {name!r} occurs more than once")
     for column in map(str, rows.columns):
+        if column in TABLE_INPUTS:
+            continue
         head = _HEAD.match(column)
         written = head[1] if head else column
-        meant = _BENCH_NAMES.get(written) or _ALIASES.get(written.casefold().replace(" ", "_"))
+        other = _BENCH_NAMES.get(written) or _ALIASES.get(written.casefold().replace(" ", "_"))
+        meant = written if written in TABLE_INPUTS else other
         if meant in read and meant not in rows:
             raise DataError(
                 f"{source}: column {quoted(column)} is not {meant}: the columns are in SI units and have plain names "
