@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from ...boundary.escaping import visible
+from ...boundary.json_schema import json_value
 from ...boundary.named_options import named
 from ...measurements import Recording, TableLike, exclude_rows, recordings_from
 from ...tires import Tire, TireLike, tire_from
@@ -157,18 +158,16 @@ class Comparison:
 
     def to_json(self) -> dict[str, Any]:
         """Return the comparison as JSON values."""
-        return {
+        content = {
             "ok": True,
             "verdict": self.verdict,
             "tires": [{"name": n, "model": t.model} for n, t in zip(self.names, self.tires, strict=True)],
-            "effects_of_one": [list(names) for names in self.effects],
-            "coefficients": [vars(difference) for difference in self.differences],
-            "characteristics": [vars(characteristic) for characteristic in self.characteristics],
-            "channels": [
-                {**vars(error), "r2": [value if np.isfinite(value) else None for value in error.r2]}
-                for error in self.errors
-            ],
+            "effects_of_one": self.effects,
+            "coefficients": self.differences,
+            "characteristics": self.characteristics,
+            "channels": self.errors,
         }
+        return dict(json_value(content))
 
 
 @named()
