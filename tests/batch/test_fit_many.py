@@ -191,6 +191,7 @@ def test_a_batch_in_the_background_is_not_interrupted(jobs, tmp_path):
     assert pd.read_csv(tmp_path / "summary.csv")["status"].tolist().count("failed") == 2  # as without the signal
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="no process groups with SIGINT")
 def test_an_interrupted_batch_keeps_what_is_written(jobs, tmp_path):
     """Nothing is printed but one line."""
