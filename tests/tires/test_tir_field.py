@@ -363,7 +363,7 @@ def test_what_a_file_requests_and_tirefmu_does_not_do_is_stated(line, note, tmp_
         ("FITTYP = 52", "FITTYP 52 is read as mf52; MFeval reads it as MF6.1"),
         ("FITTYP = 61\nPROPERTY_FILE_FORMAT = 'PAC2002'", "FITTYP is that of mf61, PROPERTY_FILE_FORMAT 'PAC2002'"),
         ("FITTYP = 61\nUSE_MODE = 3", "other programs compute forces without combined slip"),
-        ("FITTYP = 62\nTYRESIDE = 'SYMMETRIC'", "PHY1, PVY1, QDZ6 make left and right differ and are set to 0"),
+        ("FITTYP = 62\nTYRESIDE = 'SYMMETRIC'", "what makes left and right differ is set to 0: PHY1, PVY1, QDZ6"),
     ],
 )
 def test_what_other_programs_read_otherwise_is_a_warning_of_every_reading(line, note, tmp_path, capsys):

@@ -342,7 +342,7 @@ class _Reader:
             return tire
         if differing := sided(tire):
             self.disputed.append(
-                f"TYRESIDE = 'SYMMETRIC': {', '.join(differing)} make left and right differ and are set to 0"
+                f"TYRESIDE = 'SYMMETRIC': what makes left and right differ is set to 0: {', '.join(differing)}"
             )
         return symmetric(tire)
 
