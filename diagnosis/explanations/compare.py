@@ -116,17 +116,26 @@ def _simplest(table: Table, answer: Answer) -> Refitted:
 
 
 def _tables(linear: Linearization, few: LeastSquares, baseline: Solution, budget: Budget) -> Generator[Table]:
-    """Compare explanations under the noise of each leading one in turn."""
+    """Compare explanations under the noise of each leading one in turn.
+
+    All that nearly lead are compared under the noise of an explanation that explains nearly as much.
+    """
     seen, explained = set[Parts](), 0.0
     for remaining in reversed(range(ESTIMATES)):
         table = yield from _climbed(_empty(linear, baseline, explained, budget), linear)
         seen.add(linear.explanation.parts)
-        # Two explanations may lead in turn, each under the noise of the other one: then the smaller one is the leader.
-        if table.leads_again(seen, linear.explanation) or not remaining:
+        first = bool(table.leader.explanation.parts) and not linear.explanation.parts
+        if not (first or _grown(table)) or not remaining:
             table = yield from _settled(table)
+            # Two explanations may lead in turn, each under the noise of the other one: then the smaller one leads.
             if table.leads_again(seen, linear.explanation):
                 break
         explained, linear = table.explained, _with_own_noise(table.leader, few)
+
+
+def _grown(table: Table) -> bool:
+    """Return whether the noise is to be estimated again before more is compared."""
+    return inflation(table.explained) > GROWTH * inflation(table.shared.explained)
 
 
 def _empty(linear: Linearization, baseline: Solution, explained: float, budget: Budget) -> Table:
@@ -163,8 +172,8 @@ def _climbed(table: Table, linear: Linearization) -> Move:
         start = linear.solution.parameters
         table = table.with_refit(refitted(table.shared, linear.explanation, [start], linear.simulator))
         yield table
-    before, limit = None, GROWTH * inflation(table.shared.explained)
-    while before is not table.leader and inflation(table.explained) < limit:
+    before = None
+    while before is not table.leader and not _grown(table):
         before = table.leader
         table = yield from extended(table, before)
     return table
