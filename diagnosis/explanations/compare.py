@@ -32,9 +32,10 @@ FloatArray = npt.NDArray[np.float64]
 #: A move: yields the table after each refit, returns the last one.
 Move = Generator[Table, None, Table]
 
-#: Number of estimates of the noise, and of extended explanations for each; growth of the variance of the noise after
-#: which it is estimated again. Conventions: computing time.
-ESTIMATES, COMPARED, GROWTH = 5, 12, 1.5
+#: Number of estimates of the noise, of those under which all that nearly leads is compared, and of explanations that
+#: are extended under each of these; growth of the variance of the noise after which it is estimated again. Conventions:
+#: computing time.
+ESTIMATES, SETTLED, COMPARED, GROWTH = 5, 2, 12, 1.5
 #: Score, relative to the most probable one, below which an explanation is not tried again under another noise: three
 #: margins. Convention: computing time.
 FAR = 3.0 * REFIT_MARGIN
@@ -141,10 +142,11 @@ def _tables(
         if not (first or _grown(table)) or not remaining:
             table = yield from _settled(table)
             # Two explanations may lead in turn, each under the noise of the other one: then the smaller one leads.
-            if table.leads_again(seen, linear.explanation) or not remaining:
+            last = not remaining or len(settled) + 1 == SETTLED
+            if last or table.leads_again(seen, linear.explanation):
                 table = yield from _with_formulas(table)
             settled.append(fold_evidences(table))
-            if table.leads_again(seen, linear.explanation):
+            if last or table.leads_again(seen, linear.explanation):
                 break
             far |= table.behind(FAR)
         explained, linear = table.explained, _with_own_noise(table.leader, few)

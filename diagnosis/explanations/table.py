@@ -16,7 +16,7 @@ import numpy.typing as npt
 from ...numerics.ties import graded
 from ..thresholds import EFFECT_ODDS, FOLDS, REFIT_MARGIN
 from .answer import percent
-from .evidence import caution, inflation
+from .evidence import caution, folds_of, inflation
 from .explanation import Explanation
 from .linearization import Addition, Linearization
 from .refit import Refitted, Shared
@@ -178,9 +178,7 @@ def without_folds(linear: Linearization) -> FloatArray:
 
     The rows that remain count as often as makes them as many as all.
     """
-    signals, equations = linear.simulator.signals, linear.equations()
-    blocks = np.unique(signals.block)
-    fold = (np.random.default_rng(0).permutation(len(blocks)) % FOLDS)[np.searchsorted(blocks, signals.block)]
+    equations, fold = linear.equations(), folds_of(linear.simulator.signals)
     parts = [linear.products(np.flatnonzero(fold == k)) for k in range(FOLDS)]
     whole, times = np.sum(parts, axis=0), FOLDS / (FOLDS - 1.0)
     evidences = []
