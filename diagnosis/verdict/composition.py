@@ -253,7 +253,7 @@ def _unidentified(adequacy: tuple[Adequacy, ...], fits: Final) -> tuple[Unknown,
 def _inputs_of(outcome: DiagnosisOutcome, effect: str) -> tuple[str, ...]:
     """Return the inputs that an effect depends on."""
     added = [part for part in outcome.final.start.added if part.name == effect]
-    read = {symbol.name for part in added for act in part.acts for symbol in act.expression.free_symbols}
+    read = frozenset[str]().union(*(act.reads for part in added for act in part.acts))
     required = outcome.candidates[effect].requires if effect in outcome.candidates else ()
     return tuple(name for name in outcome.signals.names if name in read or name in required)
 
