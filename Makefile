@@ -5,7 +5,8 @@ export PYTEST_ARGS ?= -n auto --dist loadfile
 # Bytecode is written, also where the environment forbids it: hundreds of processes would compile the package again.
 export PYTHONDONTWRITEBYTECODE :=
 BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
-INSTALL := $(BIN)/python -m pip install --quiet --no-build-isolation --editable
+# Modules are compiled when they are first imported: pip would compile all of them, which takes half of its time.
+INSTALL := $(BIN)/python -m pip install --quiet --no-compile --no-build-isolation --editable
 
 # The first working Python (version managers install commands that only print a notice) that can create a venv.
 PYTHON ?= $(shell for python in python3.14 python3.13 python3.12 python3.11 python3 python; do \

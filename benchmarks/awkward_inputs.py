@@ -1,6 +1,6 @@
 """What tirefmu reports about awkward inputs and uses (`awkward_uses`): the tables of docs/awkward_inputs.md.
 
-Each of 46 inputs is a made recording with one fault. `tirefmu inspect` reads it. The column "fit" shows whether a fit
+Each input is a made recording with one fault. `tirefmu inspect` reads it. The column "fit" shows whether a fit
 starts; it is stopped at its first iteration.
 
     python benchmarks/awkward_inputs.py                  # prints the table

@@ -18,7 +18,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from discovery_score import Outcome, failed, score
+from discovery_score import Outcome, Posed, score
 from discovery_suites import SUITES
 from discovery_table import table_of
 from doc_tables import put, split, version_text
@@ -38,7 +38,7 @@ def diagnosed(task: tuple[str, str, int]) -> Outcome:
     try:
         result = diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal)
     except Exception as error:
-        return failed(suite, kind, i, case, error, _since(before))
+        return Outcome(Posed.of(kind, i, case), _since(before), failed=f"{type(error).__name__}: {error}")
     return score(suite, kind, i, case, result, _since(before))
 
 

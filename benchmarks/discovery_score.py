@@ -17,43 +17,66 @@ RIGHT_VARIABLES = 0.5
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """The outcome of a case.
+class Posed:
+    """A case of a suite: its kind and number there, its name, what it hides, and the rows of its recording."""
 
+    kind: str
+    number: int
+    name: str
+    hidden: tuple[str, ...]
+    rows: int
+
+    @classmethod
+    def of(cls, kind: str, number: int, case: Case) -> Posed:
+        """Return what an outcome keeps of a case."""
+        return cls(kind, number, case.name, (case.unknown,) if case.unknown else case.hidden, len(case.table))
+
+
+@dataclass(frozen=True)
+class NamedOthers:
+    """Of confounded effects: whether all are reported, and the measurement that separates them."""
+
+    reported: bool = False
+    next_test: bool = False
+
+
+@dataclass(frozen=True)
+class NamedVariables:
+    """Of an unknown effect: its reported variables, whether they are right, and whether its formula was added."""
+
+    depends_on: tuple[str, ...] = ()
+    right: bool = False
+    added: bool = False
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The outcome of a case; the defaults are those of a diagnosis that failed.
+
+    - `seconds`: CPU time.
     - `first`: whether the first identified effect is right.
     - `extra`: identified effects that are not hidden.
     - `exact`: whether the identified effects are the hidden ones.
     - `closed`: relative reduction of the squared error on other manoeuvres, in units of the noise variance of each
       channel.
     - `covered`, `intervals`: true values within their 95 % intervals, and their number.
-    - `reported`, `next_test`: confounded effects: whether all are reported, and the measurement that separates them.
-    - `variables`, `added`: unknown effect: whether its variables are right, and whether its formula was added.
-    - `seconds`: CPU time.
-    - `rows`: rows of the recording.
     - `delivered`: the delivered tire; None if there is none.
     - `claims`: for each candidate and UNKNOWN, its probability and whether it is missing (1 or 0).
     - `failed`: exception and reason if there is no diagnosis.
     """
 
-    kind: str
-    number: int
-    name: str
-    hidden: tuple[str, ...]
-    found: tuple[str, ...]
-    first: bool
-    extra: tuple[str, ...]
-    exact: bool
-    closed: float
-    covered: int
-    intervals: int
-    reported: bool
-    next_test: bool
-    depends_on: tuple[str, ...]
-    variables: bool
-    added: bool
+    case: Posed
     seconds: float
-    rows: int
-    delivered: Delivered | None
+    found: tuple[str, ...] = ()
+    first: bool = False
+    extra: tuple[str, ...] = ()
+    exact: bool = False
+    closed: float = 0.0
+    covered: int = 0
+    intervals: int = 0
+    others: NamedOthers = NamedOthers()
+    unknown: NamedVariables = NamedVariables()
+    delivered: Delivered | None = None
     claims: tuple[tuple[float, float], ...] = ()
     failed: str = ""
 
@@ -62,28 +85,28 @@ class Outcome:
         """Whether the diagnosis is right."""
         if self.failed:
             return False
-        if self.kind == "confounded":
-            return self.first and not self.extra and self.reported and self.next_test
-        if self.kind == "unknown":
-            return self.exact and self.variables
+        if self.case.kind == "confounded":
+            return self.first and not self.extra and self.others.reported and self.others.next_test
+        if self.case.kind == "unknown":
+            return self.exact and self.unknown.right
         return self.exact
 
     @property
     def line(self) -> str:
         """The outcome in one line."""
+        case, unknown, hidden = self.case, self.unknown, "+".join(self.case.hidden) or "nothing"
         if self.failed:
-            hidden = "+".join(self.hidden) or "nothing"
-            return f"{self.kind}:{self.number} FAILED {hidden}: {self.failed}, {self.seconds:.1f} s"
-        summary = f"{'+'.join(self.hidden) or 'nothing'} -> {'+'.join(self.found) or 'nothing'}"
-        more = f" [{' '.join(self.depends_on)}{', added' if self.added else ''}]" if self.depends_on else ""
-        if self.kind == "confounded":
+            return f"{case.kind}:{case.number} FAILED {hidden}: {self.failed}, {self.seconds:.1f} s"
+        summary = f"{hidden} -> {'+'.join(self.found) or 'nothing'}"
+        more = f" [{' '.join(unknown.depends_on)}{', added' if unknown.added else ''}]" if unknown.depends_on else ""
+        if case.kind == "confounded":
             reported, next_test = (
-                "reported" if self.reported else "NOT REPORTED",
-                "right" if self.next_test else "WRONG",
+                "reported" if self.others.reported else "NOT REPORTED",
+                "right" if self.others.next_test else "WRONG",
             )
             more += f" others {reported}, next test {next_test}"
         mark = "right" if self.right else "first" if self.first else "WRONG"
-        return f"{self.kind}:{self.number} {mark:5} {summary}{more}; closed {self.closed:.3f}, {self.seconds:.1f} s"
+        return f"{case.kind}:{case.number} {mark:5} {summary}{more}; closed {self.closed:.3f}, {self.seconds:.1f} s"
 
 
 def score(suite: Suite, kind: str, number: int, case: Case, result: Diagnosis, seconds: float) -> Outcome:
@@ -100,37 +123,24 @@ def score(suite: Suite, kind: str, number: int, case: Case, result: Diagnosis, s
     named = {*found, *result.confounded_with.get(found[0], ())} if found else set()
     depends = result.unknown[0].depends_on if result.unknown else ()
     true = suite.unknown.get(case.unknown, frozenset())
+    variables_right = bool(set(hidden) & set(NAMED.values()) & set(found)) or (
+        bool(depends) and (not true or _share(true, set(depends)) >= RIGHT_VARIABLES)
+    )
     return Outcome(
-        kind=kind, number=number, name=case.name, hidden=_hidden(case), found=found,
+        Posed.of(kind, number, case), seconds, found,
         first=bool(found) and found[0] in allowed,
         extra=tuple(name for name in found if name not in allowed),
         exact=set(found) == set(hidden),
         closed=1.0 - after / before,
         covered=covered, intervals=intervals,
-        reported=confounded_effects <= named,
-        next_test=bool(words) and any(re.search(words, text) for text in result.next_measurement),
-        depends_on=depends,
-        variables=bool(set(hidden) & set(NAMED.values()) & set(found))
-        or (bool(depends) and (not true or _share(true, set(depends)) >= RIGHT_VARIABLES)),
-        added=any(one.added for one in result.unknown),
-        seconds=seconds,
-        rows=len(case.table),
+        others=NamedOthers(
+            confounded_effects <= named,
+            bool(words) and any(re.search(words, text) for text in result.next_measurement),
+        ),
+        unknown=NamedVariables(depends, variables_right, any(one.added for one in result.unknown)),
         delivered=delivered(case, result),
         claims=tuple((value, float(one in hidden)) for one, value in result.answer.probabilities.items()),
     )  # fmt: skip
-
-
-def failed(suite: Suite, kind: str, number: int, case: Case, error: Exception, seconds: float) -> Outcome:
-    """Return the outcome of a diagnosis that raised an exception: nothing is found and no tire delivered."""
-    return Outcome(
-        kind=kind, number=number, name=case.name, hidden=_hidden(case), found=(), first=False, extra=(), exact=False,
-        closed=0.0, covered=0, intervals=0, reported=False, next_test=False, depends_on=(), variables=False,
-        added=False, seconds=seconds, rows=len(case.table), delivered=None, failed=f"{type(error).__name__}: {error}",
-    )  # fmt: skip
-
-
-def _hidden(case: Case) -> tuple[str, ...]:
-    return (case.unknown,) if case.unknown else case.hidden
 
 
 def _share(true: frozenset[str], reported: set[str]) -> float:

@@ -19,17 +19,17 @@ def table_of(outcomes: Sequence[Outcome], source: str) -> str:
 
     `source`: the command and the version.
     """
-    kinds = list(dict.fromkeys(one.kind for one in outcomes))
+    kinds = list(dict.fromkeys(one.case.kind for one in outcomes))
     parts = [f"Computed by {source}: {len(outcomes)} recordings.", _levels(outcomes), _delivered(outcomes)]
     head = ("probability", "effects", "mean probability", "share missing")
     parts.append("### Calibration\n\n" + table(head, calibration(outcomes)))
     parts.append(_kinds(outcomes, kinds))
-    singles = [one for one in outcomes if one.kind == "single"]
+    singles = [one for one in outcomes if one.case.kind == "single"]
     if singles:
         parts.append(_effects(singles))
     parts.append(_times(outcomes))
     wrong = [one for one in outcomes if not one.right]
-    lines = [f"- {one.line} ({one.name})" for one in wrong]
+    lines = [f"- {one.line} ({one.case.name})" for one in wrong]
     parts.append("### Wrong cases\n\n" + ("\n".join(lines) or "None."))
     return "\n\n".join(parts)
 
@@ -38,7 +38,7 @@ def _levels(outcomes: Sequence[Outcome]) -> str:
     """Return the criteria of the project and the results."""
 
     def of(*kinds: str) -> list[Outcome]:
-        return [one for one in outcomes if one.kind in kinds]
+        return [one for one in outcomes if one.case.kind in kinds]
 
     def count(cases: list[Outcome], satisfied: Callable[[Outcome], bool]) -> str:
         return f"{sum(map(satisfied, cases))} of {len(cases)}" if cases else "-"
@@ -57,11 +57,11 @@ def _levels(outcomes: Sequence[Outcome]) -> str:
         ("the same, share of cases at least 0.8", "95 %", f"{np.mean(closed >= 0.8):.0%}" if len(closed) else "-"),
         ("two and three effects, exact set", "60 %", count(several, lambda one: one.exact)),
         ("unknown, reported", "all", count(unknown, lambda one: one.exact)),
-        ("unknown, variables right", "all", count(unknown, lambda one: one.variables)),
+        ("unknown, variables right", "all", count(unknown, lambda one: one.unknown.right)),
         ("unknown, reduction at least 0.9", "better: all", count(unknown, lambda one: one.closed >= 0.9)),
         ("unknown, error larger than before", "0", count(unknown, lambda one: one.closed < -0.001)),
-        ("confounded, reported", "all", count(confounded, lambda one: one.first and one.reported)),
-        ("confounded, right next test", "better: all", count(confounded, lambda one: one.next_test)),
+        ("confounded, reported", "all", count(confounded, lambda one: one.first and one.others.reported)),
+        ("confounded, right next test", "better: all", count(confounded, lambda one: one.others.next_test)),
         ("95 % intervals that contain the true value", "88-98 %",
          f"{inside} of {intervals} ({inside / intervals:.0%})" if intervals else "-"),
         ("CPU seconds per case, median and largest", "60", f"{np.median(seconds):.1f}, {seconds.max():.1f}"),
@@ -117,7 +117,7 @@ def _times(outcomes: Sequence[Outcome]) -> str:
     """Return CPU seconds by the number of rows."""
     rows, least = [], 0
     for most in ROWS:
-        seconds = [one.seconds for one in outcomes if least < one.rows <= most]
+        seconds = [one.seconds for one in outcomes if least < one.case.rows <= most]
         if seconds:
             rows.append(
                 (f"{least + 1} to {most}", str(len(seconds)), f"{np.median(seconds):.1f}", f"{max(seconds):.1f}")
@@ -129,7 +129,7 @@ def _times(outcomes: Sequence[Outcome]) -> str:
 def _kinds(outcomes: Sequence[Outcome], kinds: Sequence[str]) -> str:
     rows = []
     for kind in kinds:
-        cases = [one for one in outcomes if one.kind == kind]
+        cases = [one for one in outcomes if one.case.kind == kind]
         shares = [one.closed for one in cases]
         closed = ("-", "-") if kind == "null" else (f"{np.median(shares):.3f}", f"{min(shares):.3f}")
         counts = (sum(one.right for one in cases), sum(one.first for one in cases), sum(map(_extra, cases)))
@@ -146,8 +146,8 @@ def _extra(outcome: Outcome) -> bool:
 
 def _effects(singles: Sequence[Outcome]) -> str:
     rows = []
-    for effect in dict.fromkeys(one.hidden[0] for one in singles):
-        cases = [one for one in singles if one.hidden[0] == effect]
+    for effect in dict.fromkeys(one.case.hidden[0] for one in singles):
+        cases = [one for one in singles if one.case.hidden[0] == effect]
         inside, intervals = sum(one.covered for one in cases), sum(one.intervals for one in cases)
         reported = "; ".join("+".join(one.found) or "nothing" for one in cases if not one.right)
         rows.append((effect, f"{sum(one.right for one in cases)} of {len(cases)}",

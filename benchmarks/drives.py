@@ -16,6 +16,7 @@ import json
 import resource
 import sys
 import time
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -29,7 +30,8 @@ import road
 
 import tirefmu
 from tirefmu.applications.driving.inputs.car import Car
-from tirefmu.applications.driving.inputs.unknowns import SAME_SPREAD
+from tirefmu.applications.driving.inputs.unknowns import SAME
+from tirefmu.measurements.checks.recordings.coverage import PEAK_SHARE
 
 AXLES, NAMES = ("front", "rear"), ("LMUY", "LKY")
 #: What is wrong in the car file of the last drives, relative to the true car or absolute.
@@ -68,7 +70,7 @@ def recovery(n: int, seconds: float, seed: int) -> dict[str, Any]:
     rng = np.random.default_rng(seed)
     truths = [road.drawn_truth(rng) for _ in range(n)]
     hard = [i // 5 % 3 < 2 for i in range(n)]
-    return judged(truths, hard, seconds, seed + 1, [road.car_content()] * n)
+    return judged(truths, hard, seconds, seed + 1, [{}] * n)
 
 
 def nothing_to_find(n: int, seconds: float, seed: int, *, wrong_car: bool) -> dict[str, Any]:
@@ -76,48 +78,58 @@ def nothing_to_find(n: int, seconds: float, seed: int, *, wrong_car: bool) -> di
     rng = np.random.default_rng(seed + 2)
     same = {axle: dict.fromkeys(("LMUX", "LMUY", "LKX", "LKY"), 1.0) for axle in AXLES}
     truths = [replace(road.drawn_truth(rng), factors=same) for _ in range(n)]
-    contents = [road.car_content() for _ in range(n)]
-    for i, content in enumerate(contents):
-        for name, factor in WRONG[(i + i // 5) % 5].items() if wrong_car else ():
-            section = "steering" if name in ("ratio", "offset") else "body"
-            content[section][name] = content[section].get(name, 0.0) * factor if name != "offset" else factor
-    return judged(truths, [True] * n, seconds, seed + 2, contents)
+    return judged(
+        truths, [True] * n, seconds, seed + 2, [WRONG[(i + i // 5) % 5] if wrong_car else {} for i in range(n)]
+    )
+
+
+def car_file(wrong: Mapping[str, float]) -> Car:
+    """Return the car with wrong entries."""
+    content = road.car_content()
+    for name, factor in wrong.items():
+        section = "steering" if name in ("ratio", "offset") else "body"
+        content[section][name] = content[section][name] * factor if name != "offset" else factor
+    return Car.from_content(content, "car")
 
 
 def judged(
-    truths: list[road.Truth], hard: list[bool], seconds: float, seed: int, contents: list[dict[str, Any]]
+    truths: list[road.Truth], hard: list[bool], seconds: float, seed: int, wrong: Sequence[Mapping[str, float]]
 ) -> dict[str, Any]:
-    """Return what is named on drives, errors and coverage of the determined factors. `contents`: of the car files.
+    """Return what is named on drives, errors and coverage of the determined factors. `wrong`: of each car file.
 
-    A name is right if the factor differs from 1 by more than tires of one kind, in the direction of the finding.
+    A name is right if the factor differs from 1 by more than tires of one kind, in the direction of the finding. Within
+    reach are changed factors but those of a friction whose peak the drive does not reach.
     """
     kinds = [road.KINDS[i % 5] for i in range(len(truths))]
     logs, rows = road.made_drives(truths, kinds, hard, seed, seconds)
     errors: dict[str, list[float]] = {name: [] for name in NAMES}
     inside: dict[str, list[bool]] = {name: [] for name in NAMES}
     counts = dict.fromkeys(
-        ("drives", "spun", "to_name", "right_names", "wrong_names", "effects", "contradictions", "car_names",
-         "determined_before_the_peak"), 0,
+        ("drives", "spun", "to_name", "within_reach", "right_names", "wrong_names", "effects", "contradictions",
+         "car_names", "right_car_names", "determined_before_the_peak"), 0,
     )  # fmt: skip
     cpu = []
     for i, (truth, log) in enumerate(zip(truths, logs, strict=True)):
         if spins(rows, i):
             counts["spun"] += 1
             continue
-        answer = answered(log, Car.from_content(contents[i], "car"), i, kinds[i])
+        answer = answered(log, car_file(wrong[i]), i, kinds[i])
         cpu.append(answer["seconds"])
         counts["drives"] += 1
         counts["effects"] += bool(answer["effect"])
         counts["contradictions"] += not answer["ok"]
-        counts["car_names"] += len(answer["car"]["found"])
+        named = {entry["name"] for entry in answer["car"]["found"]}
+        counts["car_names"] += len(named)
+        counts["right_car_names"] += len(named & wrong[i].keys())
         found = {(entry["axle"], entry["name"]): entry["factor"]["value"] > 1.0 for entry in answer["found"]}
         for axle in AXLES:
             reached = road.used_share(rows, truth, i, axle)
             for name in NAMES:
                 true, factor = truth.factors[axle][name], answer["factors"][axle][name]
-                changed = abs(true - 1.0) > SAME_SPREAD
+                changed = abs(true - 1.0) > SAME
                 right = changed and found.get((axle, name)) == (true > 1.0)
                 counts["to_name"] += changed
+                counts["within_reach"] += changed and (name == "LKY" or reached > PEAK_SHARE)
                 counts["right_names"] += right
                 counts["wrong_names"] += (axle, name) in found and not right
                 if not factor["determined"]:

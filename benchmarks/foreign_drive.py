@@ -26,7 +26,7 @@ from vehiclemodels.vehicle_dynamics_mb import vehicle_dynamics_mb
 import tirefmu
 from tirefmu import Tire
 from tirefmu.applications.driving.inputs.car import Car
-from tirefmu.applications.driving.inputs.unknowns import SAME_SPREAD
+from tirefmu.applications.driving.inputs.unknowns import SAME
 from tirefmu.applications.driving.interval import OUTPUTS
 from tirefmu.applications.driving.result import Drive
 
@@ -145,7 +145,7 @@ def main() -> int:
         found = {(finding.axle, finding.name) for finding in answer.verdict.tires}
         for axle in AXLES:
             for name, true in (("LMUY", 1.0 / case.friction), ("LKY", 1.0 / case.stiffness)):
-                factor, changed = answer.factors[axle][name], abs(true - 1.0) > SAME_SPREAD
+                factor, changed = answer.factors[axle][name], abs(true - 1.0) > SAME
                 right = (axle, name) in found and changed and (factor.value > 1.0) == (true > 1.0)
                 counts["to_name"] += changed
                 counts["right_names"] += right

@@ -118,6 +118,19 @@ class FmuError(TirefmuError):
     """An FMU that cannot be built or simulated; lists every problem found."""
 
 
+class TirefmuWarning(UserWarning):
+    r"""What the user has to know of a result, although nothing is wrong: "tirefmu: warning: ..." on the command line.
+
+    Its text may quote a file, as that of `TirefmuError`.
+
+    >>> print(TirefmuWarning("a\x1b[2J.tir: USE_MODE = 3"))
+    a\x1b[2J.tir: USE_MODE = 3
+    """
+
+    def __init__(self, sentence: str) -> None:
+        super().__init__(excerpt(sentence, LONGEST))
+
+
 #: Largest number of known names that a message lists; of more it has the nearest ones.
 FEW, NEAREST = 18, 4
 #: What lists many names of a kind: the first one with which the kind begins.

@@ -2,6 +2,10 @@
 
 A reader lists its keys with types (``{"tables": list[str]}``), a writer has frozen classes and typed dictionaries. Both
 are enough for `schema_of`, so that no schema repeats a declaration.
+
+The keys of a frozen class are its fields, unless it lists others: ``JSON_KEYS = ("name", "run.seconds", "tire.has as
+effects")`` has the keys ``name``, ``seconds`` and ``effects``, values and types of which are those of fields and
+properties.
 """
 
 from __future__ import annotations
@@ -10,13 +14,13 @@ import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
+from inspect import getattr_static, getdoc
 from math import isfinite
+from operator import attrgetter
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import Annotated, Any, NotRequired, Union, get_args, get_origin, get_type_hints, is_typeddict
+from typing import Annotated, Any, ClassVar, Union, get_args, get_origin, get_type_hints, is_typeddict
 
-#: Metadata of a field of a frozen class that is no part of its JSON.
-NOT_WRITTEN = {"written": False}
 #: The schema of a text that is not empty.
 FILLED = {"type": "string", "pattern": r"\S", "title": "a text that is not empty"}
 _TYPES = {bool: "boolean", int: "integer", float: "number", str: "string", NoneType: "null"}
@@ -25,8 +29,9 @@ _TYPES = {bool: "boolean", int: "integer", float: "number", str: "string", NoneT
 def schema_of(kind: Any, *, missing: bool = False) -> dict[str, Any]:
     """Return the JSON Schema of a type; a schema, which is a dictionary, is returned as it is.
 
-    `kind`: bool, int, float, str, None, Any; lists, tuples, mappings with text keys, unions of types; arrays; frozen
-    classes and typed dictionaries. ``Annotated[type, text or mapping]`` adds a description or further keywords.
+    `kind`: bool, int, float, str, None, Any; lists, tuples, sets, mappings with text keys, unions of types; arrays;
+    frozen classes, named tuples and typed dictionaries. ``Annotated[type, text or mapping]`` adds a description or
+    further keywords.
     `missing`: a number may be null, as in `json_value`. Raises `TypeError` for another type.
 
     >>> schema_of(list[float] | None)
@@ -44,6 +49,8 @@ def schema_of(kind: Any, *, missing: bool = False) -> dict[str, Any]:
         for fact in parts[1:]:
             schema |= {"description": fact} if isinstance(fact, str) else fact
         return schema
+    if origin is ClassVar:
+        return schema_of(parts[0], missing=missing)
     if kind in _TYPES:
         return {"type": [_TYPES[kind], "null"] if missing and kind is float else _TYPES[kind]}
     if origin in (Union, UnionType):
@@ -51,29 +58,38 @@ def schema_of(kind: Any, *, missing: bool = False) -> dict[str, Any]:
     if origin is tuple and parts[-1] is not Ellipsis:
         pair = [schema_of(part, missing=missing) for part in parts]
         return {"type": "array", "prefixItems": pair, "items": False, "minItems": len(pair)}
-    if origin in (list, tuple, Sequence):
+    if origin in (list, tuple, frozenset, Sequence):
         return {"type": "array", "items": schema_of(parts[0], missing=missing)}
     if getattr(origin, "__name__", "") in ("ndarray", "NDArray"):  # from NumPy 2.5 on the alias has a name of its own
         return {"type": "array"}
     if origin in (dict, Mapping):
         return {"type": "object", "additionalProperties": schema_of(parts[1], missing=missing)}
-    if is_typeddict(kind) or is_dataclass(kind):
-        return _object(kind, missing)
-    raise TypeError(f"no JSON Schema of {kind}")
+    if is_typeddict(kind):
+        types = get_type_hints(kind, include_extras=True)
+    elif paths := _paths(kind):
+        types = {key: _type_of(kind, path) for key, path in paths.items()}
+    else:
+        raise TypeError(f"no JSON Schema of {kind}")
+    return object_schema({key: schema_of(part, missing=missing) for key, part in types.items()}, types)
 
 
-def _object(kind: Any, missing: bool) -> dict[str, Any]:
-    """Return the schema of a frozen class or a typed dictionary."""
-    hints = get_type_hints(kind, include_extras=True)
-    names = _written(kind) if is_dataclass(kind) else list(hints)
-    optional = {name for name in names if get_origin(hints[name]) is NotRequired}
-    of = {name: get_args(hints[name])[0] if name in optional else hints[name] for name in names}
-    properties = {name: schema_of(part, missing=missing) for name, part in of.items()}
-    return object_schema(properties, [name for name in names if name not in optional])
+def _paths(value: Any) -> dict[str, str]:
+    """Return the path of the attribute of each key of a frozen class or a named tuple; nothing of another type."""
+    names = [part.name for part in fields(value)] if is_dataclass(value) else getattr(value, "_fields", ())
+    entries = [entry.partition(" as ") for entry in getattr(value, "JSON_KEYS", names)]
+    return {key or path.rpartition(".")[2]: path for path, _, key in entries}
 
 
-def _written(value: Any) -> list[str]:
-    return [part.name for part in fields(value) if part.metadata.get("written", True)]
+def _type_of(kind: Any, path: str) -> Any:
+    """Return the declared type of an attribute: that of a field, or that of what a property returns, with its text."""
+    for name in path.split("."):
+        owner = get_args(kind)[0] if get_origin(kind) is Annotated else kind
+        attribute = getattr_static(owner, name, None)
+        getter = getattr(attribute, "fget", None) or getattr(attribute, "func", None)
+        kind = get_type_hints(getter or owner, include_extras=True)["return" if getter else name]
+        if getter:
+            kind = Annotated[kind, (getdoc(getter) or "").partition("\n")[0]]
+    return kind
 
 
 def object_schema(properties: Mapping[str, Any], required: Iterable[str] = ()) -> dict[str, Any]:
@@ -140,15 +156,19 @@ def schema_file(schema: Mapping[str, Any]) -> str:
 def json_value(value: Any) -> Any:
     """Return a result as values of JSON: a frozen class becomes an object, a number that is not finite null.
 
+    A set becomes a list in order.
+
     >>> json_value({"size": (1.0, float("nan"))})
     {'size': [1.0, None]}
     """
-    if is_dataclass(value) and not isinstance(value, type):
-        return {name: json_value(getattr(value, name)) for name in _written(value)}
+    if not isinstance(value, type) and (paths := _paths(value)):
+        return {key: json_value(attrgetter(path)(value)) for key, path in paths.items()}
     if isinstance(value, Mapping):
         return {str(key): json_value(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
         return [json_value(item) for item in value]
+    if isinstance(value, frozenset):
+        return sorted(value)
     if hasattr(value, "tolist"):  # a number or an array of NumPy
         return json_value(value.tolist())
     return None if isinstance(value, float) and not isfinite(value) else value

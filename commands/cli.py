@@ -10,13 +10,17 @@ import io
 import os
 import shlex
 import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from pkgutil import iter_modules
+from typing import Any
 
 import click
 
 from .. import commands
-from ..boundary.errors import TirefmuError
+from ..boundary.errors import TirefmuError, TirefmuWarning
 from ..boundary.escaping import excerpt, visible
 from .command import SectionedGroup
 
@@ -62,7 +66,8 @@ def run(command: click.Command, name: str, arguments: list[str] | None) -> int:
     try:
         given = sys.argv[1:] if arguments is None else arguments
         line = shlex.join([name, *given])
-        status = command.main(args=given or ["--help"], prog_name=name, standalone_mode=False, obj=line)
+        with _warnings_as_lines(name, quiet="--quiet" in given):
+            status = command.main(args=given or ["--help"], prog_name=name, standalone_mode=False, obj=line)
     except TirefmuError as error:
         return _invalid(name, str(error))
     except click.ClickException as error:
@@ -73,6 +78,24 @@ def run(command: click.Command, name: str, arguments: list[str] | None) -> int:
         print(f"{name}: interrupted", file=sys.stderr)
         return 130
     return int(status or 0)
+
+
+@contextmanager
+def _warnings_as_lines(name: str, quiet: bool) -> Iterator[None]:
+    """Print each warning of tirefmu once, as a line; those of other packages are shown as Python does."""
+    with warnings.catch_warnings():
+        shown_by_python, printed = warnings.showwarning, set()
+
+        def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+            if not issubclass(category, TirefmuWarning):
+                shown_by_python(message, category, *where, **more)
+            elif str(message) not in printed and not quiet:
+                printed.add(str(message))
+                print(f"{name}: warning: {message}", file=sys.stderr)
+
+        warnings.simplefilter("always", TirefmuWarning)
+        warnings.showwarning = show
+        yield
 
 
 def _usage(error: click.ClickException) -> str:

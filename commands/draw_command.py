@@ -54,7 +54,6 @@ def draw(
     from ..tires.definition import default_loads
     from ..tires.description import limits_of
     from ..tires.drawing.files import draw as run
-    from ..tires.property_file.use import use_notes
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
@@ -82,6 +81,5 @@ def draw(
     terminal.print(f"figures at {', '.join(f'{load:g}' for load in loads)} N, signs {shown}:")
     for path in drawn:
         terminal.print(f"  {path}")
-    terminal.print(*(f"note: {note}" for note in use_notes(loaded)))
     terminal.print(*(f"note: {note}" for note in limits_of(loaded)))
     return 0

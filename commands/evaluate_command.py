@@ -76,7 +76,6 @@ def evaluate(
     check_input_paths(tire, table)
     from ..measurements import column_notes, recording_from, write_table
     from ..tires import tire_from
-    from ..tires.property_file.use import use_notes
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
@@ -101,6 +100,5 @@ def evaluate(
     terminal.print(f"{rows} rows, {len(columns)} columns, signs {recording.signs}: {output}")
     if absent:
         terminal.print(f"not in the table, nominal values used: {', '.join(absent)}")
-    terminal.print(*(f"note: {note}" for note in use_notes(loaded)))
     terminal.print(*(f"warning: {warning}" for warning in warnings))
     return 0

@@ -158,7 +158,6 @@ def export(
     from ..fmu.packaging.system import side_notes
     from ..tires import tire_from
     from ..tires.description import limits_of
-    from ..tires.property_file.use import use_notes
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
@@ -191,11 +190,7 @@ def export(
     }[what]
     shown = "" if kind == "sti" else f"{inputs} inputs, "
     terminal.print(f"{form}, {tires_of}{shown}{size / 1024:.0f} KB: {written}")
-    notes = [
-        *(side_notes(loaded, system.mirror) if ssp else ()),
-        *(note for tire in loaded for note in use_notes(tire)),
-    ]
-    terminal.print(*(f"note: {note}" for note in dict.fromkeys(notes)))
+    terminal.print(*(f"note: {note}" for note in (side_notes(loaded, system.mirror) if ssp else ())))
     if (inputs != "slip" or kind == "sti") and (note := with_lengths(loaded[0])[1]):
         terminal.print(f"note: {note}")
     terminal.print(*(f"note: {note}" for tire in loaded for note in limits_of(tire)))

@@ -39,8 +39,9 @@ def info(tire: Path, every: bool, radius: float | None, quiet: bool, json_file: 
     from ..tires.property_file.reading import read_tir_with_notes
     from .terminal import Terminal
 
-    loaded = tire_from(tire, radius=radius)
-    summary = describe(loaded, read_tir_with_notes(tire, radius).notes if tire.is_file() else ())
+    read = read_tir_with_notes(tire, radius) if tire.is_file() else None
+    loaded = read.tire if read else tire_from(tire, radius=radius)
+    summary = describe(loaded, read.notes if read else ())
     write_json(json_file, summary)
     Terminal(quiet).tire(loaded, summary, every)
     return 0

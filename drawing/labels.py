@@ -9,15 +9,13 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from ..symbolic import quantities
-from ..symbolic.declarations import Quantity
+from ..symbolic.channels import CHANNELS
+from ..symbolic.quantities import DISTANCE
 
 Numbers = TypeVar("Numbers", float, npt.NDArray[np.float64])
-_UNITS = {"t": "s"} | {
-    quantity.name: quantity.unit for quantity in vars(quantities).values() if isinstance(quantity, Quantity)
-}
-_WRITTEN = {"1": "-", "degC": "deg C"}
-_DRAWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3), "K": ("deg C", 1.0)}
+#: SI units: of the channels, and of the input that is none.
+_UNITS = {DISTANCE.name: DISTANCE.unit} | {name: declared.unit for name, declared in CHANNELS.items()}
+_DRAWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3), "K": ("deg C", 1.0), "1": ("-", 1.0)}
 #: The temperature that is drawn as 0, K.
 ZERO_CELSIUS = 273.15
 _GREEK = {"kappa": "κ", "alpha": "α", "gamma": "γ", "phit": "φt"}
@@ -34,7 +32,7 @@ _CONVENTION = {
 def drawn_unit(channel: str) -> str:
     """Return the unit in which a channel is drawn: its SI unit, but degrees, kPa and deg C."""
     unit = _UNITS[channel]
-    return _DRAWN[unit][0] if unit in _DRAWN else _WRITTEN.get(unit, unit)
+    return _DRAWN[unit][0] if unit in _DRAWN else unit
 
 
 def per_si(channel: str) -> float:

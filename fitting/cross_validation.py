@@ -24,7 +24,7 @@ from .fit import fit
 from .fit_result import FitResult
 from .problem.rows import Rows
 from .results.records import HeldOut
-from .temperature.selection import settings_of_forces
+from .temperature.temperature_fit import settings_of_forces
 
 
 @dataclass(frozen=True)

@@ -106,7 +106,8 @@ class Family:
         given = {**first.values, **dict(zip(names, mean.tolist(), strict=True)), **levels}
         effects = frozenset[str]().union(*(tire.has for tire in tires))
         tire = Tire(model.name, given, effects=effects, signs="adapted-sae", added=first.added)
-        unknown = tuple(n for n in names if all(n in tire.defaulted or n not in _live(tire) for tire in tires))
+        informed = frozenset().union(*(tire.symbolic_model.live(tire.has).difference(tire.defaulted) for tire in tires))
+        unknown = tuple(name for name in names if name not in informed)
         return cls(names, mean, covariance, freedom, len(tires), unknown, tire)
 
     def prior(self, free: Sequence[str], scale: FloatArray, weight: float) -> Prior:
@@ -199,10 +200,6 @@ def _correlation(residual: FloatArray) -> FloatArray:
     squares = float(np.sum(correlation[away] ** 2))
     kept = max(0.0, 1.0 - float(np.sum(error[away])) / squares) if m > 2 and squares > 0.0 else 0.0
     return np.asarray(np.where(away, kept * correlation, 1.0))
-
-
-def _live(tire: Tire) -> frozenset[str]:
-    return frozenset(tire.symbolic_model.live(tire.has))
 
 
 def _varied(model: Model) -> tuple[str, ...]:

@@ -6,14 +6,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import pandas as pd
 
+from ..boundary.json_schema import document, json_value, schema_of
 from ..measurements import TableLike
-from .results.fit_content import fit_content
 from .results.fitted import Fitted
-from .results.intervals import interval
+from .results.intervals import ListedInterval, interval, listed_intervals
 from .results.summary import fit_html, fit_text
 from .results.verdict import Verdict, verdict_of
 
@@ -60,6 +60,16 @@ class FitResult(Fitted):
     residuals : Residuals or None
         The fitted rows, from which `findings` are computed.
     """
+
+    #: Version of fit.json. New keys increment the second number, changed meanings the first.
+    version: ClassVar[str] = "2.0"
+    JSON_KEYS: ClassVar = (
+        "version", "verdict.usable as ok", "verdict.word as verdict", "verdict.reasons", "status", "run.recipe",
+        "run.method", "run.seconds", "tire.model", "tire.has as effects", "signs", "tire.values", "coefficients",
+        "channels", "stages", "margins", "margins_signs", "directions", "bounds", "excluded_rows as set_aside",
+        "held_out", "findings", "uncertainty.determined as covariance", "listed_intervals as intervals", "bootstrap",
+        "temperature", "notes", "data_findings", "run.interrupted",
+    )  # fmt: skip
 
     def __repr__(self) -> str:
         """Return a few lines: status, goodness of fit by channel, coefficients that are not determined."""
@@ -170,10 +180,20 @@ class FitResult(Fitted):
         """
         return interval(self, quantity, table, signs=signs, level=level)
 
+    @property
+    def listed_intervals(self) -> tuple[ListedInterval, ...]:
+        """The 95 % intervals of quantities and forces over the measured range, in ISO-W."""
+        return tuple(listed_intervals(self))
+
     def table(self) -> pd.DataFrame:
         """Return the coefficients as a table, one row each."""
         return pd.DataFrame([vars(coefficient) for coefficient in self.coefficients])
 
     def to_json(self) -> dict[str, Any]:
         """Return the result as JSON values; a number that does not exist, such as a missing bound, is null."""
-        return fit_content(self, self.verdict)
+        return dict(json_value(self))
+
+
+def fit_schema() -> dict[str, Any]:
+    """Return the JSON Schema of fit.json."""
+    return document("fit", FitResult.version, "Result of a fit", schema_of(FitResult, missing=True))

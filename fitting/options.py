@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..boundary.errors import FitError
 from ..boundary.escaping import excerpt
+from ..symbolic.contract import CONSTRAINT_KINDS
 
 if TYPE_CHECKING:
     from ..tires import TireLike
@@ -157,8 +158,8 @@ class FitOptions:
         metadata=_declared(
             "names",
             "--constraint",
-            "Physical constraints in addition to the default ones: extrapolation (signs and E up to 1.5 times the "
-            "range), stiffness_saturating (also K_xkappa), or all.",
+            "Physical constraints in addition to the default ones: "
+            f"{', '.join(f'{kind} ({more})' for kind, more in CONSTRAINT_KINDS.items() if more)}, or all.",
         ),
     )
     without_constraints: Collection[str] = field(
@@ -166,8 +167,7 @@ class FitOptions:
         metadata=_declared(
             "names",
             "--without-constraint",
-            "Physical constraints to remove: signs, curvature, friction_falling, stiffness_saturating, extrapolation, "
-            "a single one (curvature:E_y), or all.",
+            f"Physical constraints to remove: {', '.join(CONSTRAINT_KINDS)}, a single one (curvature:E_y), or all.",
         ),
     )
     loss: str = field(

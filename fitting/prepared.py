@@ -120,6 +120,10 @@ def _names(setup: Setup, stage: Stage, channels: Sequence[str]) -> tuple[str, ..
         return tuple(name for name in stage.free if name in live)
     if stage.effects is not None:
         live &= model.live(effects.intersection(stage.effects))
-    if stage.sections:
-        return tuple(name for name, c in model.coefficients.items() if c.section in stage.sections and name in live)
-    return tuple(name for name, c in model.coefficients.items() if c.fitted and name in live)
+    # A section whose coefficients are not fitted by default is freed as a whole by a stage that names it.
+    asked = set(stage.sections) - {c.section for c in model.coefficients.values() if c.fitted}
+    return tuple(
+        name
+        for name, c in model.coefficients.items()
+        if name in live and (c.fitted or c.section in asked) and (not stage.sections or c.section in stage.sections)
+    )

@@ -17,8 +17,7 @@ from .resampling.near_solution import with_consequences, with_second_solutions
 from .setup import Plan, Setup
 from .solvers.interruption import Interruption, Progress
 from .stage import solve_stages
-from .temperature.selection import forces_alone, temperature_column, with_temperature
-from .temperature.temperature_fit import fit_temperature
+from .temperature.temperature_fit import fit_temperature, forces_alone, temperature_column, with_temperature
 
 
 def fitted(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ..boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
-    from ..tires.channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
+    from ..symbolic.channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
     from .checks.columns.check import check_columns, column_notes
     from .checks.columns.limits import check_plausible
     from .checks.recordings.data_findings import data_findings

@@ -7,11 +7,11 @@ from typing import Any
 
 from ..boundary.errors import UnknownName
 from ..symbolic.added import AddedEffect, library
+from ..symbolic.channels import CHANNELS
 from ..symbolic.declarations import Coefficient, Effect
 from ..symbolic.effects import EFFECTS
 from ..symbolic.models import MODELS, model_named
 from ..tires import published
-from ..tires.channels import CHANNELS
 from .units import UNITS_OF_TABLES
 
 #: How a tire comes to have an effect: with the model, on request, or as an addition to any model.
@@ -28,8 +28,8 @@ def columns() -> list[dict[str, Any]]:
         {
             "name": channel.name,
             "meaning": channel.meaning,
-            "role": channel.role,
-            "unit": channel.unit.replace("-", "1"),
+            "role": "output" if channel.role == "output" else "input",
+            "unit": channel.unit,
             "units": list(UNITS_OF_TABLES.get(channel.quantity, ())),
             "ttc": list(channel.bench_names),
             "aliases": list(channel.aliases),

@@ -9,7 +9,7 @@ import re
 from collections.abc import Collection, Iterable
 
 from ..boundary.errors import DataError, UnknownName
-from ..tires.channels import CHANNELS, INPUTS, channel
+from ..symbolic.channels import CHANNELS, INPUTS, channel
 from .units import unit_named
 
 #: Words in the name of a column that do not change its meaning.

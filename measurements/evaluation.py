@@ -5,8 +5,8 @@ from __future__ import annotations
 import pandas as pd
 
 from ..boundary.named_options import named
+from ..symbolic.channels import CHANNELS, OUTPUTS
 from ..tires import Tire, TireLike, tire_from
-from ..tires.channels import CHANNELS, OUTPUTS
 from ..tires.evaluation import Conventions
 from ..tires.evaluation import evaluate as evaluate_rows
 from .column_names import check_names

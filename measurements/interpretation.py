@@ -13,7 +13,7 @@ import numpy as np
 
 from ..boundary.errors import DataError
 from ..numerics.arrays import FloatArray
-from ..tires.channels import CHANNELS, channel
+from ..symbolic.channels import CHANNELS, channel
 from .recording import Recording
 from .units import Unit, to_si, unit_of
 

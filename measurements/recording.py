@@ -14,7 +14,7 @@ import pandas as pd
 from ..boundary.errors import DataError
 from ..boundary.escaping import excerpt
 from ..numerics.arrays import IntArray
-from ..tires.channels import CHANNELS, OUTPUTS
+from ..symbolic.channels import CHANNELS, OUTPUTS
 from ..tires.notebook import html_summary, html_table
 from ..tires.signs import convert_signs, reversed_columns
 from .column_names import check_names
@@ -92,7 +92,7 @@ class Recording:
 
     def __repr__(self) -> str:
         """Return source, rows, signs and the range of each channel in a few lines."""
-        ranges = [f"{name} {low:.4g} to {high:.4g} {unit}".rstrip(" -") for name, low, high, unit in self._ranges()]
+        ranges = [f"{name} {low:.4g} to {high:.4g} {unit}".rstrip() for name, low, high, unit in self._ranges()]
         return "\n".join([self._title(), *(f"  {', '.join(ranges[i : i + 4])}" for i in range(0, len(ranges), 4))])
 
     def _repr_html_(self) -> str:
@@ -106,7 +106,7 @@ class Recording:
         """Return name, smallest and largest value and unit of each channel that has numbers."""
         numbers = {name: pd.to_numeric(self.table[name], errors="coerce") for name in CHANNELS if name in self.table}
         return [
-            (name, float(values.min()), float(values.max()), CHANNELS[name].unit)
+            (name, float(values.min()), float(values.max()), CHANNELS[name].after.strip())
             for name, values in numbers.items()
             if values.notna().any()
         ]

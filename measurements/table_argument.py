@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from ..boundary.errors import DataError, WrongType
-from ..tires.channels import CHANNELS
+from ..symbolic.channels import CHANNELS
 from .checks.columns.limits import check_plausible
 from .checks.rows.incomplete_rows import without_incomplete_rows
 from .column_names import check_names

@@ -10,9 +10,8 @@ if TYPE_CHECKING:
     from .block_regression import autocovariance, block_sums, coloured_covariance, limited, regression, wald_p
     from .correlation import correlation_length, effective_sample_size
     from .forecast import Forecast, seconds_left
-    from .gauss_newton import Damping, minimize, restore
+    from .gauss_newton import Damping, best_step, minimize, restore
     from .noise_model import ROWS_OF_PART, NoiseParts, Whitening, noise_parts
-    from .quadratic_step import best_step
     from .slip_slope import SLOPE_WINDOW, read_slope
     from .smoothing import parabolas, smoothed, without_spikes
     from .ties import BITS, graded

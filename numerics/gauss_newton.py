@@ -1,13 +1,17 @@
 r"""Damped Gauss-Newton with bounds and linearized constraints, used by the fit and the diagnosis.
 
 Each step minimizes the quadratic model of the cost, g'p + p'(H + damping D)p/2, subject to bounds and linearized
-constraints (`quadratic_step`): the Levenberg-Marquardt method with the exact solution of the bounded subproblem.
+constraints (`best_step`): the Levenberg-Marquardt method with the exact solution of the bounded subproblem.
 Nocedal and Wright, Numerical Optimization, 2nd ed. 2006, chapters 10.3 (Gauss-Newton with damping), 12 (active
 constraints), 16 (the quadratic program) and 18 (sequential programs).
 
 The loop ends when the predicted reduction of the quadratic model is at most the tolerance of the caller. The predicted
 reduction is half the squared norm of the projected gradient in the metric of the inverse matrix of the model. It
 depends neither on units nor on the path to the point.
+
+In the metric of the Cholesky factor of H, the minimum of g'p + p'Hp/2 subject to bounds on A p is the point of a
+polyhedron nearest to the origin. This is a non-negative least-squares problem (Lawson and Hanson, Solving Least Squares
+Problems, 1974, chapter 23).
 """
 
 from __future__ import annotations
@@ -17,11 +21,14 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from scipy.linalg import cholesky, solve_triangular
+from scipy.optimize import nnls
 
 from .arrays import FloatArray
 from .one_thread import one_blas_thread
-from .quadratic_step import ROUNDING, best_step
 
+#: Tolerance of a satisfied row, relative to its length times the length of the step.
+ROUNDING = 1e-12
 #: Upper limit of corrections of a step that violates constraints because they are nonlinear.
 CORRECTIONS = 2
 #: Upper limit of steps towards the constraints from a point that violates them slightly.
@@ -286,3 +293,59 @@ class _Point:
                 return predicted, after if self.cost - cost > damping.trusted * predicted else None, cost
             now = values - self.slopes @ step
         return predicted, None, self.cost
+
+
+def best_step(
+    gradient: FloatArray, matrix: FloatArray, rows: FloatArray, least: FloatArray, most: FloatArray
+) -> tuple[FloatArray, float]:
+    """Return the step that minimizes a quadratic model within bounds, and the reduction of the model.
+
+    `gradient`, shape (n,). `matrix`, shape (n, n): positive definite. `rows`, shape (m, n). `least`, `most`, shape
+    (m,): bounds of ``rows @ step``; infinite without a bound. A step of zero must be within them. Returns `step`, shape
+    (n,). Raises `numpy.linalg.LinAlgError` if the matrix is not positive definite, or no step is found.
+
+    >>> step, reduction = best_step(
+    ...     np.array([-2.0, 1.0]), np.eye(2), np.eye(2), np.array([-9.0, 0.0]), np.array([0.5, 9.0])
+    ... )
+    >>> bool(np.allclose(step, [0.5, 0.0])), round(reduction, 9)
+    (True, 0.875)
+    """
+    factor = cholesky(matrix, lower=True)
+    pull = solve_triangular(factor, gradient, lower=True)
+    size = float(np.linalg.norm(pull))
+    if size == 0.0:
+        return np.zeros(len(gradient)), 0.0
+    sides = np.concatenate([rows, -rows])
+    floors = np.concatenate([least, -most])
+    reached = np.isfinite(floors)
+    sides, floors = sides[reached], floors[reached]
+    lengths = np.linalg.norm(sides, axis=1)
+    binding = np.zeros(len(sides), dtype=np.bool_)
+    # In the metric of the factor, relative to the unbounded minimum, divided by its distance from the start.
+    nearest = np.zeros(len(gradient))
+    while True:
+        step = solve_triangular(factor, size * nearest - pull, lower=True, trans=1)
+        crossed = sides @ step < floors - ROUNDING * lengths * np.linalg.norm(step)
+        if not (crossed & ~binding).any():
+            break
+        binding |= crossed  # only the few active bounds enter the least-squares problem
+        nearest = _nearest(factor, sides[binding], floors[binding], pull, size)
+    return step, -float(gradient @ step + 0.5 * step @ matrix @ step)
+
+
+def _nearest(factor: FloatArray, sides: FloatArray, floors: FloatArray, pull: FloatArray, size: float) -> FloatArray:
+    """Return the shortest z with ``sides @ step >= floors`` for the step of z."""
+    directions = solve_triangular(factor, sides.T, lower=True).T
+    heights = (floors + directions @ pull) / size
+    lengths = np.linalg.norm(directions, axis=1)
+    system = np.concatenate([directions, heights[:, None]], axis=1) / np.where(lengths > 0, lengths, 1.0)[:, None]
+    target = np.zeros(system.shape[1])
+    target[-1] = 1.0
+    try:
+        factors, _ = nnls(system.T, target, maxiter=30 * len(system))
+    except RuntimeError as error:
+        raise np.linalg.LinAlgError(str(error)) from error
+    rest = system.T @ factors - target
+    if not rest[-1] < 0.0:
+        raise np.linalg.LinAlgError("no step is within the bounds")
+    return np.asarray(-rest[:-1] / rest[-1])

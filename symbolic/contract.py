@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 
+from ..boundary.errors import UnknownName
 from .declarations import Quantity
 
 #: The roles that a quantity can have for the other packages, with its symbol. A model declares which of its named
@@ -119,8 +120,17 @@ class PropertyFile:
     strict: bool = False
 
 
-#: The kinds of constraints, by which a fit selects them. Each has a function below.
-CONSTRAINT_KINDS = ("signs", "curvature", "friction_falling", "stiffness_saturating", "extrapolation")
+#: The kinds of constraints, by which a fit selects them, with what of each it enforces on request only. Each has a
+#: function below.
+CONSTRAINT_KINDS = {
+    "signs": "",
+    "curvature": "",
+    "friction_falling": "",
+    "stiffness_saturating": "also K_xkappa",
+    "extrapolation": "signs and E up to 1.5 times the range",
+}
+#: What of a quantity q a constraint can bound, as in `tirefmu.fitting.constraints.constraint_functions`.
+MEASURES = {"value": "q", "growth": "Fz dq/dFz", "excess": "Fz dq/dFz - q, by which it grows faster than load"}
 
 
 @dataclass(frozen=True)
@@ -129,11 +139,10 @@ class PhysicalConstraint:
 
     - `quantity`: named quantity of the model, such as "E_x".
     - `lower`, `upper`: in the quantity's unit, in adapted SAE signs.
-    - `over`: the inputs on which the quantity depends.
+    - `varied`: the inputs that are varied, all on which the quantity depends; the others are nominal.
     - `size`: a typical value, for the solver.
     - `kind`: one of `CONSTRAINT_KINDS`.
-    - `measure`: what is bounded: the "value" q, its "growth" Fz dq/dFz, or its "excess" Fz dq/dFz - q, by which it
-      grows faster than load.
+    - `measure`: one of `MEASURES`: what is bounded.
     - `effect`: without this effect the quantity has no meaning; empty if it always has a meaning.
     - `on_request`: whether a fit enforces it only on request.
     """
@@ -141,12 +150,18 @@ class PhysicalConstraint:
     quantity: str
     lower: float
     upper: float
-    over: tuple[str, ...]
+    varied: tuple[str, ...]
     size: float = 1.0
     kind: str = "signs"
     measure: str = "value"
     effect: str = ""
     on_request: bool = False
+
+    def __post_init__(self) -> None:
+        if self.kind not in CONSTRAINT_KINDS:
+            raise UnknownName("kind of constraint", self.kind, CONSTRAINT_KINDS)
+        if self.measure not in MEASURES:
+            raise UnknownName("measure of a constraint", self.measure, MEASURES)
 
 
 @dataclass(frozen=True)
@@ -201,7 +216,7 @@ class Motion:
     friction_scales: tuple[str, ...] = ()
 
 
-def positive(quantity: str, floor: float, *over: str, size: float = 1.0, effect: str = "") -> PhysicalConstraint:
+def positive(quantity: str, floor: float, *varied: str, size: float = 1.0, effect: str = "") -> PhysicalConstraint:
     """Return the constraint that a quantity stays above a floor, which is small compared with plausible values.
 
     Examples
@@ -209,31 +224,31 @@ def positive(quantity: str, floor: float, *over: str, size: float = 1.0, effect:
     >>> positive("mu", 0.01, "Fz").lower
     0.01
     """
-    return PhysicalConstraint(quantity, floor, inf, over, size, effect=effect)
+    return PhysicalConstraint(quantity, floor, inf, varied, size, effect=effect)
 
 
-def curvature(quantity: str, *over: str, effect: str = "") -> PhysicalConstraint:
+def curvature(quantity: str, *varied: str, effect: str = "") -> PhysicalConstraint:
     """Return the constraint that a curvature factor is at most 1."""
-    return PhysicalConstraint(quantity, -inf, 1.0, over, kind="curvature", effect=effect)
+    return PhysicalConstraint(quantity, -inf, 1.0, varied, kind="curvature", effect=effect)
 
 
-def weighting(quantity: str, *over: str, effect: str = "") -> PhysicalConstraint:
+def weighting(quantity: str, *varied: str, effect: str = "") -> PhysicalConstraint:
     """Return the constraint that a weighting function is a share: positive, and at most 1 but for a shift of the slip.
 
     It is 1 at zero slip. With a shift its highest value is elsewhere: 1.01 at most in published tires.
     """
-    return PhysicalConstraint(quantity, 0.01, 1.05, over, effect=effect)
+    return PhysicalConstraint(quantity, 0.01, 1.05, varied, effect=effect)
 
 
-def friction_falling(quantity: str, *over: str) -> PhysicalConstraint:
+def friction_falling(quantity: str, *varied: str) -> PhysicalConstraint:
     """Return the constraint that friction does not grow with load."""
-    return PhysicalConstraint(quantity, -inf, 0.0, over, 1.0, "friction_falling", "growth", "load_friction")
+    return PhysicalConstraint(quantity, -inf, 0.0, varied, 1.0, "friction_falling", "growth", "load_friction")
 
 
-def stiffness_saturating(quantity: str, *over: str, on_request: bool = False) -> PhysicalConstraint:
+def stiffness_saturating(quantity: str, *varied: str, on_request: bool = False) -> PhysicalConstraint:
     """Return the constraint that a slip stiffness grows no faster than load."""
     kind = "stiffness_saturating"
-    return PhysicalConstraint(quantity, -inf, 0.0, over, 1e4, kind, "excess", "load_stiffness", on_request)
+    return PhysicalConstraint(quantity, -inf, 0.0, varied, 1e4, kind, "excess", "load_stiffness", on_request)
 
 
 def with_extrapolation(
@@ -250,7 +265,7 @@ def with_extrapolation(
         output: tuple(
             replace(constraint, kind="extrapolation", on_request=True)
             for constraint in near
-            if constraint.measure == "value" and {"Fz", "kappa", "alpha"} & set(constraint.over)
+            if constraint.measure == "value" and {"Fz", "kappa", "alpha"} & set(constraint.varied)
         )
         for output, near in constraints.items()
     }

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 class Coefficient:
     """A coefficient, declared once: every package reads this declaration.
 
-    - `description`: what it is.
+    - `description`: what it is; begins in lower case, since it occurs in sentences, or with a symbol or a model: "Fy at
+      ...", "MF5.2: ...".
     - `unit`: SI unit; "1" if it has none.
     - `lower`, `upper`: bounds of plausible tires, in adapted SAE signs.
     - `neutral`: the value at which the coefficient has no influence; None for an indispensable coefficient.
@@ -29,8 +30,11 @@ class Coefficient:
     - `assumed`: the value that other readers assume, in ISO-W, if a .tir file lacks the key; the default if None.
     - `channels`: the outputs from which it can be identified, the most informative first; those of its section if
       empty.
-    - `fitted`: whether a fit may free it without naming it; as its section if None.
-    - `name`, `section`: the .tir name and the .tir section, filled in by the class that declares it.
+    - `fitted`: whether a fit frees it by default; as its section if None. If not, a stage of a recipe frees it by its
+      name, or by that of a section without any coefficient that is fitted by default. A coefficient that a fit frees on
+      request belongs to an effect with `optional = true`.
+    - `name`, `section`: the .tir name and the .tir section, filled in by the class that declares it. A coefficient that
+      the published model does not have belongs in a section "TIREFMU_...", which other programs skip.
     """
 
     description: str
@@ -49,6 +53,11 @@ class Coefficient:
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
+
+    @property
+    def published(self) -> bool:
+        """Whether the published model has it, and so other programs."""
+        return not self.section.startswith("TIREFMU")
 
     def __get__(self, instance: object, owner: type) -> sp.Symbol:
         from sympy import Symbol
@@ -75,7 +84,7 @@ class Section:
     """A section of the .tir file; its coefficients are the class attributes.
 
     The class takes the section's title and, for the coefficients that do not declare them, the `channels` from which
-    they can be identified (default: Fx, Fy and Mz) and whether a fit may free them (`fitted`).
+    they can be identified (default: Fx, Fy and Mz) and whether a fit frees them by default (`fitted`).
 
     >>> class Shape(Section, title="SHAPE"):
     ...     CX = Coefficient("shape factor", start=1.5)

@@ -1,9 +1,14 @@
-"""Imports, sizes of folders, and names of variables. import-linter checks who may import whom (`make check`)."""
+"""Imports, sizes of folders, classes and signatures, names of variables.
+
+import-linter checks who may import whom (`make check`).
+"""
 
 from __future__ import annotations
 
 import ast
 from collections import Counter
+from collections.abc import Mapping
+from os.path import commonpath
 from pathlib import Path
 
 import pytest
@@ -14,6 +19,7 @@ from .rooms import ROOMS
 
 ROOT = Path(__file__).parents[1]
 MAX_MODULES = 15
+MAX_FIELDS, MAX_PARAMETERS = 15, 12
 MAX_MODULES_OF_TESTS = 200
 FILES = [path.relative_to(ROOT).as_posix() for room in ROOMS for path in sorted((ROOT / room).rglob("*.py"))]
 
@@ -86,14 +92,59 @@ def test_folders_are_small():
     assert max(modules.values()) <= MAX_MODULES, modules.most_common(1)
 
 
+def fields_of(trees: Mapping[str, ast.Module]) -> dict[str, int]:
+    """Return the number of fields of each class, with those of the nearest class that it extends."""
+    classes = {
+        (path, node.name): node for path, tree in trees.items() for node in ast.walk(tree)
+        if isinstance(node, ast.ClassDef)
+    }  # fmt: skip
+
+    def declared(path: str, name: str) -> set[str]:
+        node = classes[path, name]
+        statements = [part for part in node.body if isinstance(part, ast.AnnAssign)]
+        fields = {ast.unparse(part.target) for part in statements if "ClassVar" not in ast.unparse(part.annotation)}
+        for base in {ast.unparse(base) for base in node.bases} - {name}:
+            of_name = [key for key in classes if key[1] == base]
+            if of_name:
+                fields |= declared(*max(of_name, key=lambda key: len(commonpath([key[0], path]))))
+        return fields
+
+    return {f"{path}: {name}": len(declared(path, name)) for path, name in classes}
+
+
+def test_classes_have_few_fields(trees):
+    """Each field of `FitOptions` is a keyword of `tirefmu.fit`."""
+    counts = fields_of({path: tree for path, tree in trees.items() if not path.startswith("generated/")})
+    many = {name for name, count in counts.items() if count > MAX_FIELDS}
+    assert many == {"fitting/options.py: FitOptions"}
+
+
+def test_fields_are_counted_with_those_of_the_classes_that_are_extended():
+    source = "class A:\n a: int\n b: ClassVar[int]\nclass B(A):\n c: int"
+    counts = fields_of({"x": ast.parse(source), "y": ast.parse("class C(A):\n d: int\nclass A:\n pass")})
+    assert counts == {"x: A": 1, "x: B": 2, "y: C": 1, "y: A": 0}
+
+
+def test_functions_have_few_parameters(trees):
+    """The keywords of a printed routine are the inputs of the model; those of a command are its options."""
+    many = {
+        f"{path}: {node.name}"
+        for path, tree in trees.items()
+        if not path.startswith(("generated/", "commands/"))
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef)
+        and len([*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]) > MAX_PARAMETERS
+    }
+    assert not many
+
+
 #: Words that do not say what a variable is, and folders in which variables may still have one of them as a name.
 EMPTY_WORDS = {"each", "one", "own", "found", "known"}
 NOT_NAMED = ("benchmarks", "examples", "tests", "generated")
 #: The field `Diagnosis.found`, and keys of the JSON of a diagnosis and of a drive.
 AS_THEY_ARE = {
     "applications/batch/diagnose_many.py: found", "applications/driving/result.py: found",
-    "diagnosis/verdict/composition.py: found", "diagnosis/verdict/content.py: found",
-    "diagnosis/verdict/result.py: found",
+    "diagnosis/verdict/composition.py: found", "diagnosis/verdict/result.py: found",
 }  # fmt: skip
 
 

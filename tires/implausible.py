@@ -7,7 +7,7 @@ Named quantities are compared with those of tires over the tire's own range of l
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +16,7 @@ from ..numerics.ties import graded
 from ..symbolic.declarations import Coefficient
 from . import Tire
 from .definition import RANGES
-from .evaluation import quantities
+from .evaluation import forces, quantities
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -26,6 +26,7 @@ FAR_ENDS = {
     "kappa": (10.0, "in percent?"),
     "alpha": (1.6, "in degrees?"),
     "gamma": (1.6, "in degrees?"),
+    "p": (5e6, "in another unit?"),
 }
 #: Other units in which a value may be written, by SI unit: name and factor, the more frequent first.
 OTHER_UNITS = {
@@ -46,8 +47,10 @@ SIZES = {"UNLOADED_RADIUS": (0.03, 2.0), "FNOMIN": (5.0, 2e5)}
 PRESSURES = (4e4, 1.2e6)
 #: Share of the largest plausible value from which a unit is a probable one, if 0 is plausible, too.
 LEAST_SHARE = 0.01
-#: Lowest plausible speeds, m/s: slower than walking, they are in another unit.
-SLOWEST = {"LONGVL": 0.5}
+#: Plausible speeds, m/s: slower than walking, or faster than benches measure slips, they are in another unit.
+SPEEDS = {"LONGVL": (0.5, 45.0)}
+#: Plausible lengths within the radius of the tire, as shares of it.
+CONTAINED = {"RIM_RADIUS": (0.2, 1.0)}
 #: Plausible named quantities at zero slip by role: from, to, relative to powers of the load and the unloaded radius.
 QUANTITIES = {
     "friction_x": (0.05, 5.0, 0, 0),
@@ -64,6 +67,18 @@ QUANTITIES = {
 }
 #: Slip stiffness per friction force: the reciprocal is the slip at which a linear force reaches the friction.
 STEEPNESS = (1.0, 200.0)
+#: Largest plausible forces, and moments per free radius, as shares of the load: at zero slip, for each rad of camber in
+#: addition, and over both slips. Rolling resistance may be this much negative, by the error of a bench.
+FORCES = {
+    "Fx": (0.2, 0.0, 5.0), "Fy": (0.4, 1.5, 5.0), "Mz": (0.2, 2.0, 0.8), "Mx": (0.2, 2.0, 1.5), "My": (0.1, 0.0, 1.0),
+}  # fmt: skip
+LEAST_RESISTANCE = -0.005
+#: Share of the load that the side force of a longitudinal slip may have, without slip angle.
+SIDE_FORCE_OF_KAPPA = 0.6
+#: Largest plausible resultant in combined slip, as a multiple of the ellipse of both peaks; a square has 1.41.
+ELLIPSE = 1.25
+#: Camber of a tire without a range, rad.
+CAMBER = 0.1
 #: Steps of a slip over the range of the tire.
 STEPS = 61
 
@@ -94,7 +109,8 @@ def implausible(tire: Tire) -> list[Doubt]:
 
     Returns: coefficients outside their declared bounds (in adapted SAE, unless neutral) or of another size than radius
     and nominal load suggest, implausible ranges, and over the range of loads and slips: friction that is not positive
-    or increases with load, slip stiffness of wrong or changing sign, quantities of a size that no tire has, curvature
+    or increases with load, slip stiffness of wrong or changing sign, also at the ends of camber and pressure;
+    quantities, forces and moments of a size that no tire has; forces far outside the friction ellipse; curvature
     factors and weighting functions above the bounds that a fit enforces.
 
     >>> from tirefmu.tires import published
@@ -102,7 +118,9 @@ def implausible(tire: Tire) -> list[Doubt]:
     ['E_t']
     """
     plain = tire.in_signs("adapted-sae")
-    return [*_coefficients(tire), *_ranges(tire), *_behaviour(plain), *_quantities(plain), *_constraints(plain)]
+    with np.errstate(all="ignore"):  # what is no number is a doubt
+        behaviour = [*_behaviour(plain), *_quantities(plain), *_forces(plain), *_constraints(plain)]
+    return [*_coefficients(tire), *_ranges(tire), *behaviour]
 
 
 def loads(tire: Tire) -> FloatArray:
@@ -130,7 +148,7 @@ def _coefficients(tire: Tire) -> Iterator[Doubt]:
         ]
         hints = hints[:1] + (["wrong sign?"] if declared.lower <= -value <= declared.upper and not within else [])
         shown = (
-            f"{low:.3g} .. {high:.3g}, the sizes of such a tire"
+            f"{low:.3g} .. {high:.3g}, the {'speeds of benches' if name in SPEEDS else 'sizes of such a tire'}"
             if within
             else f"{declared.lower:g} .. {declared.upper:g}"
         )
@@ -146,9 +164,14 @@ def _plausible(tire: Tire, declared: Coefficient) -> tuple[float, float]:
         return SIZES[declared.name]
     if declared.unit == "Pa":
         return PRESSURES
-    least = SLOWEST.get(declared.name, max(0.0, declared.lower))
+    if declared.name in SPEEDS:
+        return SPEEDS[declared.name]
+    least = max(0.0, declared.lower)
     if not sizes.get(declared.unit, 0.0) > 0.0:
         return least, max(abs(declared.lower), abs(declared.upper))
+    if declared.name in CONTAINED:
+        low, high = CONTAINED[declared.name]
+        return low * radius, high * radius
     low, high = PLAUSIBLE[declared.unit]
     return (low * sizes[declared.unit] if declared.lower > 0.0 else 0.0), high * sizes[declared.unit]
 
@@ -171,15 +194,32 @@ def _ranges(tire: Tire) -> Iterator[Doubt]:
 def _behaviour(tire: Tire) -> Iterator[Doubt]:
     """Yield doubts about the signs of friction and slip stiffness over the range of loads, in adapted SAE."""
     load, model = loads(tire), tire.symbolic_model
+    names = [model.quantity(f"{role}_{axis}") for axis in "xy" for role in ("friction", "stiffness")]
+    named = set[str]()
+    for held in ({}, *_ends_of_other_inputs(tire)):
+        computed = quantities(tire, {"Fz": load, **held})
+        doubts = [doubt for name in names if name and name not in named for doubt in _sign(name, computed[name], load)]
+        at = "".join(f", {name} = {value:.4g}" for name, value in held.items())
+        yield from (replace(doubt, reason=doubt.reason + at) for doubt in doubts)
+        named |= {doubt.name for doubt in doubts}
     computed = quantities(tire, {"Fz": load})
     for axis in ("x", "y"):
-        friction, stiffness = model.quantity(f"friction_{axis}"), model.quantity(f"stiffness_{axis}")
-        yield from _sign(friction, computed[friction], load)
-        if stiffness:
-            yield from _sign(stiffness, computed[stiffness], load)
+        friction = model.quantity(f"friction_{axis}")
         first, last = computed[friction][0], computed[friction][-1]
         if computed[friction].min() > 0 and last > first * (1 + 1e-9):
             yield Doubt(friction, float(last), f"increases with load, from {first:.3g} at {load[0]:g} N", False)
+
+
+def _ends_of_other_inputs(tire: Tire) -> list[dict[str, float]]:
+    """Return the ends of the ranges of camber and pressure, one input at a time."""
+    camber = _end(tire, "gamma", CAMBER, most=FAR_ENDS["gamma"][0])
+    ends = {"gamma": (-camber, camber), "p": tire.ranges.get("p", ())}
+    return [
+        {name: value}
+        for name, values in ends.items()
+        for value in values
+        if name in tire.inputs and (name == "gamma" or PRESSURES[0] <= value <= PRESSURES[1])
+    ]
 
 
 def _sign(name: str, values: FloatArray, load: FloatArray) -> Iterator[Doubt]:
@@ -207,6 +247,61 @@ def _quantities(tire: Tire) -> Iterator[Doubt]:
             yield from _outside(stiffness, computed[stiffness], load, STEEPNESS, computed[friction] * load)
 
 
+def _forces(tire: Tire) -> Iterator[Doubt]:
+    """Yield doubts about the size of forces and moments over loads, slips and camber, in adapted SAE."""
+    load, radius = loads(tire), tire.values["UNLOADED_RADIUS"]
+    straight = [{}, *(held for held in _ends_of_other_inputs(tire) if "gamma" in held)]
+    doubts: dict[str, Doubt] = {}
+    for held in straight:
+        computed = forces(tire, {"Fz": load, **held})
+        for name in computed:
+            size = load * (radius if name.startswith("M") else 1.0)
+            most, per_camber, _ = FORCES[name]
+            most += per_camber * abs(held.get("gamma", 0.0))
+            low = LEAST_RESISTANCE if name == "My" else -most
+            at = "".join(f", {other} = {value:.3g}" for other, value in held.items())
+            for doubt in _outside(name, computed[name], load, (low, most), size):
+                doubts.setdefault(name, replace(doubt, reason=f"{doubt.reason}{at}, without slip"))
+    slips, shape = _slips(tire), (-1, 1, 1)
+    inputs = {"Fz": load.reshape(shape), "kappa": slips["kappa"][:, None], "alpha": slips["alpha"]}
+    computed = forces(tire, inputs)
+    for name in computed:
+        size = load * (radius if name.startswith("M") else 1.0)
+        largest = np.abs(computed[name]).max(axis=(1, 2))
+        for doubt in _outside(name, largest, load, (0.0, FORCES[name][2]), size):
+            doubts.setdefault(name, replace(doubt, reason=f"{doubt.reason}, over both slips"))
+    middle = len(slips["alpha"]) // 2
+    of_kappa = np.abs(computed["Fy"][:, :, middle]).max(axis=1)
+    for doubt in _outside("Fy", of_kappa, load, (0.0, SIDE_FORCE_OF_KAPPA), load):
+        doubts.setdefault("Fy", replace(doubt, reason=f"{doubt.reason}, by kappa alone"))
+    yield from doubts.values()
+    if not doubts and tire.symbolic_model.quantity("weighting_y"):
+        yield from _ellipse(tire, computed["Fx"], computed["Fy"], slips)
+
+
+def _ellipse(tire: Tire, fx: FloatArray, fy: FloatArray, slips: dict[str, FloatArray]) -> Iterator[Doubt]:
+    """Yield a doubt if both forces together are far outside the ellipse of their peaks, at the median of the loads."""
+    row, column = (len(slips[name]) // 2 for name in ("kappa", "alpha"))
+    peaks = [np.abs(part).max(axis=1)[:, None, None] for part in (fx[:, :, column], fy[:, row, :])]
+    share = np.hypot(fx / peaks[0], fy / peaks[1])
+    if not np.isfinite(share).all():
+        return
+    largest = share.max(axis=(1, 2))
+    middle = int(np.argsort(graded(largest), kind="stable")[len(largest) // 2])
+    if largest[middle] > ELLIPSE:
+        i, j = np.unravel_index(graded(share[middle]).argmax(), share[middle].shape)
+        at = f"kappa = {slips['kappa'][i]:.3g}, alpha = {slips['alpha'][j]:.3g}"
+        reason = f"Fx and Fy together reach this multiple of the friction ellipse at {at}"
+        name = f"{tire.symbolic_model.quantity('weighting_x')}, {tire.symbolic_model.quantity('weighting_y')}"
+        yield Doubt(name, float(largest[middle]), reason, False)
+
+
+def _slips(tire: Tire) -> dict[str, FloatArray]:
+    """Return steps of both slips over the range of a tire; the middle one is 0."""
+    share = np.linspace(-1.0, 1.0, STEPS)
+    return {name: share * _end(tire, name, 0.2) for name in ("kappa", "alpha")}
+
+
 def _outside(
     name: str, values: FloatArray, load: FloatArray, ends: tuple[float, float], size: FloatArray
 ) -> Iterator[Doubt]:
@@ -222,8 +317,7 @@ def _outside(
 
 def _constraints(tire: Tire) -> Iterator[Doubt]:
     """Yield doubts about quantities above the bound that a fit enforces, over loads and slips, in adapted SAE."""
-    model, share = tire.symbolic_model, np.linspace(-1.0, 1.0, STEPS)
-    swept = {name: share * _end(tire, name, 0.2) for name in ("kappa", "alpha")}
+    model, swept = tire.symbolic_model, _slips(tire)
     slips = [*((kappa, 0.0) for kappa in swept["kappa"]), *((0.0, alpha) for alpha in swept["alpha"])]
     points = np.array([(load, *slip) for load in loads(tire) for slip in slips]).T
     inputs = dict(zip(("Fz", "kappa", "alpha"), points, strict=True))
@@ -239,7 +333,7 @@ def _constraints(tire: Tire) -> Iterator[Doubt]:
             yield Doubt(bound.quantity, float(values[row]), f"above {bound.upper:g} at {at}", False)
 
 
-def _end(tire: Tire, name: str, default: float) -> float:
+def _end(tire: Tire, name: str, default: float, most: float = 1.0) -> float:
     """Return the largest magnitude in the range of an input if plausible, else `default`."""
     ends = [abs(end) for end in tire.ranges.get(name, ())]
-    return max(ends) if ends and 0 < max(ends) <= 1.0 else default
+    return max(ends) if ends and 0 < max(ends) <= most else default

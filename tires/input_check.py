@@ -5,16 +5,18 @@ Numbers, lists and arrays are treated alike. NaN is no error here: the forces th
 
 from __future__ import annotations
 
+import math
 import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from ..boundary.errors import DataError, TirefmuError, UnknownName, WrongType
-from .channels import CHANNELS
+from ..boundary.errors import DataError, TirefmuError, TirefmuWarning, UnknownName, WrongType
+from ..boundary.escaping import quoted
+from ..symbolic.channels import CHANNELS
 from .definition import TireDefinition
 from .signs import TABLE_INPUTS, convert_signs
 
@@ -37,8 +39,11 @@ FAR_SLIP = 2.0
 #: Fraction of the values. If more slips are as far, they are probably in percent. Those of a wheel that spins may be:
 #: they are evaluated, with a warning.
 MAX_FAR_SLIPS = 0.5
-#: The head of a column whose name declares a unit: ``alpha [deg]``, ``p (kPa)``.
-_HEAD = re.compile(r"\s*(\w+)\s*[\[(]")
+#: The head of a column whose name declares a unit: ``alpha [deg]``, ``p (kPa)``, ``alpha_deg``.
+_HEAD = re.compile(r"\s*(\w+?)\s*([\[(]|_(deg|degrees|percent|pct|kn|lbf|kpa|bar|psi|kmh|kph|mph)$)", re.IGNORECASE)
+#: The inputs by their other names; bench names are case-sensitive, since "Et" is no time.
+_BENCH_NAMES = {alias: name for name in TABLE_INPUTS for alias in CHANNELS[name].bench_names}
+_ALIASES = {alias: name for name in TABLE_INPUTS for alias in (name.casefold(), *CHANNELS[name].aliases)}
 
 
 class SignedTable(Protocol):
@@ -64,6 +69,8 @@ class SignedTable(Protocol):
 #: Loads above this multiple of a tire's largest load are refused. Judgement: an impact reaches several times the static
 #: load, and the polynomials of the load change the sign of the friction within this multiple.
 FAR_LOAD = 5.0
+#: Share of a tire's largest load. If no load is above it, the loads are probably in kN.
+KILONEWTON = 1e-3
 #: The largest load of a tire without a stated range, as a multiple of its nominal load: the Trento tire has 220 N for
 #: loads up to 1220 N.
 NOMINAL_SHARE = 5.0
@@ -76,9 +83,26 @@ def load_limit(tire: TireDefinition) -> float:
     >>> load_limit(published("trento_hoosier"))
     6100.0
     """
+    return FAR_LOAD * _largest_load(tire)
+
+
+def _largest_load(tire: TireDefinition) -> float:
     nominal = tire.values["FNOMIN"]
     _, highest = tire.ranges.get("Fz", (0.0, NOMINAL_SHARE * nominal))
-    return FAR_LOAD * max(highest, nominal)
+    return max(highest, nominal)
+
+
+def possible_range(tire: TireDefinition, name: str) -> tuple[float, float]:
+    """Return the possible values of an input in SI units; slip angles up to 180 deg, since a car may spin.
+
+    >>> from tirefmu.tires import published
+    >>> possible_range(published("trento_hoosier"), "Fz")
+    (0.0, 6100.0)
+    """
+    if name not in CHANNELS:
+        return -math.inf, math.inf
+    wider = {"alpha": (-math.pi, math.pi), "Fz": (0.0, load_limit(tire)), "p": (SMALLEST_PRESSURE, math.inf)}
+    return wider.get(name, CHANNELS[name].limits)
 
 
 def checked_inputs(tire: TireDefinition, inputs: Mapping[str, Any]) -> dict[str, FloatArray]:
@@ -86,7 +110,7 @@ def checked_inputs(tire: TireDefinition, inputs: Mapping[str, Any]) -> dict[str,
 
     Raises `UnknownName` for an input that is none of the public tables, `WrongType` for one that is not numeric, and
     `TirefmuError` for values in another unit or sign, loads far beyond the range of the tire, and shapes that do not
-    broadcast. Warns (`UserWarning`) of slips that are probably in percent.
+    broadcast. Warns (`TirefmuWarning`) of slips that are probably in percent, and of loads in kN.
 
     >>> from tirefmu.tires import published
     >>> checked_inputs(published("trento_hoosier"), {"V": [10.0, 200.0]})
@@ -101,7 +125,7 @@ def checked_inputs(tire: TireDefinition, inputs: Mapping[str, Any]) -> dict[str,
         arrays[name] = _numbers(name, given)
         if problem := _problem(name, arrays[name]):
             raise TirefmuError(problem)
-        _warn_of_percent(name, arrays[name])
+        _warn_of_unit(tire, name, arrays[name])
     if problem := _far_load(tire, arrays.get("Fz")):
         raise TirefmuError(problem)
     try:
@@ -141,7 +165,7 @@ def checked_table(
             raise DataError(f"{source}: the recording is in {written} signs, not {signs} (with_signs converts it)")
     else:
         raise WrongType("table", table, "a DataFrame or a Recording (tirefmu.evaluate takes a path)")
-    _check_headers(rows, source)
+    _check_headers(rows, source, tire.inputs)
     given = convert_signs(
         rows[[name for name, channel in CHANNELS.items() if channel.hint and name in rows]], written, "iso"
     )
@@ -152,7 +176,7 @@ def checked_table(
         if name not in declared:
             problem = problem or _problem(name, np.abs(values) if name == "Fz" else values)
             if not problem and (rows is table or "Fx" not in rows):  # with Fx, the reader judges the slips of a file
-                _warn_of_percent(name, values)
+                _warn_of_unit(tire, name, values)
         if name == "Fz" and not limited:
             problem = problem or _far_load(tire, values)
         if problem:
@@ -160,16 +184,18 @@ def checked_table(
     return rows, written
 
 
-def _check_headers(rows: pd.DataFrame, source: str) -> None:
-    """Refuse a channel that occurs twice, and one whose unit is in its name: it would be ignored."""
+def _check_headers(rows: pd.DataFrame, source: str, read: Collection[str]) -> None:
+    """Refuse a channel that occurs twice, and an input under another name or with a unit in it: it would be ignored."""
     for name in map(str, rows.columns[rows.columns.duplicated()]):
         if name in TABLE_INPUTS:
             raise DataError(f"{source}: column {name!r} occurs more than once")
     for column in map(str, rows.columns):
         head = _HEAD.match(column)
-        if head is not None and head[1] in TABLE_INPUTS and head[1] not in rows:
+        written = head[1] if head else column
+        meant = _BENCH_NAMES.get(written) or _ALIASES.get(written.casefold().replace(" ", "_"))
+        if meant in read and meant not in rows:
             raise DataError(
-                f"{source}: column {column!r} is not {head[1]}: the columns are in SI units and have plain names "
+                f"{source}: column {quoted(column)} is not {meant}: the columns are in SI units and have plain names "
                 "(tirefmu.evaluate reads units of headers)"
             )
 
@@ -205,11 +231,18 @@ def _problem(name: str, values: FloatArray) -> str:
     return ""
 
 
-def _warn_of_percent(name: str, values: FloatArray) -> None:
-    """Warn of slips of which most are those of a wheel that spins or turns backwards."""
+def _warn_of_unit(tire: TireDefinition, name: str, values: FloatArray) -> None:
+    """Warn if most slips are those of a wheel that spins or turns backwards, or all loads are nearly nothing."""
     if name == "kappa" and values.size and np.mean(np.abs(values) >= FAR_SLIP) > MAX_FAR_SLIPS:
         sentence = f"kappa {_extent(values)} is that of a wheel that spins: it is {CHANNELS[name].hint}"
-        warnings.warn(sentence, UserWarning, stacklevel=4)
+        warnings.warn(sentence, TirefmuWarning, stacklevel=4)
+    if (
+        name == "Fz"
+        and values.size
+        and 0.0 < np.nanmax(np.abs(values), initial=0.0) <= KILONEWTON * _largest_load(tire)
+    ):
+        sentence = f"Fz {_extent(values)} is nearly no load for this tire: it is in N (in kN? 1 kN is 1000)"
+        warnings.warn(sentence, TirefmuWarning, stacklevel=4)
 
 
 def _wrong_load_signs(values: FloatArray, signs: str) -> str:

@@ -16,7 +16,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..boundary.errors import UnknownName
-from .channels import INPUTS, OUTPUTS, reversed_by
+from ..symbolic.channels import INPUTS, OUTPUTS, reversed_by
 
 if TYPE_CHECKING:
     import pandas as pd

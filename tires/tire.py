@@ -129,8 +129,9 @@ class Tire(TireDefinition):
 
         Warns
         -----
-        UserWarning
-            If |kappa| of most values is 2 or more: right for a wheel that spins, and probable for slip in percent.
+        TirefmuWarning
+            If |kappa| of most values is 2 or more: right for a wheel that spins, and probable for slip in percent. If
+            no load is above a thousandth of the tire's largest: right for a lifted wheel, and probable for kN.
         """
         return forces(self, checked_inputs(self, inputs), code)
 
@@ -153,7 +154,8 @@ class Tire(TireDefinition):
         ----------
         table : pandas.DataFrame or Recording
             Input columns in SI units, with the names of the public tables; an absent one takes the nominal
-            value, other columns are ignored. `tirefmu.evaluate` also takes the path of a file.
+            value. An input under another name (``SA``, ``Alpha``) is refused, other columns are ignored.
+            `tirefmu.evaluate` also takes the path of a file.
         signs : {"iso", "adapted-sae", "sae"}, optional
             The table's convention; the result comes back in it. Where None: "iso" for a DataFrame, a recording's
             own. Named quantities are those of the formula written in it ("sae": in adapted SAE).

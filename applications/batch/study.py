@@ -19,7 +19,7 @@ from ...fmu.comparison.resources import axes_of_inputs
 from ...fmu.simulation.archive import unpacked
 from ...fmu.simulation.simulate import read_description, simulate
 from ...measurements import Recording, recording_from
-from ...tires.channels import OUTPUTS
+from ...symbolic.channels import OUTPUTS
 from ...tires.signs import convert_signs
 from .execution import Lost, Progress, results
 from .resumable import made_folder, write_table

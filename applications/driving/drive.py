@@ -16,7 +16,7 @@ from ...tires.description import limits_of
 from ...tires.tire_argument import TireLike
 from .effects import Missing, factor_values, motion_of, scaled
 from .estimate import Estimate, estimated
-from .factors import CERTAIN, Factor, believed, factors_of, scaled_tires, withheld
+from .factors import CERTAIN, believed, factors_of, scaled_tires, withheld
 from .inputs.car import Car, read_car
 from .inputs.grid import Grid, forward_speed, gridded, spinning, unwrapped
 from .inputs.log import Log, LogLike, read_log
@@ -26,8 +26,8 @@ from .interval import BALANCE, POSE, interval_of
 from .result import Drive, wheel_table
 from .rivals import DriveExplanation, explaining, forces_of, lacking, probabilities_of, rivals_of
 from .simulation import simulated
-from .trust.contradiction import Contradiction, contradiction_of
-from .trust.left_out import Parts, is_better, left_out, parts_of, widened
+from .trust.contradiction import contradiction_of
+from .trust.left_out import is_better, left_out, parts_of, widened
 from .verdict import disagreement, unexplained_axles, verdict_on
 
 FloatArray = npt.NDArray[np.float64]
@@ -127,28 +127,32 @@ def _answer(
     delivered = answer.missing.delivered(answer.estimate.z[len(unknowns) :]) if answer.missing else tires
     parts = parts_of(answer.grid, answer.estimate, unknowns, car)
     of_base = parts if answer is base else parts_of(base.grid, base.estimate, unknowns, car)
+    wrong = probabilities_of(answer.grid, answer.estimate, unknowns).car
     wide = widened(answer.estimate, parts)
     answer = replace(answer, estimate=wide)
     contradiction = contradiction_of(wide, unknowns)
     if contradiction.certain:
         explained = not unexplained_axles(wide)
         contradiction = replace(contradiction, unless=explaining(ranked), explained=explained)
-    probable = probabilities_of(answer.grid, wide, unknowns)
-    factors = factors_of(wide, unknowns, delivered, answer.grid.step, probable.factors)
+    changed = probabilities_of(answer.grid, wide, unknowns).factors
+    factors = factors_of(wide, unknowns, delivered, answer.grid.step, changed)
     new = scaled_tires(delivered, factors)
     common = answer.grid, answer.estimate, unknowns, car
-    certain = _certain(parts, delivered, factors, contradiction) if answer.estimate.converged else frozenset()
+    sound = answer.estimate.converged and not contradiction.doubtful
+    differing = [(axle, name) for axle, row in factors.items() for name, factor in row.items() if factor.differs]
+    predicted, certain = None, frozenset[tuple[str, str]]()
+    if parts and of_base:
+        predicted, certain = left_out(parts, of_base, tires, delivered, differing if sound else [])
     factors = believed(factors, certain)
     if contradiction.certain:
         factors = withheld(factors, "the drive contradicts the car file")
     elif not answer.estimate.converged:
         factors = withheld(factors, "the estimate did not converge")
-    predicted = left_out(parts, of_base, tires, delivered) if parts and of_base else None
     before = simulated(*common, tires, z=0.0 * answer.estimate.z, fmus=fmus)
     after = simulated(*common, new, z=answer.estimate.z, fmus=fmus)
     gap = _lacking(answer, unknowns, car, tires, (tires, new))
     where = disagreement(answer.grid, answer.estimate, gap[0], car)
-    verdict = verdict_on(answer, ranked, unknowns, car, factors, certain, probable.car, contradiction, predicted, where)
+    verdict = verdict_on(answer, ranked, unknowns, car, factors, certain, wrong, contradiction, predicted, where)
     verdict = replace(verdict, lines=(*verdict.lines, *_limits(tires)))
     wheels = wheel_table(answer.grid, answer.estimate)
     return Drive(
@@ -175,19 +179,8 @@ def _with_effect(
     if not parts or not without or contradiction_of(widened(best.estimate, parts), unknowns).certain:
         return base
     with_it = best.missing.delivered(best.estimate.z[len(unknowns) :])
-    return best if is_better(without.errors(tires, ())[0], parts.errors(with_it, ())[0]) else base
-
-
-def _certain(
-    parts: Parts | None, tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, Factor]],
-    contradiction: Contradiction,
-) -> frozenset[tuple[str, str]]:  # fmt: skip
-    """Return axle and name of the factors that changed and that predict the parts that were left out."""
-    pairs = [(axle, name) for axle, row in factors.items() for name, factor in row.items() if factor.differs]
-    if not pairs or not parts or contradiction.certain:
-        return frozenset()
-    after, _ = parts.errors(tires, ())
-    return frozenset(pair for pair in pairs if is_better(parts.errors(tires, [pair])[0], after))
+    ((before, _),), ((after, _),) = without.errors(tires, [()]), parts.errors(with_it, [()])
+    return best if is_better(before, after) else base
 
 
 def _limits(tires: Mapping[str, Tire]) -> list[str]:

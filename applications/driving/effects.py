@@ -142,7 +142,8 @@ def effect_columns(
     library = {axle: with_library(tire) for axle, tire in tires.items()}
     without = motion.side_forces({axle: scaled(tire, factors[axle]) for axle, tire in library.items()})
     columns = []
-    candidates = candidates_for(library["front"])
+    idle = frozenset.intersection(*(_idle(tire) for tire in library.values()))
+    candidates = candidates_for(replace(library["front"], effects=library["front"].has - idle))
     for name, candidate in candidates.items():
         # Where the simpler effect is a candidate, the more general one is a refinement of it.
         simpler, slow = candidate.contains in candidates, candidate.rate > 1.0 / np.median(np.diff(motion.t))
@@ -153,6 +154,15 @@ def effect_columns(
             if np.isfinite(added).all() and np.abs(added).max() > MIN_CHANGE:
                 columns.append((missing, size, added))
     return columns
+
+
+def _idle(tire: Tire) -> frozenset[str]:
+    """Return the effects of a tire that do not act on its side force: it lacks them as if it did not have them."""
+    declared = tire.symbolic_model.coefficients
+    acting = {name for name, entry in declared.items() if entry.neutral not in (None, tire.values[name])}
+    of_side_force = {name for name, entry in declared.items() if "Fy" in (entry.channels or ("Fy",))}
+    owned = {name: tire.symbolic_model.owned(name) & of_side_force for name in tire.has}
+    return frozenset(name for name, keys in owned.items() if keys and not keys & acting)
 
 
 def _of_form(name: str, form: Form, library: Mapping[str, Tire]) -> list[tuple[Missing, FloatArray]]:

@@ -104,7 +104,7 @@ class Estimate(Posterior):
         """Return the information of the log on the unknowns and on coefficients of added forces, and its score at 0.
 
         `added`, shape (n, 2, n_added): side force per static load for a coefficient of 1. Priors are not included.
-        Returns matrix and vector of n_z + n_added.
+        Returns matrix and vector of n_z + n_added. What the scatter over parts adds is not included.
         """
         J, r, n = self.residuals.jacobian, self.residuals.values, self.states.shape[1]
         factor, columns = Factor(grid, self.residuals, n, 1e-9), -added * self.weights[:, :, None]
@@ -114,7 +114,7 @@ class Estimate(Posterior):
         cross = np.einsum("kri,krj->ij", balance[:, :, 2 * n :], columns) - factor.solved_border.T @ border
         corner = np.einsum("kri,krj->ij", columns, columns) - border.T @ solved
         slope = np.einsum("krj,kr->j", columns, r[:, -len(BALANCE) :]) - solved.T @ factor.gradient
-        precision = np.linalg.inv(self.covariance)
+        precision = np.linalg.inv(self.covariance - self.scatter)
         both = np.block([[precision - np.eye(len(self.z)), cross], [cross.T, corner]])
         # The unknowns are at their optimum; the score is that at 0, for a quadratic cost.
         return both, np.concatenate([precision @ self.z, cross.T @ self.z - slope])

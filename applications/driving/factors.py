@@ -11,7 +11,7 @@ import numpy.typing as npt
 from ...measurements.checks.recordings.coverage import lacking_peak
 from ...tires import Tire
 from .estimate import Estimate
-from .inputs.unknowns import AXLES, CHANGED, FACTORS, SAME_SPREAD, Unknowns
+from .inputs.unknowns import AXLES, CHANGED, FACTORS, SAME, Unknowns
 from .interval import OUTPUTS
 
 FloatArray = npt.NDArray[np.float64]
@@ -45,7 +45,7 @@ class Factor:
     @property
     def differs(self) -> bool:
         """Whether the drive says that it differs from 1, by more than two tires of one kind do."""
-        beyond = self.low > 1.0 + SAME_SPREAD or self.high < 1.0 - SAME_SPREAD
+        beyond = self.low > 1.0 + SAME or self.high < 1.0 - SAME
         return self.determined and self.changed > CERTAIN and beyond
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, TypedDict
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -24,12 +24,41 @@ from .inputs.log import Log
 from .inputs.unknowns import AXLES, Unknowns
 from .interval import OUTPUTS
 from .simulation import VehicleSimulation
-from .verdict import CarFinding, DriveVerdict, EffectFinding, TireDifference
+from .trust.contradiction import Contradiction
+from .verdict import CarFinding, DriveVerdict
 
 FloatArray = npt.NDArray[np.float64]
 
 #: Time between the last row of the front axle and the first one of the rear axle, s: a gap, so that they are segments.
 GAP = 10.0
+
+
+@dataclass(frozen=True)
+class CarEntry:
+    """An estimated entry of the car, in the unit of the car file, and what the file states."""
+
+    value: float
+    uncertainty: Annotated[float, "standard deviation"]
+    given: float
+    given_uncertainty: float
+
+
+@dataclass(frozen=True)
+class EstimatedCar:
+    """Entries that contradict the car file, one by one and together, and all estimated entries by name."""
+
+    found: Sequence[CarFinding]
+    contradiction: Contradiction
+    entries: Mapping[str, CarEntry]
+
+
+@dataclass(frozen=True)
+class SimulationErrors:
+    """Root mean squares of the errors of the simulated vehicle by signal, as given and with the estimate."""
+
+    before: Mapping[str, float]
+    after: Mapping[str, float]
+    fmus: Annotated[bool, "whether the tires of the vehicle were FMUs"]
 
 
 @dataclass(frozen=True, repr=False)
@@ -55,6 +84,14 @@ class Drive:
         Findings and sentences.
     """
 
+    #: Version of drive.json. New keys increment the second number, changed meanings the first.
+    version: ClassVar[str] = "3.1"
+    JSON_KEYS: ClassVar = (
+        "version", "ok", "written", "verdict.lines as verdict", "log.source as log", "duration", "factors",
+        "verdict.tires as found", "unknown", "unexplained", "verdict.effect", "verdict.effects", "verdict.lacking",
+        "estimated_car as car", "axle_forces", "correlations", "simulation", "verdict.left_out", "estimate.converged",
+    )  # fmt: skip
+
     log: Log
     car: Car
     grid: Grid
@@ -62,7 +99,7 @@ class Drive:
     estimate: Estimate
     tires: Mapping[str, Tire]
     scaled: Mapping[str, Tire]
-    factors: Mapping[str, Mapping[str, Factor]]
+    factors: Annotated[Mapping[str, Mapping[str, Factor]], "scaling factors by axle and name"]
     wheels: pd.DataFrame
     before: VehicleSimulation
     after: VehicleSimulation
@@ -89,58 +126,43 @@ class Drive:
         """Return the forces at the wheels as a recording, which `fit`, `inspect`, `diagnose` and `draw` accept."""
         return Recording(self.wheels, "iso", f"drive {Path(self.log.source).name}")
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the contents of drive.json; a number that does not exist is null."""
-        deviation = np.sqrt(np.diag(self.estimate.covariance))
-        values = self.unknowns.car_values(self.car, self.estimate.z)
-        entries: dict[str, CarEntry] = {
-            name: {
-                "value": values[name], "uncertainty": float(self.unknowns.spread[i] * deviation[i]),
-                "given": self.car.values[name], "given_uncertainty": self.car.uncertainties[name],
-            }
-            for i, name in enumerate(self.unknowns.car)
-        }  # fmt: skip
-        contradiction, left_out = self.verdict.contradiction, self.verdict.left_out
-        content: DriveContent = {
-            "version": VERSION,
-            "ok": self.ok,
-            "written": self.written,
-            "verdict": list(self.verdict.lines),
-            "log": self.log.source,
-            "duration": len(self.grid.t) * self.grid.step,
-            "factors": self.factors,
-            "found": self.verdict.tires,
-            "unknown": bool(self.verdict.unknown),
-            "unexplained": {axle: float(self.estimate.unexplained[i]) for i, axle in enumerate(AXLES)},
-            "effect": self.verdict.effect,
-            "effects": self.verdict.effects,
-            "lacking": self.verdict.lacking,
-            "car": {
-                "found": self.verdict.car,
-                "contradiction": {
-                    "deviation": contradiction.deviation,
-                    "p": contradiction.p,
-                    "degrees_of_freedom": contradiction.degrees_of_freedom,
-                    "unless": list(contradiction.unless),
-                    "explained": contradiction.explained,
-                },
-                "entries": entries,
-            },
-            "left_out": {"before": left_out.before, "after": left_out.after, "better": left_out.better}
-            if left_out
-            else None,
-            "axle_forces": {
-                name: dict(zip(AXLES, np.sqrt(np.mean(lacking**2, axis=0)).tolist(), strict=True))
-                for name, lacking in zip(("before", "after"), self.lacking, strict=True)
-            },
-            "correlations": self._correlations(),
-            "simulation": {"before": self.before.rms, "after": self.after.rms, "fmus": self.after.fmus},
-            "converged": self.estimate.converged,
-        }
-        return dict(json_value(content))
+    @property
+    def duration(self) -> float:
+        """Time of the intervals, s."""
+        return len(self.grid.t) * self.grid.step
 
-    def _correlations(self) -> dict[str, dict[str, float]]:
-        """Return the correlation of each determined factor with the entries of the car, where it exceeds 0.3."""
+    @property
+    def unknown(self) -> bool:
+        """Whether the tires do not explain the side force of an axle."""
+        return bool(self.verdict.unknown)
+
+    @property
+    def unexplained(self) -> dict[str, float]:
+        """Deviation of the balance of forces per load by axle."""
+        return dict(zip(AXLES, self.estimate.unexplained[: len(AXLES)].tolist(), strict=True))
+
+    @property
+    def estimated_car(self) -> EstimatedCar:
+        """The car that the drive shows, beside its file."""
+        deviation = self.unknowns.spread * np.sqrt(np.diag(self.estimate.covariance))[: len(self.unknowns)]
+        values = self.unknowns.car_values(self.car, self.estimate.z)
+        entries = {
+            name: CarEntry(values[name], float(sd), self.car.values[name], self.car.uncertainties[name])
+            for name, sd in zip(self.unknowns.car, deviation, strict=False)
+        }
+        return EstimatedCar(self.verdict.car, self.verdict.contradiction, entries)
+
+    @property
+    def axle_forces(self) -> dict[str, dict[str, float]]:
+        """Root mean squares of the lacking side force before and after, by axle, N."""
+        return {
+            name: dict(zip(AXLES, np.sqrt(np.mean(lacking**2, axis=0)).tolist(), strict=True))
+            for name, lacking in zip(("before", "after"), self.lacking, strict=True)
+        }
+
+    @property
+    def correlations(self) -> dict[str, dict[str, float]]:
+        """Correlation of each determined factor with the entries of the car, where it exceeds 0.3."""
         deviation = np.sqrt(np.diag(self.estimate.covariance))
         correlation = self.estimate.covariance / np.outer(deviation, deviation)
         strong: dict[str, dict[str, float]] = {}
@@ -150,6 +172,15 @@ class Drive:
                 pairs = zip(self.unknowns.car, row.tolist(), strict=False)
                 strong[f"{name} {axle}"] = {entry: value for entry, value in pairs if abs(value) > 0.3}
         return strong
+
+    @property
+    def simulation(self) -> SimulationErrors:
+        """Errors of the simulated vehicle."""
+        return SimulationErrors(self.before.rms, self.after.rms, self.after.fmus)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the contents of drive.json; a number that does not exist is null."""
+        return dict(json_value(self))
 
     def save(self, folder: str | Path) -> list[Path]:
         """Write the recording and, if there are new tires (`written`), these into a folder.
@@ -207,77 +238,6 @@ def wheel_table(grid: Grid, estimate: Estimate) -> pd.DataFrame:
     return pd.concat(parts, ignore_index=True)
 
 
-#: Version of drive.json. New keys increment the second number, changed meanings the first.
-VERSION = "3.1"
-
-
-class CarEntry(TypedDict):
-    """An estimated entry of the car, in the unit of the car file, and what the file states."""
-
-    value: float
-    uncertainty: Annotated[float, "standard deviation"]
-    given: float
-    given_uncertainty: float
-
-
-class ContradictionContent(TypedDict):
-    """The joint deviation of the entries of the car from their file, in the estimate without an effect."""
-
-    deviation: Annotated[float, "chi-squared"]
-    degrees_of_freedom: int
-    p: Annotated[float, "probability of a larger deviation if the file is right"]
-    explained: Annotated[bool, "whether another car would explain the drive"]
-    unless: Annotated[list[str], "effects with which the car agrees with its file, if the tires lack one"]
-
-
-class LeftOutContent(TypedDict):
-    """Root mean squares of the errors of the simulated vehicle in parts that its estimate did not see, by signal."""
-
-    before: Annotated[Mapping[str, float], "tires as given"]
-    after: Annotated[Mapping[str, float], "new tires"]
-    better: Annotated[bool, "whether the new tires are better, beyond the scatter over the parts"]
-
-
-class CarContent(TypedDict):
-    """Entries that contradict the car file, one by one and together, and all estimated entries by name."""
-
-    found: Sequence[CarFinding]
-    contradiction: ContradictionContent
-    entries: dict[str, CarEntry]
-
-
-class SimulationContent(TypedDict):
-    """Root mean squares of the errors of the simulated vehicle by signal, as given and with the estimate."""
-
-    before: Mapping[str, float]
-    after: Mapping[str, float]
-    fmus: Annotated[bool, "whether the tires of the vehicle were FMUs"]
-
-
-class DriveContent(TypedDict):
-    """The keys of drive.json; see `Drive`."""
-
-    version: str
-    ok: Annotated[bool, "whether the numbers can be used"]
-    written: Annotated[bool, "whether there are new tires"]
-    verdict: list[str]
-    log: str
-    duration: Annotated[float, "s"]
-    factors: Annotated[Mapping[str, Mapping[str, Factor]], "scaling factors by axle and name"]
-    found: Annotated[Sequence[TireDifference], "differences of the tires"]
-    unknown: Annotated[bool, "whether the tires do not explain the side force of an axle"]
-    unexplained: Annotated[dict[str, float], "deviation of the balance of forces per load by axle"]
-    effect: Annotated[str | None, "of the library, that the new tires have"]
-    effects: Annotated[Sequence[EffectFinding], "of the library, likely ones first"]
-    lacking: Annotated[float, "probability that the tires lack an effect of the library"]
-    car: CarContent
-    axle_forces: Annotated[dict[str, dict[str, float]], "rms of lacking side force before and after, by axle, N"]
-    correlations: Annotated[dict[str, dict[str, float]], "of determined factors with entries of the car, above 0.3"]
-    simulation: SimulationContent
-    left_out: LeftOutContent | None
-    converged: bool
-
-
 def drive_schema() -> dict[str, Any]:
     """Return the JSON Schema of drive.json."""
-    return document("drive", VERSION, "Answer to a drive", schema_of(DriveContent, missing=True))
+    return document("drive", Drive.version, "Answer to a drive", schema_of(Drive, missing=True))

@@ -4,8 +4,9 @@ All are compared by the Gaussian of the estimate of the whole drive, in which th
 the coefficients of an effect join the unknowns, and its forces are linearized about them in some rounds. The evidence
 integrates over the motion, the car, its discrepancy, the factors and these coefficients. Residuals that are correlated
 over time count as fewer. For which factors changed, and at most one wrong entry of the car, a prior gives a changed
-factor the spread of factors, another one that of equal tires, and a wrong entry a multiple of its uncertainty (MacKay,
-Information Theory, Inference, and Learning Algorithms, 2003, chapter 28).
+factor one of several spreads, another one that of equal tires, and a wrong entry a multiple of its uncertainty (MacKay,
+Information Theory, Inference, and Learning Algorithms, 2003, chapter 28). One wide spread for all changes would call a
+small one improbable however certain it is (Lindley, Biometrika 44, 1957).
 """
 
 from __future__ import annotations
@@ -24,11 +25,12 @@ from .effects import Missing, Motion, effect_columns, factor_values, motion_of, 
 from .estimate import Estimate, Forces
 from .inputs.car import Car
 from .inputs.grid import Grid
-from .inputs.unknowns import CHANGED, FACTOR_SPREAD, SAME_SPREAD, Unknowns
+from .inputs.unknowns import CHANGED, CHANGES, FACTOR_SPREAD, SAME, Unknowns
 from .interval import BALANCE, MOTION, AddedForces
 from .trust.contradiction import is_agreement
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
 
 #: Odds that an entry of the car is wrong, and that the tires lack an effect; how many times its uncertainty a wrong
 #: entry has. Judgement: most numbers of a car are right.
@@ -56,24 +58,45 @@ class Probabilities:
 
 def probabilities_of(grid: Grid, estimate: Estimate, unknowns: Unknowns) -> Probabilities:
     """Return the probabilities over all explanations."""
-    places = [unknowns.factor(*pair) for pair in unknowns.factors]
+    places = np.arange(len(unknowns.car), len(unknowns))
     information, score = estimate.information(grid, np.zeros((len(grid.t), 2, 0)))
-    changed = np.array(list(itertools.product((False, True), repeat=len(places))))
-    logs = np.empty((len(changed), 1 + len(unknowns.car)))
-    for row, some in enumerate(changed):
-        for column in range(logs.shape[1]):
-            spread = np.ones(len(estimate.z))
-            spread[places] = np.where(some, 1.0, SAME_SPREAD / FACTOR_SPREAD)
-            if column:
-                spread[column - 1] = WRONG_SPREAD
-            logs[row, column] = (np.log(ODDS) if column else 0.0) + evidence_of(information, score, spread)
-        logs[row] += np.log(np.where(some, CHANGED, 1.0 - CHANGED)).sum()
+    # The scatter over parts of the drive is a further error of what the log says.
+    noise = np.eye(len(score)) + information @ (estimate.scatter + np.zeros_like(information))
+    information, score = np.split(np.linalg.solve(noise, np.column_stack([information, score])), [len(score)], axis=1)
+    score = score[:, 0]
+    spreads = np.array([SAME / 2, *CHANGES]) / FACTOR_SPREAD
+    priors = np.log([1.0 - CHANGED, *[CHANGED / len(CHANGES)] * len(CHANGES)])
+    chosen = np.array(list(itertools.product(range(len(spreads)), repeat=len(places))))
+    logs = np.empty((1 + len(unknowns.car), len(chosen)))
+    for row in range(len(logs)):
+        spread = np.ones(len(score))
+        if row:
+            spread[row - 1] = WRONG_SPREAD
+        rest, of_places, slope = _integrated(information, score, spread, places)
+        scaled = np.eye(len(places)) + spreads[chosen][:, :, None] * of_places * spreads[chosen][:, None, :]
+        whole = spreads[chosen] * slope
+        gain = np.einsum("ki,ki->k", whole, np.linalg.solve(scaled, whole[:, :, None])[:, :, 0])
+        logs[row] = rest + (gain - np.linalg.slogdet(scaled)[1]) / 2 + (np.log(ODDS) if row else 0.0)
+    logs += priors[chosen].sum(axis=1)
     share = np.exp(logs - logs.max())
     share /= share.sum()
     return Probabilities(
-        {pair: float(share[changed[:, i]].sum()) for i, pair in enumerate(unknowns.factors)},
-        dict(zip(unknowns.car, share[:, 1:].sum(axis=0).tolist(), strict=True)),
+        {pair: float(share[:, chosen[:, i] > 0].sum()) for i, pair in enumerate(unknowns.factors)},
+        dict(zip(unknowns.car, share[1:].sum(axis=1).tolist(), strict=True)),
     )
+
+
+def _integrated(
+    information: FloatArray, score: FloatArray, spread: FloatArray, kept: IntArray
+) -> tuple[float, FloatArray, FloatArray]:
+    """Return the logarithm of the evidence of all but the kept unknowns, and information and score on the latter."""
+    others = np.setdiff1d(np.arange(len(score)), kept)
+    size = spread[others]
+    inner = np.eye(len(others)) + size[:, None] * information[np.ix_(others, others)] * size
+    right = size[:, None] * np.column_stack([information[np.ix_(others, kept)], score[others]])
+    solved = right.T @ np.linalg.solve(inner, right)
+    evidence = float(solved[-1, -1] - np.linalg.slogdet(inner)[1]) / 2
+    return evidence, information[np.ix_(kept, kept)] - solved[:-1, :-1], score[kept] - solved[:-1, -1]
 
 
 def evidence_of(information: FloatArray, score: FloatArray, spread: FloatArray) -> float:

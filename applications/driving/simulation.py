@@ -19,6 +19,7 @@ from ...fmu.packaging.export import export
 from ...fmu.simulation.simulate import Coupled, instances
 from ...symbolic.vehicle.quantities import CORNERS
 from ...tires import Tire
+from ...tires.code.interface import all_plain
 from ...tires.code.modules import numpy_routine, two_track
 from .effects import Motion, motion_of
 from .estimate import Estimate
@@ -59,20 +60,34 @@ def pieces_of(grid: Grid) -> IntArray:
 
 def simulated(
     grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car, tires: Mapping[str, Tire], *, z: FloatArray,
-    factors: Mapping[str, Mapping[str, FloatArray]] | None = None, fmus: bool = False,
+    fmus: bool = False,
 ) -> VehicleSimulation:  # fmt: skip
-    """Simulate a car on its tires.
-
-    `z`: deviations of the entries of the car, of all pieces or of each, shape (n_z, n_pieces). `factors`: of each piece
-    by axle and name, on the factors of the tires. `fmus`: the tires are four FMUs.
-    """
-    starts, length = pieces_of(grid), round(HORIZON / grid.step)
+    """Simulate a car on its tires. `z`: deviations of the entries of the car. `fmus`: the tires are four FMUs."""
     motion = np.full((len(grid.t), 3), np.nan)
-    if not len(starts):
-        return VehicleSimulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
-    rows = starts[:, None] + np.arange(length)
-    many = np.broadcast_to(z[:, None] if z.ndim == 1 else z, (len(z), len(starts)))
-    some = [unknowns.car_values(car, column) for column in many.T] if z.ndim > 1 else [unknowns.car_values(car, z)]
+    if len(pieces_of(grid)):
+        pieces = simulated_pieces(grid, estimate, unknowns, car, tires, z=z[:, None], fmus=fmus)
+        motion[rows_of(grid)] = pieces[0]
+    return VehicleSimulation(motion, errors_of(motion, grid, estimate, unknowns, car), fmus)
+
+
+def rows_of(grid: Grid) -> IntArray:
+    """Return the intervals of each piece, shape (n_pieces, n)."""
+    return pieces_of(grid)[:, None] + np.arange(round(HORIZON / grid.step))
+
+
+def simulated_pieces(
+    grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car, tires: Mapping[str, Tire], *, z: FloatArray,
+    factors: Mapping[str, Mapping[str, FloatArray]] | None = None, fmus: bool = False,
+) -> FloatArray:  # fmt: skip
+    """Return yaw rate, ay and lateral speed of cars, all simulated side by side, shape (n_cars, n_pieces, n, 3).
+
+    `z`: deviations of the entries of one car, shape (n_z, 1), or of each car for each piece, shape (n_z, n_cars
+    n_pieces). `factors`: likewise, by axle and name, on the factors of the tires.
+    """
+    n_cars = max(z.shape[1] // len(pieces_of(grid)), 1)
+    rows = np.tile(rows_of(grid), (n_cars, 1))
+    motion = np.empty((*rows.shape, 3))
+    some = [unknowns.car_values(car, column) for column in z.T]
     p = {name: np.array([entries[name] for entries in some]) for name in some[0]}
     # Offset and delay of the steering are those of the log: all cars drive with them.
     offset = unknowns.car_values(car, estimate.z)["offset"]
@@ -84,15 +99,16 @@ def simulated(
     substeps = int(np.ceil(grid.step / longest - 1e-9))
     h = grid.step / substeps
     past = {} if fmus else states_of(motion_of(grid, estimate, unknowns, car), tires)
+    past = {name: values[:, rows] for name, values in past.items()}
     if "alpha" in past:
-        past["alpha"][:, rows] *= _stretch(p, tires, factors or {})[:, :, None]
+        past["alpha"] *= _stretch(p, tires, factors or {})[:, :, None]
     turning = estimated_motion(grid, estimate)[rows[:, 0], 1]
     vehicle = _Vehicle(p, h, turning + grid.behind[1, rows[:, 0]])
     with fmu_forces(tires, len(rows)) if fmus else nullcontext(code_forces(tires, factors or {})) as forces:
-        for k in range(length):
+        for k in range(rows.shape[1]):
             at = rows[:, k]
             ends = speed[grid.left[at]], speed[grid.right[at]]
-            held = {name: values[:, at] for name, values in past.items()}
+            held = {name: values[:, :, k] for name, values in past.items()}
             given = kappa[:, k].T, held, (ends[1] - ends[0]) / grid.step, grid.behind[0, at], forces
             before = state
             for i in range(substeps):
@@ -104,10 +120,10 @@ def simulated(
                 state = state + h / 2 * (first + second)
                 vehicle.advance(vx, state, second)
             mean = (before + state) / 2
-            motion[at] = np.stack(
+            motion[:, k] = np.stack(
                 [mean[1], (state[0] - before[0]) / grid.step + mean[1] * (ends[0] + ends[1]) / 2, mean[0]], axis=1
             )
-    return VehicleSimulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
+    return motion.reshape(n_cars, -1, *motion.shape[1:])
 
 
 def _shortest_time(p: Mapping[str, float], tires: Mapping[str, Tire], speed: float) -> float:
@@ -189,7 +205,7 @@ def estimated_motion(grid: Grid, estimate: Estimate) -> FloatArray:
     return np.stack([middle[:, 2], rate[:, 1] + middle[:, 2] * middle[:, 0], middle[:, 1]], axis=1)
 
 
-def _errors(motion: FloatArray, grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> dict[str, float]:
+def errors_of(motion: FloatArray, grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> dict[str, float]:
     """Return the rms of simulated minus estimated motion, and minus the measured yaw rate, its offset removed."""
     reference = estimated_motion(grid, estimate)
     yaw_rate = grid.means[MEASURED.index("yaw_rate")] - unknowns.car_values(car, estimate.z)["yaw_rate_offset"]
@@ -201,21 +217,19 @@ def _errors(motion: FloatArray, grid: Grid, estimate: Estimate, unknowns: Unknow
 
 def code_forces(tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, FloatArray]]) -> TireForces:
     """Return the forces of the tires for given states, from their generated code; `factors`: see `simulated`."""
-    parameters = {}
+    parameters = {axle: list(tires[axle].parameters()) for axle in AXLES}
     for axle in AXLES:
-        parameters[axle] = list(tires[axle].parameters())
         for name, values in factors.get(axle, {}).items():
             place = list(tires[axle].symbolic_model.coefficients).index(name)
             parameters[axle][place] = parameters[axle][place] * np.tile(values, 2)
 
     def forces(inputs: Mapping[str, FloatArray], step: float) -> FloatArray:
         parts = []
-        for i, axle in enumerate(AXLES):
-            tire = tires[axle]
+        for i, (axle, tire) in enumerate(tires.items()):
             some = [inputs[name][2 * i : 2 * i + 2] if name in inputs else tire.nominal(name) for name in tire.inputs]
-            rows = np.stack(np.broadcast_arrays(*some)).reshape(len(some), -1)
-            evaluate = numpy_routine(tire.symbolic_model, "forces")
-            outputs = evaluate(tuple(tire.effective_inputs(rows)), parameters[axle])
+            rows = tire.effective_inputs(np.stack(np.broadcast_arrays(*some)).reshape(len(some), -1))
+            plain = all_plain(tire.symbolic_model, rows, tire.parameters())
+            outputs = numpy_routine(tire.symbolic_model, "forces", plain=plain)(tuple(rows), parameters[axle])
             parts.append(np.array([np.broadcast_to(force, rows[0].shape) for force in outputs[:2]]).reshape(2, 2, -1))
         return np.concatenate(parts, axis=1)
 

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
 
 from ...numerics.ties import graded
 from .estimate import Estimate
-from .factors import CERTAIN, Factor
+from .factors import CERTAIN, WIDTH, Factor
 from .inputs.car import Car
 from .inputs.car_entries import ENTRIES
 from .inputs.grid import Grid
 from .inputs.unknowns import AXLES, Unknowns
 from .interval import OUTPUTS
 from .rivals import DriveExplanation, Rival, lacking
-from .trust.contradiction import Contradiction, contradiction_of
+from .trust.contradiction import Contradiction, chances_of_entries, contradiction_of
 from .trust.left_out import LeftOut
 
 FloatArray = npt.NDArray[np.float64]
@@ -27,8 +28,6 @@ LIKELY = 0.05
 #: Deviation of the balance of forces, per load, beyond which the tires do not explain the drive. The lateral force of a
 #: repeated bench measurement scatters by 1 to 2 %.
 UNEXPLAINED = 0.03
-#: Standard deviations of the car file beyond which an entry contradicts it. Convention.
-DEVIATING = 3.0
 #: Entries that are named with a contradiction.
 NAMED = 3
 #: What a factor that a drive determines is.
@@ -69,21 +68,20 @@ class EffectFinding:
 class DriveVerdict:
     """The verdict.
 
-    - `tires`: findings. `car`: entries that contradict the car file; `contradiction`: all of them together. `effect`:
-      that the new tires have. `left_out`: how the tires predict, None for a drive too short for that.
+    - `car`: entries that contradict the car file; `contradiction`: all of them together. `left_out`: how the tires
+      predict, None for a drive too short for that.
     - `better`: whether something was found of the tires, and they predict better.
-    - `effects`: of the library, likely ones first; `lacking`: the probability that the tires lack any of them.
     - `unknown`: axles whose side force the tires do not explain.
     - `lines`: the verdict in words.
     """
 
-    tires: tuple[TireDifference, ...]
+    tires: Annotated[tuple[TireDifference, ...], "differences of the tires"]
     car: tuple[CarFinding, ...]
     contradiction: Contradiction
     left_out: LeftOut | None
-    effect: str | None
-    effects: tuple[EffectFinding, ...]
-    lacking: float
+    effect: Annotated[str | None, "of the library, that the new tires have"]
+    effects: Annotated[tuple[EffectFinding, ...], "of the library, likely ones first"]
+    lacking: Annotated[float, "probability that the tires lack an effect of the library"]
     unknown: tuple[str, ...]
     lines: tuple[str, ...]
 
@@ -117,13 +115,15 @@ def verdict_on(
         for name, factor in factors[axle].items()
         if (axle, name) in certain
     )
-    values = unknowns.car_values(car, estimate.z)
+    values, chances = unknowns.car_values(car, estimate.z), chances_of_entries(estimate, unknowns)
+    deviations = np.sqrt(np.diag(estimate.covariance))
     of_car = tuple(
         CarFinding(name, values[name], car.values[name], float(z), wrong[name])
-        for name, z in zip(unknowns.car, estimate.z, strict=False)
-        if contradiction.of_car
+        for name, z, deviation in zip(unknowns.car, estimate.z, deviations, strict=False)
+        if (contradiction.of_car or (estimate.converged and not contradiction.certain))
         and wrong[name] > CERTAIN
-        and abs(z) > DEVIATING
+        and chances[name] < 1.0 - CERTAIN
+        and abs(z) > WIDTH * deviation
         and not contradiction_of(estimate, unknowns, name).certain
     )
     if contradiction.certain and not of_car and lacking(ranked) > CERTAIN:  # other tires explain more than another car
@@ -141,7 +141,7 @@ def verdict_on(
         lines.insert(0, _effects_line(likely))
     elif likely:
         lines.append(_unidentified_line(likely))
-    if contradiction.certain:
+    if contradiction.doubtful:
         lines.insert(0, _contradiction_line(contradiction, estimate, unknowns))
     if not estimate.converged:
         lines.insert(0, "the estimate did not converge: no conclusion about the tires or the car is possible")
@@ -164,16 +164,18 @@ def _contradiction_line(contradiction: Contradiction, estimate: Estimate, unknow
         f"chi-squared {contradiction.deviation:.3g} with {contradiction.degrees_of_freedom} degrees of freedom "
         f"(p {contradiction.p:.1g}), most in {', '.join(strongest)}"
     )
-    if not contradiction.explained:
-        return (
-            f"the drive contradicts the car file ({numbers}), but another car does not explain it, and no effect of "
-            "the tires is identified: no conclusion about the tires or the car is possible"
-        )
+    if not contradiction.certain:
+        return f"the car deviates from its file more than expected ({numbers}): no difference of the tires is certain"
     if contradiction.unless:
         names = " or ".join(contradiction.unless)
         return (
             f"the drive contradicts the car file ({numbers}), or the tires lack {names}, with which the car agrees "
             "with its file: no further conclusion about the tires is possible"
+        )
+    if not contradiction.explained:
+        return (
+            f"the drive contradicts the car file ({numbers}), but another car does not explain it, and no effect of "
+            "the tires is identified: no conclusion about the tires or the car is possible"
         )
     return f"the drive contradicts the car file: {numbers}: no conclusion about the tires is possible"
 
@@ -225,8 +227,9 @@ def _factor_lines(findings: tuple[TireDifference, ...], factors: Mapping[str, Ma
 
 def _car_lines(of_car: tuple[CarFinding, ...], unknown: tuple[str, ...], estimate: Estimate) -> list[str]:
     lines = [
-        f"car: {ENTRIES[entry.name].meaning} contradicts its file: {entry.value:.4g} instead of {entry.given:.4g} "
-        f"{ENTRIES[entry.name].unit}, {abs(entry.deviation):.1f} standard deviations"
+        f"car: {ENTRIES[entry.name].meaning} is {'higher' if entry.deviation > 0.0 else 'lower'} than in its file: "
+        f"{entry.value:.4g} instead of {entry.given:.4g} {ENTRIES[entry.name].unit}, "
+        f"{abs(entry.deviation):.1f} standard deviations"
         for entry in of_car
     ]
     lines += [

@@ -13,15 +13,15 @@ from typing import Any
 
 from ...boundary.escaping import excerpt, file_name
 from ...drawing.labels import ZERO_CELSIUS
+from ...symbolic.channels import CHANNELS
 from ...symbolic.declarations import Coefficient, Quantity
 from ...tires import Tire
-from ...tires.channels import CHANNELS
 from ...tires.definition import RANGES as RANGE_KEYS
 from ...tires.property_file.names import ASSUMED, is_measured, listed, unmeasured_coefficients, unmeasured_outputs
 from ...tires.property_file.writing import tir_text
 
 #: Units of the sliders, and the factors from SI values; all other units are SI units.
-_SHOWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3), "1": ("", 1.0), "-": ("", 1.0)}
+_SHOWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3), "1": ("", 1.0)}
 _SHOWN |= {"degC": ("deg C", 1.0), "K": ("deg C", 1.0)}
 #: Ranges of the sliders of inputs, in SI units, where neither the tire nor a recording has a range.
 RANGES = {name: channel.usual for name, channel in CHANNELS.items() if channel.usual} | {"distance": (0.0, 5000.0)}

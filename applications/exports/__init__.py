@@ -1,4 +1,7 @@
-"""Tires for other programs: code in their language (`printout.py`), property files that they accept."""
+"""Tires for other programs: code in their language (`printout.py`), property files that they accept.
+
+`convert` and `lint` are modules here; their functions are `tirefmu.convert` and `tirefmu.lint`.
+"""
 
 from __future__ import annotations
 

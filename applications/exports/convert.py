@@ -18,9 +18,8 @@ from ...measurements import CHANNELS
 from ...symbolic.models import MODELS
 from ...tires import Tire, TireLike, tire_from, write_tir
 from ...tires.definition import RANGES
-from ...tires.property_file.use import use_notes
 from .dialects import Host
-from .lacking import acting, nearest
+from .lacking import acting, lacked, nearest
 from .lint import LintMessage, host_messages, host_named, lost_effects
 
 #: Typical dimensions where a model has none, as shares of the unloaded radius; hosts draw the tire and do not compute
@@ -109,7 +108,7 @@ def convert(tire: TireLike, path: str | Path, host: str, model: str | None = Non
     chosen = model or (whole.model if whole.model in rules.dialects else next(iter(rules.dialects)))
     if chosen not in rules.dialects:
         raise TirefmuError(f"{rules.title} has no {chosen}: choose from {', '.join(rules.dialects)}")
-    lacking = rules.dialects[chosen].lacking
+    lacking = lacked(rules, chosen)
     plain = without_added(whole)
     table = _operating_range(whole)
     forces = whole.evaluate(table, steady=True)
@@ -128,7 +127,7 @@ def convert(tire: TireLike, path: str | Path, host: str, model: str | None = Non
     write_tir(written, path, line_end="\r\n" if rules.expects_crlf else "\n")
     findings = host_messages(path, host)
     stated = {finding.text for finding in findings}
-    lost = [*lost_effects(whole, rules, folded), *_lost_relaxation(whole, written), *use_notes(whole)]
+    lost = [*lost_effects(whole, rules, folded), *_lost_relaxation(whole, written)]
     if not whole.side:
         lost.append(f"the side of the tire is not stated: TYRESIDE = '{ASSUMED_SIDE.upper()}' is written")
     findings += [LintMessage("note", 0, text) for text in lost if text not in stated]

@@ -32,7 +32,8 @@ class Dialect:
     - `use_modes`: accepted values of USE_MODE; empty: any.
     - `fe_methods`: accepted values of FE_METHOD; empty: the host ignores it.
     - `required`: keys that the host requires.
-    - `lacking`: coefficients of tirefmu's model that the host's does not have: they must be neutral.
+    - `lacking`: published coefficients of tirefmu's model that the host's does not have: they must be neutral, as those
+      that the published model does not have (`lacking.lacked`).
     """
 
     entries: Mapping[str, str]

@@ -10,8 +10,10 @@ import numpy.typing as npt
 import pandas as pd
 from scipy.optimize import least_squares
 
+from ...symbolic.models import MODELS
 from ...tires import Tire
 from ...tires.code import code_for
+from .dialects import Host
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -20,6 +22,15 @@ FloatArray = npt.NDArray[np.float64]
 CHANGE = 1e-3
 #: Relative decrease of the cost at which the fit ends: further steps change no force by a tenth of its error.
 ENOUGH = 1e-4
+
+
+def lacked(rules: Host, model: str) -> tuple[str, ...]:
+    """Return the coefficients of a model that a host's does not have: of its dialect, and unpublished ones.
+
+    Not relaxation lengths: a host computes transient slip in its own way.
+    """
+    unpublished = {name for name, declared in MODELS[model].coefficients.items() if not declared.published}
+    return (*rules.dialects[model].lacking, *sorted(unpublished.difference(MODELS[model].motion.relaxation)))
 
 
 def acting(tire: Tire, lacking: Collection[str]) -> list[str]:

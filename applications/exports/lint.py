@@ -12,10 +12,9 @@ from ...boundary.escaping import quoted, visible
 from ...boundary.named_options import named
 from ...tires import Tire
 from ...tires.implausible import Doubt, implausible
-from ...tires.property_file.reading import read_tir, read_tir_with_notes
-from ...tires.property_file.use import use_notes
+from ...tires.property_file.reading import read_tir_with_notes
 from .dialects import HOSTS, Dialect, Host
-from .lacking import acting
+from .lacking import acting, lacked
 
 #: Sections that other readers skip.
 OWN = "TIREFMU"
@@ -102,12 +101,12 @@ def lint(path: str | Path, host: str | None = None) -> list[LintMessage]:
     >>> [message.text for message in lint(path, "chrono") if message.severity == "error"]
     ['Project Chrono (ChPac02Tire, ChFialaTire) has no mf96: convert with --model mf52']
     """
-    if host is not None:
-        doubts = [LintMessage("note", 0, str(doubt)) for doubt in _doubts(read_tir(path))]
-        return [*host_messages(path, host), *doubts]
     read = read_tir_with_notes(path_from(path))
+    if host is not None:
+        doubts = [LintMessage("note", 0, str(doubt)) for doubt in _doubts(read.tire)]
+        return [*host_messages(path, host), *doubts]
     doubts = [LintMessage("error" if doubt.serious else "note", 0, str(doubt)) for doubt in _doubts(read.tire)]
-    notes = [LintMessage("note", 0, note) for note in dict.fromkeys((*read.notes, *use_notes(read.tire)))]
+    notes = [LintMessage("note", 0, note) for note in read.notes]
     numbers = [*_number_errors(read.tire), *_range_errors(read.tire, "note")]
     messages = [*numbers, *doubts, *notes, LintMessage("note", 0, _accepting(path))]
     return sorted(messages, key=lambda message: message.severity != "error")
@@ -130,7 +129,8 @@ def _accepting(path: str | Path) -> str:
 
 def host_messages(path: str | Path, host: str) -> list[LintMessage]:
     """Check a property file for a host: errors first. Raises `UnknownName` and `TirError`, as `lint` does."""
-    rules, tire = host_named(host), read_tir(path)
+    rules, read = host_named(host), read_tir_with_notes(path_from(path))
+    tire = read.tire
     if tire.model not in rules.dialects:
         model = next(iter(rules.dialects))
         return [LintMessage("error", 0, f"{rules.title} has no {tire.model}: convert with --model {model}")]
@@ -139,8 +139,8 @@ def host_messages(path: str | Path, host: str) -> list[LintMessage]:
     errors = [*_model_errors(entries, rules.dialects[tire.model]), *_unit_errors(entries, rules)]
     errors += [*_layout_errors(text, rules), *_number_errors(tire), *_range_errors(tire, "error")]
     errors += [*_line_end_errors(path, text, rules), *_table_errors(text, rules)]
-    errors += _lacking_errors(entries, tire, rules.dialects[tire.model].lacking)
-    notes = [*_line_end_notes(path, rules), *lost_effects(tire, rules), *use_notes(tire), *rules.notes]
+    errors += _lacking_errors(entries, tire, lacked(rules, tire.model))
+    notes = [*_line_end_notes(path, rules), *lost_effects(tire, rules), *read.disputed, *rules.notes]
     return errors + [LintMessage("note", 0, note) for note in notes]
 
 

@@ -18,7 +18,7 @@ from ...boundary.json_schema import document, object_schema
 from ...boundary.schema_check import check_content
 from ...measurements import ChannelNoise, Noise
 from ...measurements.units import to_si
-from ...tires.channels import CHANNELS
+from ...symbolic.channels import CHANNELS
 
 #: The inputs that a bench sets, and those that it sweeps.
 INPUTS, SWEPT = ("kappa", "alpha", "gamma", "Fz", "p", "V"), ("kappa", "alpha")

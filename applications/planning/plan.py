@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, TypedDict
+from typing import Annotated, Any, ClassVar, TypedDict
 
 import numpy as np
 import numpy.typing as npt
@@ -26,8 +26,6 @@ from .program import TestProgram
 from .selection import ManeuverSelection
 
 FloatArray = npt.NDArray[np.float64]
-#: Version of plan.json. New keys increment the second number, changed meanings the first.
-VERSION = "1.0"
 #: An aim with a wider relative 95 % interval (half width) is not determined: nothing is known to a factor of two.
 UNDETERMINED = 0.5
 #: Number of repetitions of the whole library that an aim may need.
@@ -48,15 +46,6 @@ class TimedIntervals(TypedDict):
     intervals: dict[str, float]
 
 
-class ComparedProgram(TypedDict):
-    """The program of `--compare`, and after which bench time the planned one equals it."""
-
-    name: str
-    seconds: float
-    intervals: dict[str, float]
-    equal_after: Annotated[float | None, "s; null if it does not"]
-
-
 @dataclass(frozen=True)
 class Separation:
     """How well a program separates an effect from another one.
@@ -70,26 +59,6 @@ class Separation:
     rival: str
     evidence: float
     alone: float
-
-
-class PlanContent(TypedDict):
-    """The keys of plan.json; see `PlanResult`."""
-
-    version: str
-    ok: bool
-    seconds: Annotated[float, "bench time"]
-    steps: int
-    aims: list[str]
-    intervals: Annotated[dict[str, float], "relative half widths of the predicted 95 % intervals by quantity"]
-    over_time: list[TimedIntervals]
-    undetermined: Annotated[dict[str, str], "coefficients that remain undetermined, and why"]
-    compared: ComparedProgram | None
-    separations: Sequence[Separation]
-
-
-def plan_schema() -> dict[str, Any]:
-    """Return the JSON Schema of plan.json."""
-    return document("plan", VERSION, "Planned test program", schema_of(PlanContent, missing=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +98,16 @@ class Prediction:
         return timed
 
 
+@dataclass(frozen=True)
+class ComparedProgram:
+    """The program of `--compare`, and after which bench time the planned one equals it."""
+
+    name: str
+    seconds: float
+    intervals: dict[str, float]
+    equal_after: Annotated[float | None, "s; null if it does not"]
+
+
 @dataclass(frozen=True, eq=False)
 class PlanResult:
     """A planned program.
@@ -141,11 +120,19 @@ class PlanResult:
     - `separations`: how well the program separates effects.
     """
 
+    #: Version of plan.json. New keys increment the second number, changed meanings the first.
+    version: ClassVar[str] = "1.0"
+    ok: ClassVar[bool] = True
+    JSON_KEYS: ClassVar = (
+        "version", "ok", "program.seconds", "number_of_steps as steps", "aims", "intervals", "over_time",
+        "undetermined", "compared", "separations",
+    )  # fmt: skip
+
     program: TestProgram
     aims: tuple[str, ...]
     prediction: Prediction | None = None
     today: Prediction | None = None
-    undetermined: Mapping[str, str] = field(default_factory=dict)
+    undetermined: Annotated[Mapping[str, str], "what remains undetermined, and why"] = field(default_factory=dict)
     separations: tuple[Separation, ...] = ()
 
     @cached_property
@@ -163,19 +150,30 @@ class PlanResult:
         equal = (at["seconds"] for at in self.over_time if all(at["intervals"][n] <= limits[n] for n in limits))
         return next(equal, None) if limits else None
 
+    @property
+    def number_of_steps(self) -> int:
+        """Number of the steps of the program."""
+        return len(self.program.steps)
+
+    @property
+    def intervals(self) -> dict[str, float]:
+        """Relative half widths of the predicted 95 % intervals by quantity."""
+        return self.prediction.widths if self.prediction else {}
+
+    @property
+    def compared(self) -> ComparedProgram | None:
+        """The program to which it is compared."""
+        today = self.today
+        return ComparedProgram(today.name, today.seconds, today.widths, self.equal_after) if today else None
+
     def to_json(self) -> dict[str, Any]:
         """Return the contents of plan.json; a number that is not finite is null."""
-        content: PlanContent = {
-            "version": VERSION, "ok": True, "seconds": self.program.seconds, "steps": len(self.program.steps),
-            "aims": list(self.aims), "intervals": self.prediction.widths if self.prediction else {},
-            "over_time": self.over_time, "undetermined": dict(self.undetermined),
-            "compared": None if self.today is None else {
-                "name": self.today.name, "seconds": self.today.seconds, "intervals": self.today.widths,
-                "equal_after": self.equal_after,
-            },
-            "separations": self.separations,
-        }  # fmt: skip
-        return dict(json_value(content))
+        return dict(json_value(self))
+
+
+def plan_schema() -> dict[str, Any]:
+    """Return the JSON Schema of plan.json."""
+    return document("plan", PlanResult.version, "Planned test program", schema_of(PlanResult, missing=True))
 
 
 @named()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -46,6 +47,8 @@ class Evidence:
     change : ndarray, shape (n_channels, n)
         Of the forces by the effect alone, N and N m.
     """
+
+    JSON_KEYS: ClassVar = ("z", "stretches", "holdout_gain", "holdout_error")
 
     z: float
     stretches: int

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from ...measurements import Recording
 from ...numerics.smoothing import HALF_WIDTHS
 from ...numerics.wheel_periodicity import once_per_revolution
-from ...tires.channels import OUTPUTS
+from ...symbolic.channels import OUTPUTS
 from ...tires.tire import Tire
 from .disturbances import Disturbances, reported_disturbances
 from .predicted_temperature import SURROUNDINGS, TEMPERATURE

@@ -16,7 +16,7 @@ from scipy.interpolate import PchipInterpolator
 
 from ...boundary.errors import DataError
 from ...numerics.smoothing import smoothed
-from ...tires.channels import OUTPUTS
+from ...symbolic.channels import OUTPUTS
 from ...tires.signs import convert_signs
 from ...tires.states.transient import rolled_distance
 from ...tires.tire import Tire

@@ -6,14 +6,3 @@ are computed from the recording at once; the proposed effect has states that res
 hysteresis of a lagged slip, a rate the difference between an input and its lag. The formula is added to the model only
 if the error on the hold-out set decreases.
 """
-
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
-from ...boundary.on_demand import on_demand
-
-if TYPE_CHECKING:
-    from .formula_proposal import Dictionary, UnexplainedStructure, Unknown, effect_of
-
-__getattr__, __dir__ = on_demand(__name__)

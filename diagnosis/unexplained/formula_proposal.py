@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -35,12 +36,19 @@ class Unknown:
     - `next_measurement`: the measurement that determines its form.
     """
 
+    JSON_KEYS: ClassVar = ("depends_on", "formula", "added", "file", "not_added_because")
+
     depends_on: tuple[str, ...]
     formula: str
     added: bool
     effect: AddedEffect | None = None
     not_added_because: str = ""
     next_measurement: str = ""
+
+    @property
+    def file(self) -> str | None:
+        """The name of the file of the proposed effect, if there is one."""
+        return f"{self.effect.name}.toml" if self.effect else None
 
 
 @dataclass(frozen=True, eq=False)

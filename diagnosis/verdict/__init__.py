@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from .findings import CoefficientInterval, FoundEffect
     from .fit_error import DeliveredResiduals, delivered_residuals, fit_errors, floors_of
     from .improved_tire import tire_of
+    from .parts import Identifiability
     from .residual_location import residual_maps, time_course
     from .verdict import headline_text, verdict_sentences
 

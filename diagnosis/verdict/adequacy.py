@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple, dataclass
-from itertools import pairwise
+from dataclasses import dataclass
 from math import isfinite
-from typing import Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -32,15 +31,19 @@ class Adequacy:
       slow time, not by the recorded inputs alone.
     """
 
+    JSON_KEYS: ClassVar = (
+        "ratio", "residual", "floor", "adequate", "location as where", "memory", "of_inputs", "of_past", "lacks",
+    )  # fmt: skip
+
     channel: str
     residual: float
     floor: float
     location: str
     over: tuple[str, ...]
     memory: bool
-    of_inputs: float = 0.0
-    of_past: float = 0.0
-    lacks: str = ""
+    of_inputs: Annotated[float, "part of the residual that follows the recorded inputs"] = 0.0
+    of_past: Annotated[float, "part of the residual that follows the direction of slip or slow time"] = 0.0
+    lacks: Annotated[str, "where the tire gives too much or too little, in words, or empty"] = ""
 
     @property
     def ratio(self) -> float:
@@ -103,8 +106,14 @@ def adequacies(
             )
         floor = floors[channel]
         memory = INADEQUATE * floor.with_history < residual <= INADEQUATE * floor.floor
-        parts = (float(np.sqrt(max(more**2 - less**2, 0.0))) for more, less in pairwise((residual, *astuple(floor))))
+        of_inputs, of_past = _difference(residual, floor.floor), _difference(floor.floor, floor.with_history)
+        lacking = lacks.get(channel, "")
         rated.append(
-            Adequacy(channel, residual, floor.with_history, location, over, memory, *parts, lacks.get(channel, ""))
+            Adequacy(channel, residual, floor.with_history, location, over, memory, of_inputs, of_past, lacking)
         )
     return tuple(rated)
+
+
+def _difference(whole: float, part: float) -> float:
+    """Return the root of the difference of squares of two root mean squares, 0 if the part is larger; NaN remains."""
+    return float(np.sqrt(np.maximum(whole**2 - part**2, 0.0)))

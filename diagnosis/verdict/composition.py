@@ -32,8 +32,8 @@ from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy, adequacies
 from .delivery import reasons_against
 from .detectability import detectable_sizes
-from .extrapolation import extrapolations
-from .findings import CoefficientInterval, FormCorrection, FoundEffect
+from .extrapolation import Extrapolation, extrapolations
+from .findings import CoefficientInterval, FormCorrection, FoundEffect, Size
 from .fit_error import (
     DeliveredResiduals,
     FitErrors,
@@ -44,8 +44,9 @@ from .fit_error import (
     without_skew,
 )
 from .improved_tire import tire_of
+from .parts import DiagnosisRun, Identifiability, Improvement, Misfit
 from .residual_location import residual_maps, scale_errors, time_course
-from .result import NO_FORM, Diagnosis
+from .result import Diagnosis
 from .verdict import verdict_sentences
 
 FloatArray = npt.NDArray[np.float64]
@@ -126,48 +127,36 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
         sentences[0] = f"Best explanation so far, {outcome.stopped}: {sentences[0]}"
     return Diagnosis(
         sentences=tuple(sentences),
-        stopped=outcome.stopped,
-        form=form,
         found=findings,
         answer=outcome.answer,
         confounded_with=confounded,
-        next_measurement=_next_measurements(outcome, one_of, confounded, unknown),
         unknown=unknown,
-        not_identifiable=not_identifiable,
-        refined=refined,
-        gap=delivery.errors,
-        adequacy=adequacy,
-        delivered=not against,
-        not_delivered_because=against,
         evidence=fits.evidence,
-        detectable=detectable,
-        where=residual_maps(fits.before),
-        where_after=where_after,
-        time_course=time_course(fits.before, final),
+        adequacy=adequacy,
         recording=of_recording,
-        extrapolation=extrapolations(
-            fits.after.problem, fits.after.solution, added, {name: _inputs_of(outcome, name) for name in added}
-        ),
-        holdout_rows=tuple(
-            (int(signals.table_rows[first]), int(signals.table_rows[last]))
-            for first, last in signals.holdout_stretches()
-        ),
         base_tire=delivery.base_tire,
         tire=delivery.tire,
         signs=FORMULA_SIGNS,
-        recording_signs=outcome.recording.signs,
-        seconds=time.perf_counter() - began,
-        rows=outcome.recording.table,
+        identifiability=Identifiability(
+            detectable, not_identifiable, _next_measurements(outcome, one_of, confounded, unknown)
+        ),
+        misfit=Misfit(delivery.errors, residual_maps(fits.before), where_after, time_course(fits.before, final)),
+        improvement=Improvement(refined, form, _extrapolations(outcome, added), against),
+        run=DiagnosisRun(
+            outcome.recording.table,
+            outcome.recording.signs,
+            tuple(tuple(signals.table_rows[list(ends)].tolist()) for ends in signals.holdout_stretches()),
+            round(time.perf_counter() - began, 2),
+            outcome.stopped,
+        ),
     )
 
 
 def _form(fits: Final, *, delivered: bool) -> FormCorrection:
     """Return the sizes of the correction of the form by channel."""
     if fits.form is None:
-        return NO_FORM
-    change = zip(fits.after.signals.channels, fits.form.change, strict=True)
-    sizes = {name: (float(np.sqrt(np.mean(row**2))), float(np.abs(row).max())) for name, row in change if np.any(row)}
-    return FormCorrection(sizes, delivered)
+        return FormCorrection({}, False)
+    return FormCorrection(Size.by_channel(fits.after.signals.channels, fits.form.change), delivered)
 
 
 def _added(fits: Final) -> dict[str, tuple[str, ...]]:
@@ -250,6 +239,11 @@ def _unidentified(adequacy: tuple[Adequacy, ...], fits: Final) -> tuple[Unknown,
     return (Unknown(depends_on, "", False, None, reason, "hold or repeat the operating conditions of the residual"),)
 
 
+def _extrapolations(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -> tuple[Extrapolation, ...]:
+    after = outcome.final.after
+    return extrapolations(after.problem, after.solution, added, {name: _inputs_of(outcome, name) for name in added})
+
+
 def _inputs_of(outcome: DiagnosisOutcome, effect: str) -> tuple[str, ...]:
     """Return the inputs that an effect depends on."""
     added = [part for part in outcome.final.start.added if part.name == effect]
@@ -293,7 +287,6 @@ def _finding(outcome: DiagnosisOutcome, name: str, evidence: Evidence) -> FoundE
         value = float(solution.parameters[problem.simulator.index[coefficient]])
         error = float(errors[solution.free.index(coefficient)]) * quantile
         coefficients[coefficient] = CoefficientInterval(value, value - error, value + error)
-    sizes = zip(outcome.signals.channels, evidence.change, strict=True)
     return FoundEffect(
         name,
         _shown(evidence, fits.after),
@@ -303,7 +296,7 @@ def _finding(outcome: DiagnosisOutcome, name: str, evidence: Evidence) -> FoundE
         evidence.gain_error,
         outcome.answer.probabilities[name],
         _stretches(evidence, outcome.signals),
-        {channel: (float(np.sqrt(np.mean(row**2))), float(np.abs(row).max())) for channel, row in sizes if np.any(row)},
+        Size.by_channel(outcome.signals.channels, evidence.change),
         frozenset(coefficient for coefficient in names if declarations[coefficient].flips),
         problem.at_bounds(solution.parameters, names),
     )

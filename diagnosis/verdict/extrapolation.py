@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -34,6 +35,8 @@ class Extrapolation:
       the range, at most half of the distance to the limit of the physical range (`Quantity.lower`).
     - `channel`: the channel with this change.
     """
+
+    JSON_KEYS: ClassVar = ("effect", "input", "lower", "upper", "change", "channel", "doubtful")
 
     effect: str
     input: str

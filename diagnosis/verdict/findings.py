@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Annotated, ClassVar, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
 
 
 @dataclass(frozen=True)
@@ -19,33 +23,47 @@ class CoefficientInterval:
         return CoefficientInterval(turned_sign(self.value), turned_sign(self.upper), turned_sign(self.lower))
 
 
+class Size(NamedTuple):
+    """Change of a force by an effect in the recording, N and N m."""
+
+    rms: float
+    largest: float
+
+    @classmethod
+    def by_channel(cls, channels: Sequence[str], change: npt.NDArray[np.float64]) -> dict[str, Size]:
+        """Return the sizes of a change of the forces, shape (n_channels, n), without channels that do not change."""
+        rows = zip(channels, change, strict=True)
+        return {name: cls(float(np.sqrt(np.mean(row**2))), float(np.abs(row).max())) for name, row in rows if row.any()}
+
+
 @dataclass(frozen=True)
 class FoundEffect:
     """An identified missing effect.
 
-    - `effect`: name, or "UNKNOWN" for unexplained structure.
     - `channels`: channels that the effect changes.
     - `coefficients`: in the sign convention of the diagnosis.
     - `p`: p-value under coloured noise, adjusted for the number of forms tested.
     - `cv_gain`, `cv_gain_se`: reduction of the squared misfit in blocked cross-validation, as a share, and its standard
       error.
-    - `probability`: of all explanations that contain it, among those compared (`tirefmu.diagnosis.explanations`).
-    - `when`: stretches of time with most of the evidence, s.
-    - `size`: by channel: root mean square and largest change of the force by the effect in the recording, N and N m.
+    - `size`: by channel.
     - `flips`: coefficients whose sign depends on the convention.
     - `at_bounds`: coefficients at a bound: the form of the effect is not that of the tire, or the recording does not
       determine it.
     """
 
-    effect: str
+    JSON_KEYS: ClassVar = (
+        "effect", "probability", "channels", "coefficients", "p", "cv_gain", "cv_gain_se", "when", "size",
+    )  # fmt: skip
+
+    effect: Annotated[str, "name, or UNKNOWN for unexplained structure"]
     channels: tuple[str, ...]
     coefficients: Mapping[str, CoefficientInterval]
     p: float
     cv_gain: float
     cv_gain_se: float
-    probability: float
-    when: tuple[tuple[float, float], ...] = ()
-    size: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    probability: Annotated[float, "of all compared explanations that contain it", {"minimum": 0, "maximum": 1}]
+    when: Annotated[tuple[Sequence[float], ...], "stretches of time with most of the evidence, s"] = ()
+    size: Mapping[str, Size] = field(default_factory=dict)
     flips: frozenset[str] = frozenset()
     at_bounds: tuple[str, ...] = ()
 
@@ -59,23 +77,22 @@ class FoundEffect:
 class FormCorrection:
     """The correction of the formula's own form; it is no effect.
 
-    - `channels`: root mean square and largest change of the force by it in the recording, N and N m; empty if there is
-      none.
+    - `channels`: empty if there is none.
     - `delivered`: whether the delivered tire has it.
     """
 
-    channels: Mapping[str, tuple[float, float]]
+    channels: Annotated[Mapping[str, Size], "change of the forces by it"]
     delivered: bool
 
     @property
     def sentence(self) -> str:
         """The sentence of the verdict.
 
-        >>> FormCorrection({"Fy": (20.7, 60.0)}, True).sentence
+        >>> FormCorrection({"Fy": Size(20.7, 60.0)}, True).sentence
         "The formula's own form errs by 20.7 N rms in Fy within the tested range; corrected"
         """
         sizes = [
-            f"{rms:.3g} {'N' if name[0] == 'F' else 'N m'} rms in {name}" for name, (rms, _) in self.channels.items()
+            f"{size.rms:.3g} {'N' if name[0] == 'F' else 'N m'} rms in {name}" for name, size in self.channels.items()
         ]
         return f"The formula's own form errs by {', '.join(sizes)} within the tested range; corrected"
 

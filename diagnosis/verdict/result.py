@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
 from ...boundary.errors import DataError, UnknownName, path_from
-from ...boundary.json_schema import json_value, write_toml
+from ...boundary.json_schema import document, json_value, schema_of, write_toml
 from ...numerics.ties import graded
 from ...symbolic.added import AddedEffect, effect_schema, effect_text
 from ...tires.signs import reversed_columns
@@ -22,28 +22,18 @@ from ..explanations.answer import Answer, OneOf
 from ..explanations.effect_evidence import Evidence
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
-from .content import (
-    VERSION,
-    AdequacyContent,
-    DiagnosisContent,
-    EvidenceContent,
-    ExtrapolationContent,
-    FoundContent,
-    Size,
-    UnknownContent,
-)
 from .extrapolation import Extrapolation
 from .findings import FormCorrection, FoundEffect, turned_sign
+from .parts import DiagnosisRun, Identifiability, Improvement, Misfit, WrittenFiles
 from .summary import diagnosis_html, diagnosis_text
 from .verdict import headline_text
-
-#: Of a diagnosis whose tires have no correction of the form.
-NO_FORM = FormCorrection({}, False)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Diagnosis:
     """Result of a diagnosis: missing effects, evidence, fit errors and the improved tire.
+
+    What its parts contain is also an attribute of the diagnosis: `gap`, `delivered`, `not_identifiable`, ...
 
     Attributes
     ----------
@@ -55,81 +45,57 @@ class Diagnosis:
         The compared explanations with their probabilities.
     confounded_with : mapping of str to mapping of str to float
         By identified effect: other explanations and their correlation with it.
-    next_measurement : tuple of str
-        Measurements that separate confounded explanations.
     unknown : tuple of Unknown
-    not_identifiable : mapping of str to str
-        Effects that this recording cannot identify, and the reason.
-    refined : tuple of str
-        Finer forms that the recording needs, of effects that the baseline model already had.
-    gap : mapping
-        train, cv, holdout -> channel -> before, after, floor, floor_with_history: root mean square residuals of the
-        fitted tires over the compared rows, N and N m, with all errors of the recording removed (``recording``), and
-        noise floors (`tirefmu.numerics.noise_floor`). ``after`` is the residual of the delivered tire.
-    adequacy : tuple of Adequacy
-        By channel: residual over noise floor, and where the residual is largest.
-    delivered : bool
-        Whether `tire` is the improved tire; otherwise it is the baseline tire.
-    not_delivered_because : tuple of str
     evidence : mapping of str to Evidence
         For each identified effect, in the final fit.
-    detectable : mapping of str to mapping of str to float
-        By effect and channel: the smallest change of the force, root mean square, that would have been identified.
-    where, where_after : list of dict
-        Residuals of the baseline and the improved model over noise, by channel and pairs of inputs
-        (`residual_location.residual_maps`).
-    time_course : mapping
-        Misfit over noise by channel and time block (`residual_location.time_course`).
+    adequacy : tuple of Adequacy
+        By channel: residual over noise floor, and where the residual is largest.
     recording : mapping
         Errors of the recording: offsets, drift, cross-talk, ripple, quantisation, outliers, noise of the inputs,
         smoothing windows, excluded channels with the reason, ignored columns; ``removed``: what is subtracted from the
         residuals, by channel.
-    extrapolation : tuple of Extrapolation
-        Measured ranges of the inputs of identified effects, and the change of the effects outside them.
-    holdout_rows : tuple of (int, int)
-        First and last row, counted from 0, of each stretch of the hold-out set, which no fit uses.
     base_tire, tire : Tire
-        The baseline model and the improved one, fitted to the training rows.
+        The baseline model, and the improved one if it is delivered, fitted to the training rows.
     signs : str
         Sign convention of coefficients, of ``recording`` (offset, cross-talk) and of residuals (``where``): "iso",
         as the tire file, unless changed by `in_signs`. Root mean squares and amplitudes have no sign.
-    recording_signs : str
-        Sign convention of the recording and of ``rows``.
-    seconds : float
-    stopped : str
-        Why explanations that remained were not compared, or ''.
-    form : FormCorrection
-        The correction of the formula's own form in the delivered tire.
+    identifiability : Identifiability
+        What the recording can show.
+    misfit : Misfit
+        Residuals before and after: sizes, places, times.
+    improvement : Improvement
+        The improved model beside its effects, and why it is not delivered.
+    run : DiagnosisRun
+        Rows, hold-out set, duration, files.
     """
 
+    #: Version of diagnosis.json. New keys increment the second number, changed meanings the first.
+    version: ClassVar[str] = "4.3"
+    JSON_KEYS: ClassVar = (
+        "version", "headline", "verdict", "found", "answer.reported as explanations", "one_of", "answer.probabilities",
+        "confounded as confounded_with", "confounded_with as correlation", "next_measurement", "unknown",
+        "identifiability.names as not_identifiable", "not_identifiable as not_identifiable_because", "refined", "gap",
+        "adequacy_by_channel as adequacy", "delivered", "not_delivered_because", "evidence as confirmed", "detectable",
+        "where", "where_after", "time_course", "recording", "extrapolation", "holdout_rows", "signs",
+        "recording_signs", "run.files.tire", "run.files.fmu", "run.files.base_tire", "run.files.base_fmu", "seconds",
+        "form", "stopped",
+    )  # fmt: skip
+
     sentences: tuple[str, ...]
-    found: tuple[FoundEffect, ...]
+    found: Annotated[tuple[FoundEffect, ...], "in falling order of probability"]
     answer: Answer
     confounded_with: Mapping[str, Mapping[str, float]]
-    next_measurement: tuple[str, ...]
     unknown: tuple[Unknown, ...]
-    not_identifiable: Mapping[str, str]
-    refined: tuple[str, ...]
-    gap: Mapping[str, Mapping[str, Mapping[str, float]]]
-    adequacy: tuple[Adequacy, ...]
-    delivered: bool
-    not_delivered_because: tuple[str, ...]
     evidence: Mapping[str, Evidence]
-    detectable: Mapping[str, Mapping[str, float]]
-    where: list[dict[str, Any]]
-    where_after: list[dict[str, Any]]
-    time_course: Mapping[str, Mapping[str, list[float]]]
-    recording: Mapping[str, Any]
-    extrapolation: tuple[Extrapolation, ...]
-    holdout_rows: tuple[tuple[int, int], ...]
+    adequacy: tuple[Adequacy, ...]
+    recording: Annotated[Mapping[str, Any], "errors of the recording"]
     base_tire: Tire
     tire: Tire
     signs: str
-    recording_signs: str
-    seconds: float
-    rows: pd.DataFrame
-    stopped: str = ""
-    form: FormCorrection = NO_FORM
+    identifiability: Identifiability
+    misfit: Misfit
+    improvement: Improvement
+    run: DiagnosisRun
 
     def in_signs(self, signs: str) -> Diagnosis:
         """Return the same diagnosis in another sign convention.
@@ -179,10 +145,11 @@ class Diagnosis:
             self,
             signs=signs,
             found=tuple(finding.mirrored() for finding in self.found),
-            where=[_mirrored_map(shown) if shown["channel"] in reversed_names else shown for shown in self.where],
-            where_after=[
-                _mirrored_map(shown) if shown["channel"] in reversed_names else shown for shown in self.where_after
-            ],
+            misfit=replace(
+                self.misfit,
+                where=_mirrored_maps(self.where, reversed_names),
+                where_after=_mirrored_maps(self.where_after, reversed_names),
+            ),
             recording={**self.recording, "offset": offset, **turned},
         )
 
@@ -200,6 +167,112 @@ class Diagnosis:
     def one_of(self) -> tuple[OneOf, ...]:
         """Effects of which one is missing, where the recording does not tell which: one of them is in `found`."""
         return self.answer.one_of(finding.effect for finding in self.found)
+
+    @property
+    def confounded(self) -> dict[str, list[str]]:
+        """The explanations that each identified effect is confounded with, the most similar one first."""
+        return {
+            name: sorted(others, key=lambda other: -graded(others[other]))
+            for name, others in self.confounded_with.items()
+        }
+
+    @property
+    def adequacy_by_channel(self) -> dict[str, Adequacy]:
+        """The residual of each channel compared with its noise floor."""
+        return {rated.channel: rated for rated in self.adequacy}
+
+    @property
+    def delivered(self) -> bool:
+        """Whether the improved tire is delivered; otherwise `tire` is the baseline tire."""
+        return not self.not_delivered_because
+
+    @property
+    def detectable(self) -> Mapping[str, Mapping[str, float]]:
+        """The smallest change of the force that would have been identified, root mean square, by effect and channel."""
+        return self.identifiability.detectable
+
+    @property
+    def not_identifiable(self) -> Mapping[str, str]:
+        """Effects that this recording cannot identify, and the reason."""
+        return self.identifiability.not_identifiable
+
+    @property
+    def next_measurement(self) -> tuple[str, ...]:
+        """Measurements that separate confounded explanations."""
+        return self.identifiability.next_measurement
+
+    @property
+    def gap(self) -> Mapping[str, Mapping[str, Mapping[str, float]]]:
+        """Root mean square residuals by rows (train, cv, holdout) and channel, N and N m.
+
+        before, after, floor, floor_with_history: of the fitted tires over the compared rows with all errors of the
+        recording removed (`recording`), and noise floors (`tirefmu.numerics.noise_floor`). ``after`` is the residual of
+        the delivered tire.
+        """
+        return self.misfit.gap
+
+    @property
+    def where(self) -> list[dict[str, Any]]:
+        """Residuals of the baseline model over noise, by channel and pairs of inputs.
+
+        See `residual_location.residual_maps`.
+        """
+        return self.misfit.where
+
+    @property
+    def where_after(self) -> list[dict[str, Any]]:
+        """Residuals of the improved model over noise, by channel and pairs of inputs."""
+        return self.misfit.where_after
+
+    @property
+    def time_course(self) -> Mapping[str, Mapping[str, list[float]]]:
+        """Misfit over noise by channel and time block (`residual_location.time_course`)."""
+        return self.misfit.time_course
+
+    @property
+    def refined(self) -> tuple[str, ...]:
+        """Finer forms that the recording needs, of effects that the baseline model already had."""
+        return self.improvement.refined
+
+    @property
+    def form(self) -> FormCorrection:
+        """The correction of the formula's own form, effect form of the tire."""
+        return self.improvement.form
+
+    @property
+    def extrapolation(self) -> tuple[Extrapolation, ...]:
+        """Measured ranges of the inputs of identified effects, and the change of the effects outside them."""
+        return self.improvement.extrapolation
+
+    @property
+    def not_delivered_because(self) -> tuple[str, ...]:
+        """Why `tire` is the baseline tire; empty if it is the improved one."""
+        return self.improvement.not_delivered_because
+
+    @property
+    def rows(self) -> pd.DataFrame:
+        """The rows of the recording, in its signs."""
+        return self.run.rows
+
+    @property
+    def recording_signs(self) -> str:
+        """Sign convention of the recording."""
+        return self.run.recording_signs
+
+    @property
+    def holdout_rows(self) -> tuple[Sequence[int], ...]:
+        """First and last row, counted from 0, of each stretch of the hold-out set, which no fit uses."""
+        return self.run.holdout_rows
+
+    @property
+    def seconds(self) -> float:
+        """Wall time, s."""
+        return self.run.seconds
+
+    @property
+    def stopped(self) -> str:
+        """Why explanations that remained were not compared, or empty."""
+        return self.run.stopped
 
     @property
     def rating(self) -> str:
@@ -251,37 +324,8 @@ class Diagnosis:
         dict
             JSON types only; a number that does not exist is null.
         """
-        content = _content(
-            DiagnosisContent,
-            self,
-            version=VERSION,
-            found=[_content(FoundContent, finding, size=_sizes(finding)) for finding in self.found],
-            explanations=self.answer.reported,
-            probabilities=self.answer.probabilities,
-            confounded_with={
-                name: sorted(others, key=lambda x: -graded(others[x])) for name, others in self.confounded_with.items()
-            },
-            correlation=self.confounded_with,
-            unknown=[
-                _content(UnknownContent, part, file=f"{part.effect.name}.toml" if part.effect else None)
-                for part in self.unknown
-            ],
-            not_identifiable=sorted(self.not_identifiable),
-            not_identifiable_because=self.not_identifiable,
-            adequacy={rated.channel: _content(AdequacyContent, rated, where=rated.location) for rated in self.adequacy},
-            confirmed={name: _content(EvidenceContent, evidence) for name, evidence in self.evidence.items()},
-            extrapolation=[_content(ExtrapolationContent, part) for part in self.extrapolation],
-            tire=tire,
-            fmu=fmu,
-            base_tire=base_tire,
-            base_fmu=base_fmu,
-            seconds=round(self.seconds, 2),
-            form={
-                "channels": {name: {"rms": rms, "largest": most} for name, (rms, most) in self.form.channels.items()},
-                "delivered": self.form.delivered,
-            },
-        )
-        return dict(json_value(content))
+        files = WrittenFiles(tire, fmu, base_tire, base_fmu)
+        return dict(json_value(replace(self, run=replace(self.run, files=files))))
 
     def save(self, folder: str | Path) -> Path:
         """Write diagnosis.json, both tires and proposed effects (NAME.toml) into a folder, created if necessary.
@@ -314,20 +358,24 @@ class Diagnosis:
         return path / "diagnosis.json"
 
 
-def _content(kind: type, result: object, **others: Any) -> dict[str, Any]:
-    """Return the keys of a typed dictionary with other values, or the attributes of a result of the same names."""
-    return {
-        key: others.get(key, getattr(result, key, None))
-        for key in kind.__annotations__
-        if key in others or hasattr(result, key)
-    }
-
-
-def _sizes(finding: FoundEffect) -> dict[str, Size]:
-    return {name: {"rms": rms, "largest": largest} for name, (rms, largest) in finding.size.items()}
+def _mirrored_maps(maps: Iterable[dict[str, Any]], reversed_names: Collection[str]) -> list[dict[str, Any]]:
+    """Return maps of `residual_location.residual_maps`, those of reversed channels with the opposite sign."""
+    return [_mirrored_map(shown) if shown["channel"] in reversed_names else shown for shown in maps]
 
 
 def _mirrored_map(shown: dict[str, Any]) -> dict[str, Any]:
     """Return a map of `residual_location.residual_maps` with the opposite sign; cells without rows have no mean."""
     mean = [[None if cell is None else turned_sign(cell) for cell in row] for row in shown["mean"]]
     return {**shown, "mean": mean, "worst": {**shown["worst"], "mean": turned_sign(shown["worst"]["mean"])}}
+
+
+def diagnosis_schema() -> dict[str, Any]:
+    """Return the JSON Schema of diagnosis.json; not all of its writers write the last keys."""
+    schema = schema_of(Diagnosis, missing=True)
+    schema["properties"] |= {
+        "ok": schema_of(
+            Annotated[bool, "of the command's --json only: whether each FMU agrees with direct evaluation"]
+        ),
+        "simulated": schema_of(Annotated[dict[str, Any], "errors of both FMUs over the recordings"]),
+    }
+    return document("diagnosis", Diagnosis.version, "Result of a diagnosis", schema)

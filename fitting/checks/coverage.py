@@ -97,12 +97,26 @@ def _of_force(residuals: Residuals, slip: str, channel: str) -> Iterator[Channel
     small = smallest <= SMALL_SHARE
     reason = "" if small else f"{channel} has {smallest:.0%} of its peak at the smallest slips"
     yield ChannelCoverage("slip stiffness", channel, small, reason, smallest)
+    reason = _one_side(residuals, slip, channel)
+    yield ChannelCoverage("other side", channel, not reason, reason)
     if {"kappa", "alpha"} <= set(residuals.tire.inputs):
         sizes = [np.abs(residuals.table[name].to_numpy(dtype=float)) for name in ("kappa", "alpha")]
         both = (sizes[0] > NO_SLIP) & (sizes[1] > NO_SLIP) & residuals.table[channel].notna().to_numpy()
         combined = int(both.sum()) >= REACHED_BY
         reason = _beyond_combined(residuals, both) if combined else "no rows have kappa and alpha"
         yield ChannelCoverage("combined slip", channel, combined, reason)
+
+
+def _one_side(residuals: Residuals, slip: str, channel: str) -> str:
+    """Return the range of a slip if its rows reach far on one side of zero only; otherwise empty."""
+    signed = np.sort(residuals.table[slip].to_numpy(dtype=float)[_pure(residuals, slip, channel)])
+    reached = -signed[REACHED_BY - 1], signed[-REACHED_BY]
+    if min(reached) >= SWEPT * max(reached):
+        return ""
+    low, high = float(signed[0]), float(signed[-1])
+    if slip == "alpha":
+        return f"slip angles from {degrees(low):.2g} to {degrees(high):.2g} deg only"
+    return f"{slip} from {low:.2g} to {high:.2g} only"
 
 
 def _beyond_combined(residuals: Residuals, rows: BoolArray) -> str:

@@ -142,9 +142,9 @@ def condition_text(at: Mapping[str, float]) -> str:
     >>> condition_text({"Fz": 1100.0, "gamma": 0.0349, "p": 83e3})
     'Fz 1100 N, gamma 2 deg, p 83 kPa'
     """
-    scales = {"gamma": (degrees(1.0), "deg", 1), "alpha": (degrees(1.0), "deg", 1), "p": (1e-3, "kPa", 0)}
+    scales = {"gamma": (degrees(1.0), " deg", 1), "alpha": (degrees(1.0), " deg", 1), "p": (1e-3, " kPa", 0)}
     parts = []
     for name, value in at.items():
-        scale, unit, digits = scales.get(name, (1.0, CHANNELS[name].unit.replace("-", ""), 3 if name == "kappa" else 0))
-        parts.append(f"{name} {round(value * scale, digits) + 0.0:.12g} {unit}".rstrip())  # + 0.0: no -0
+        scale, unit, digits = scales.get(name, (1.0, CHANNELS[name].after, 3 if name == "kappa" else 0))
+        parts.append(f"{name} {round(value * scale, digits) + 0.0:.12g}{unit}")  # + 0.0: no -0
     return ", ".join(parts)

@@ -108,7 +108,7 @@ class _Identifiability:
             spreads = {p: self._spreads[p][indices].max() for p in self._programs if len(p) == count}
             best = min(spreads, key=lambda program: graded(spreads[program]))
             if spreads[best] <= LARGEST_SD:
-                return self._lacking(best, indices[0])
+                return " together with ".join(self._lack(name, indices[0]) for name in best)
         alone = max(float(matrix[indices[0], indices[0]]) for matrix in self._information.values())
         if len(names) == 1 and alone < 1.0 / LARGEST_SD**2:
             return "it has almost no influence with the fitted values of the other coefficients"
@@ -213,9 +213,6 @@ class _Identifiability:
 
     def _reach(self, slip: str) -> float:
         return max(map(abs, self._ranges[slip]))
-
-    def _lacking(self, program: tuple[str, ...], index: int) -> str:
-        return " together with ".join(self._lack(name, index) for name in program)
 
     def _lack(self, name: str, index: int) -> str:
         if name == "Fz":

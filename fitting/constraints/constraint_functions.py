@@ -241,7 +241,7 @@ def _expression(model: Model, quantity: str, measure: str) -> tuple[Any, Any, An
     if measure != "value":
         load = inputs[module.INPUTS.index("Fz")]
         growth = load * ca.jacobian(value, load)
-        value = growth if measure == "growth" else growth - value
+        value = {"growth": growth, "excess": growth - value}[measure]
     return inputs, parameters, ca.densify(value)
 
 

@@ -36,7 +36,7 @@ def local_extrema(
     (n_parameters,). Returns: no point has a larger margin than the grid point from which it was found.
     """
     within = constraint.within(ranges)
-    varied = [i for i, name in enumerate(within) if name in constraint.over and within[name][0] < within[name][1]]
+    varied = [i for i, name in enumerate(within) if name in constraint.varied and within[name][0] < within[name][1]]
     if not varied:
         return points[:, :0], np.zeros(0)
     low, high = np.array(list(within.values()))[varied].T

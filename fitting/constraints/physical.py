@@ -66,7 +66,7 @@ class Constraint(PhysicalConstraint):
     def text(self) -> str:
         """The constraint as a formula: ``E_x <= 1``."""
         if self.measure != "value":
-            change = "saturates" if self.measure == "excess" else "falls" if self.upper <= 0.0 else "grows"
+            change = {"growth": "falls" if self.upper <= 0.0 else "grows", "excess": "saturates"}[self.measure]
             return f"{self.quantity} {change} with load"
         above = f"{self.lower:g} <= " if self.lower > -inf else ""
         bound = f"{above}{self.quantity} <= {self.upper:g}" if self.upper < inf else f"{self.quantity} > 0"
@@ -159,7 +159,7 @@ def grid(
     steps = {"Fz": 4 * density, "gamma": 2 * density, "p": 2 * density}
     axes = []
     for name, (low, high) in constraint.within(ranges).items():
-        if name not in constraint.over:
+        if name not in constraint.varied:
             axes.append(np.array([nominal.get(name, low)]))
         elif name in steps:
             axes.append(np.linspace(low, high, max(steps[name], 1) + 1))

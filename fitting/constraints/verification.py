@@ -70,7 +70,7 @@ class VerifiedConstraints:
         """Return the constraints of some outputs with a grid: its corners to impose them, denser to verify them."""
         pairs = []
         for constraint in (item for output in outputs for item in self._by_output.get(output, ())):
-            key = constraint.over, constraint.kind == "extrapolation", density
+            key = constraint.varied, constraint.kind == "extrapolation", density
             if key not in self._grids:
                 self._grids[key] = grid(constraint, self._ranges, self._nominal, density=density)
             pairs.append((constraint, self._grids[key]))
@@ -98,7 +98,7 @@ class VerifiedConstraints:
             points, values = self._with_extrema(constraint, on_grid, parameters)
             distance = constraint.distance(values)
             worst = int(np.argmin(graded(distance)))
-            at = {name: float(points[i, worst]) for i, name in enumerate(self._inputs) if name in constraint.over}
+            at = {name: float(points[i, worst]) for i, name in enumerate(self._inputs) if name in constraint.varied}
             margins.append(Margin(constraint.text, float(values[worst]), float(distance[worst]), at, constraint.name))
         return tuple(margins)
 

@@ -23,10 +23,10 @@ from ...boundary.json_schema import document, object_schema, one_of
 from ...boundary.schema_check import check_content
 from ...measurements.row_selection.expression import Selection, parse_range, parse_selection
 from ...numerics.arrays import FloatArray
+from ...symbolic.channels import CHANNELS
 from ...symbolic.effects import EFFECTS
 from ...symbolic.model import Model
 from ...symbolic.models import MODELS, model_named
-from ...tires.channels import CHANNELS
 
 #: The recipes that come with the package.
 RECIPES = ("progressive", "joint", "trento", "scaling", "family")
@@ -57,7 +57,8 @@ class Stage:
     - `selection`: condition of the key ``select``, an expression of channels as in ``--where``, in adapted SAE.
     - `hold`: inputs whose measured values are replaced by the nearest value in `where`.
     - `free`: the free coefficients; all coefficients of the core and of the effects if empty.
-    - `sections`: only coefficients of these sections of the .tir file; of all sections if empty.
+    - `sections`: only coefficients of these sections of the .tir file; of all sections if empty. Those that a fit does
+      not free by default (`fitted` of their declaration) only if the section has no other.
     - `effects`: only coefficients of the core and of these effects of the tire; of all effects if None. A recipe may
       apply to several models: channels, sections and effects that a model does not have are ignored.
     - `rows`: number of random rows; all rows if None.

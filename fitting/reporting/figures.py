@@ -17,7 +17,6 @@ from ...drawing.labels import LEVEL, axis_label, drawn_unit, held_text, level_te
 from ...drawing.residual_panels import residuals_over_inputs
 from ...drawing.style import BLUE, DOTTED, GRAY, GREEN, ORANGE, RED, level_colors, some_of
 from ...measurements import Recording, TableLike, recordings_from
-from ...measurements.checks.recordings.coverage import ChannelCoverage
 from ...tires import TireLike
 from ...tires.drawing.tire_figures import PURE
 from ...tires.signs import SIGNS
@@ -28,7 +27,7 @@ from ..results.intervals import band as confidence_band
 from ..results.records import quality
 from ..temperature.fitted_temperature import FittedTemperature
 from ..temperature.heat_balance import ZERO_CELSIUS, HeatBalance
-from ..temperature.selection import with_temperature
+from ..temperature.temperature_fit import with_temperature
 from .load_figures import data_text, friction_over_load, stiffness_over_load
 
 #: Longitudinal slips at which a weighting function is drawn over the slip angle, and points of such a curve.
@@ -175,16 +174,13 @@ def _families(
     """One panel for each family: measured points and curves of the tire."""
     rows = pd.concat([group.rows for family in families for group in family.groups])
     text = "points: data; lines: the tire at the medians of each level's conditions"
-    unreached = fitted is not None and any(not c.determined for c in _peaks(fitted, families[0].channel))
+    peak = ("peak friction", families[0].channel)
+    unreached = fitted is not None and any(
+        not c.determined for c in fitted.findings.coverage if (c.characteristic, c.channel) == peak
+    )
     text += "; dotted: extrapolation beyond data that do not reach the peak, with the prior of tires" * unreached
     panels = [_family_panel(comparison, family, fitted, unreached) for family in families]
     return Figure(name, title, in_rows(panels), note(comparison.signs, text, data_text(comparison, rows)), bands)
-
-
-def _peaks(fitted: Fitted, channel: str) -> Iterable[ChannelCoverage]:
-    """Return whether the data of a fit determine the peak friction of a channel; empty if it has none."""
-    coverage = fitted.findings.coverage
-    return (c for c in coverage if (c.characteristic, c.channel) == ("peak friction", channel))
 
 
 def _family_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: Fitted | None, unreached: bool) -> Panel:

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from ...boundary.errors import FitError, path_from
-from ...drawing.figure import Figure, Panel
+from ...drawing.figure import Figure
 from ...drawing.page import page_text, write_page
 from ...measurements import DataFinding, TableLike, recordings_from
 from ...measurements.provenance import provenance
@@ -119,13 +119,12 @@ def overview(figures: Sequence[Figure]) -> list[Figure]:
     for title, names in OVERVIEW.items():
         shown = [first[name] for name in names if name in first]
         if shown:
-            panels = tuple(_without_bands(figure.panels[0]) for figure in shown)
+            panels = tuple(
+                replace(panel, series=tuple(series for series in panel.series if series.kind != "band"))
+                for panel in (figure.panels[0] for figure in shown)
+            )
             overview_figures.append(Figure("overview", title, (panels,), shown[0].note))
     return overview_figures
-
-
-def _without_bands(panel: Panel) -> Panel:
-    return replace(panel, series=tuple(series for series in panel.series if series.kind != "band"))
 
 
 def correlated_pairs(correlation: pd.DataFrame) -> list[tuple[str, str, float]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf, nan
-from typing import Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 import pandas as pd
@@ -30,19 +30,22 @@ from .stages import FitRecord, StageResult
 class Fitted:
     """What a fit found; its fields are described in `FitResult`."""
 
+    #: The convention of margins.
+    margins_signs: ClassVar[str] = "adapted-sae"
+
     tire: Tire
-    signs: str
+    signs: Annotated[str, "of coefficients, covariance and findings; values are in ISO-W"]
     coefficients: tuple[FittedCoefficient, ...]
     channels: tuple[ChannelFit, ...]
     run: FitRecord
     margins: tuple[Margin, ...] = ()
     notes: tuple[str, ...] = ()
     data_findings: tuple[DataFinding, ...] = ()
-    excluded_rows: tuple[ExcludedRows, ...] = ()
+    excluded_rows: Annotated[tuple[ExcludedRows, ...], "rows that were not fitted"] = ()
     held_out: tuple[HeldOut, ...] = ()
     bootstrap: Bootstrap | None = None
     temperature: FittedTemperature | None = None
-    bounds: tuple[BoundConsequence, ...] = ()
+    bounds: Annotated[tuple[BoundConsequence, ...], "what changes beyond the bound of a coefficient at one"] = ()
     uncertainty: Uncertainty = field(default_factory=Uncertainty, compare=False)
     residuals: Residuals | None = None
 

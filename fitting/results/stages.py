@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Annotated, ClassVar
 
 import numpy as np
 
-from ...boundary.json_schema import NOT_WRITTEN
 from ...numerics.arrays import FloatArray, IntArray
 from ..constraints.verification import ConstraintPoints
 from ..problem.weighted_residuals import Problem
@@ -31,6 +31,10 @@ class StageResult:
     - `constraints`, shape (n_inputs, n_points): the physical constraints, each with the points at which it is imposed.
     """
 
+    JSON_KEYS: ClassVar = (
+        "name", "rows", "free", "iterations", "converged", "reason", "cost", "r2_uncentred", "detail",
+    )  # fmt: skip
+
     name: str
     rows: int
     free: int
@@ -40,12 +44,12 @@ class StageResult:
     cost: float
     r2_uncentred: float
     detail: str
-    problem: Problem = field(repr=False, metadata=NOT_WRITTEN)
-    x: FloatArray = field(repr=False, metadata=NOT_WRITTEN)
-    bounds: FloatArray = field(repr=False, metadata=NOT_WRITTEN)
-    ridge: float = field(repr=False, metadata=NOT_WRITTEN)
-    numbers: IntArray = field(repr=False, metadata=NOT_WRITTEN)
-    constraints: tuple[ConstraintPoints, ...] = field(default=(), repr=False, metadata=NOT_WRITTEN)
+    problem: Problem = field(repr=False)
+    x: FloatArray = field(repr=False)
+    bounds: FloatArray = field(repr=False)
+    ridge: float = field(repr=False)
+    numbers: IntArray = field(repr=False)
+    constraints: tuple[ConstraintPoints, ...] = field(default=(), repr=False)
 
     @property
     def lower(self) -> FloatArray:
@@ -65,11 +69,10 @@ class FitRecord:
     - `stages`: in order.
     - `recipe`, `method`: names of the recipe and of the method that solved the stages.
     - `seconds`: wall time, s.
-    - `interrupted`: where the fit was stopped; empty if it is complete.
     """
 
     stages: tuple[StageResult, ...]
     recipe: str
     method: str
     seconds: float
-    interrupted: str
+    interrupted: Annotated[str, "where the fit was stopped; empty if it is complete"]

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
@@ -60,14 +61,10 @@ MAX_NAMES = 8
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether a fitted tire can be used, and why not or with which limits.
+    """Whether a fitted tire can be used, and why not or with which limits."""
 
-    - `word`: "good", "usable with limits" or "not usable".
-    - `reasons`: in order of weight; empty if the tire is good.
-    """
-
-    word: str
-    reasons: tuple[str, ...] = ()
+    word: Annotated[str, "good, usable with limits, or not usable"]
+    reasons: Annotated[tuple[str, ...], "of the verdict, in order of weight"] = ()
 
     @property
     def usable(self) -> bool:

@@ -56,6 +56,14 @@ class Direction:
 
 
 @dataclass(frozen=True)
+class Covariance:
+    """A covariance of coefficients."""
+
+    coefficients: list[str]
+    matrix: list[list[float]]
+
+
+@dataclass(frozen=True)
 class Uncertainty:
     """Uncertainty of the values of a fit.
 
@@ -77,6 +85,12 @@ class Uncertainty:
     covariance: pd.DataFrame = field(default_factory=lambda: pd.DataFrame(dtype=np.float64))
     complete: pd.DataFrame = field(default_factory=lambda: pd.DataFrame(dtype=np.float64))
     discrepancies: tuple[Discrepancy, ...] = ()
+
+    @property
+    def determined(self) -> Covariance:
+        """Covariance of the coefficients with a finite interval."""
+        names = list(self.covariance.index[np.isfinite(np.diag(self.covariance))]) if len(self.covariance) else []
+        return Covariance(names, self.covariance.loc[names, names].to_numpy().tolist())
 
     def mirrored(self, flips: FloatArray) -> Uncertainty:
         """Return the same in another sign convention, with the changes of sign of the covariance, shape (n, n)."""

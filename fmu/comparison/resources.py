@@ -10,7 +10,8 @@ from pathlib import Path
 from ...boundary.bounded_file import read_bounded
 from ...boundary.errors import FmuError, TirefmuError
 from ...boundary.escaping import excerpt
-from ...tires import Tire, read_tir
+from ...tires import Tire
+from ...tires.property_file.reading import read_tir_with_notes
 
 #: The largest resources/interface.json, bytes.
 LARGEST_INTERFACE = 1_000_000
@@ -64,7 +65,7 @@ def embedded_tire(folder: Path, fmu_path: str | os.PathLike[str], outputs: Itera
     if not path.is_file():
         return None
     try:
-        tire = read_tir(path)
+        tire = read_tir_with_notes(path).tire  # who exported it was told its notes
     except TirefmuError as error:
         raise FmuError(f"{fmu_path}: {str(error).replace(str(path), 'resources/tire.tir')}") from error
     missing = [name for name in outputs if name not in tire.outputs]

@@ -105,7 +105,8 @@ def export_system(
     files: dict[str, bytes] = {}
     components: list[Component] = []
     for name, tire in zip(names, loaded, strict=True):
-        same = next((done for done, other in zip(components, loaded, strict=False) if _equal(other, tire)), None)
+        equal = (tir_text(other) == tir_text(tire) for other in loaded)
+        same = next((done for done, is_equal in zip(components, equal, strict=False) if is_equal), None)
         stem = c_identifier(tire.name or tire.model)
         stem = f"{stem}_{name}" if f"resources/{stem}.fmu" in files else stem
         fmu, mapping = (same.fmu, same.mapping) if same else (f"resources/{stem}.fmu", f"resources/{stem}.ssm")
@@ -183,10 +184,6 @@ def _connected(path: Path, fmi: int, tires: Sequence[Component]) -> Component:
             f"{path}: no input or output of the vehicle is named as one of a tire, such as {next(iter(ends))}"
         )
     return Component("vehicle", "resources/vehicle.fmu", "", "", tuple(variables))
-
-
-def _equal(tire: Tire, other: Tire) -> bool:
-    return tir_text(tire) == tir_text(other)
 
 
 def export_parameters(

@@ -10,6 +10,7 @@ from ...symbolic.added.state import SPEED, couplings
 from ...symbolic.model import Model
 from ...symbolic.printers.definitions import comment
 from ...symbolic.wheel.quantities import CONTACT_FORCES, SPIN
+from ...tires.input_check import possible_range
 from ...tires.states import simulation as states
 from ..description.arrays import arrays
 from ..description.interface import Interface, host_input_indices
@@ -60,8 +61,14 @@ def tire_values(shown: Interface, token: str) -> str:
 
 
 def input_ranges(shown: Interface) -> list[tuple[float, float]]:
-    """Return the valid range of each input of the model; infinite where the tire has none."""
-    return [shown.tire.ranges.get(name, (-inf, inf)) for name in shown.tire.inputs]
+    """Return the valid range of each input of the model.
+
+    Where the tire has none: of slips that the host sets, what is possible in SI units and in the FMU's signs; infinite
+    for other kinds of inputs, whose slips are not limited near standstill.
+    """
+    ranges = {name: possible_range(shown.tire, name) for name in shown.tire.inputs if shown.inputs == "slip"}
+    ranges |= shown.tire.ranges
+    return [ranges.get(name, (-inf, inf)) for name in shown.tire.inputs]
 
 
 def model_config(shown: Interface) -> str:

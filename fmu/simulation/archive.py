@@ -87,7 +87,7 @@ def _check(entries: list[zipfile.ZipInfo]) -> None:
     total = 0
     earlier: dict[str, tuple[str, bool]] = {}
     for entry in entries:
-        shown = _shown(entry.orig_filename)
+        shown = f"'{visible(entry.orig_filename)[:60]}'"
         if _is_unsafe(entry):
             raise FmuError(f"the file name {shown} is not allowed")
         if stat.S_IFMT(entry.external_attr >> 16) not in (0, stat.S_IFREG, stat.S_IFDIR):
@@ -168,10 +168,6 @@ def _check_description(path: Path) -> None:
         parser.Parse(path.read_bytes(), True)
     except _RootReached:
         return
-
-
-def _shown(name: str) -> str:
-    return f"'{visible(name)[:60]}'"
 
 
 def _megabytes(size: int) -> str:

@@ -617,8 +617,8 @@ void mf52_quantities(const double inputs[], const double parameters[], double re
     const double B_Drphi = K_zgammar0/(D_Drphi*QDRP1*(1.0 - eps_gamma)); /* [4.98] stiffness of the moment by spin */
     const double D_rphi = D_Drphi*fast_sin(QDRP1*fast_atan(B_Drphi*UNLOADED_RADIUS*phit_in)); /* [4.93] moment by spin */
     const double M_zphi90 = 2.0*G_yk*M_zphi_inf*fast_atan(QCRP2*UNLOADED_RADIUS*fabs(phit_in))/PI; /* [4.103] moment by spin at 90 deg of slip */
-    const double D_rphi_size = (D_rphi == 0.0 ? 1.0 : (CONVENTION > 0.5 ? 1e-06 : 0.0) + fabs(D_rphi)); /* [4.104] size of the moment by spin; 1 where there is none */
-    const double zeta_7_cosine = (D_rphi == 0.0 ? 0.0 : M_zphi90/D_rphi_size); /* [4.104] reduction of the moment by spin with side slip */
+    const double D_rphi_size = (fabs(D_rphi) <= 1e-100 ? 1.0 : (CONVENTION > 0.5 ? 1e-06 : 0.0) + fabs(D_rphi)); /* [4.104] size of the moment by spin; 1 where there is none */
+    const double zeta_7_cosine = (fabs(D_rphi) <= 1e-100 ? 0.0 : M_zphi90/D_rphi_size); /* [4.104] reduction of the moment by spin with side slip */
     const double zeta_7_cosine_size = fabs(zeta_7_cosine); /* [4.104] its size */
     const double zeta_7_below_1 = (zeta_7_cosine_size >= 1.0 ? 0.0 : zeta_7_cosine); /* [4.104] the same where its size is below 1 */
     const double zeta_7_above_1 = (zeta_7_cosine_size > 1.0 ? zeta_7_cosine_size : 2.0); /* [4.104] its size where that is above 1 */
@@ -1094,8 +1094,8 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double B_Drphi = K_zgammar0/(D_Drphi*QDRP1*(1.0 - eps_gamma)); /* [4.98] stiffness of the moment by spin */
     const double D_rphi = D_Drphi*fast_sin(QDRP1*fast_atan(B_Drphi*UNLOADED_RADIUS*phit_in)); /* [4.93] moment by spin */
     const double M_zphi90 = 2.0*G_yk*M_zphi_inf*fast_atan(QCRP2*UNLOADED_RADIUS*fabs(phit_in))/PI; /* [4.103] moment by spin at 90 deg of slip */
-    const double D_rphi_size = (D_rphi == 0.0 ? 1.0 : (CONVENTION > 0.5 ? 1e-06 : 0.0) + fabs(D_rphi)); /* [4.104] size of the moment by spin; 1 where there is none */
-    const double zeta_7_cosine = (D_rphi == 0.0 ? 0.0 : M_zphi90/D_rphi_size); /* [4.104] reduction of the moment by spin with side slip */
+    const double D_rphi_size = (fabs(D_rphi) <= 1e-100 ? 1.0 : (CONVENTION > 0.5 ? 1e-06 : 0.0) + fabs(D_rphi)); /* [4.104] size of the moment by spin; 1 where there is none */
+    const double zeta_7_cosine = (fabs(D_rphi) <= 1e-100 ? 0.0 : M_zphi90/D_rphi_size); /* [4.104] reduction of the moment by spin with side slip */
     const double zeta_7_cosine_size = fabs(zeta_7_cosine); /* [4.104] its size */
     const double zeta_7_below_1 = (zeta_7_cosine_size >= 1.0 ? 0.0 : zeta_7_cosine); /* [4.104] the same where its size is below 1 */
     const double zeta_7_above_1 = (zeta_7_cosine_size > 1.0 ? zeta_7_cosine_size : 2.0); /* [4.104] its size where that is above 1 */

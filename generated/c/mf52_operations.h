@@ -367,9 +367,9 @@ enum {
     {MULTIPLY,9,211}, {MULTIPLY,406,924}, {ATAN,925}, {MULTIPLY,238,783}, {MULTIPLY,892,927}, {MULTIPLY,926,928}, \
     {DIVIDE,929,224}, \
     /* [4.104] D_rphi_size */ \
-    {EQUAL,225,923}, {CHOOSE,342,226,225}, {ABSOLUTE,923}, {ADD,932,933}, {CHOOSE,931,228,934}, \
+    {ABSOLUTE,923}, {AT_MOST,931,230}, {CHOOSE,342,226,225}, {ADD,931,933}, {CHOOSE,932,228,934}, \
     /* [4.104] zeta_7_cosine */ \
-    {DIVIDE,930,935}, {CHOOSE,931,225,936}, \
+    {DIVIDE,930,935}, {CHOOSE,932,225,936}, \
     /* [4.104] zeta_7_cosine_size */ \
     {ABSOLUTE,937}, \
     /* [4.104] zeta_7_below_1 */ \

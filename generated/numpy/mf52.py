@@ -293,8 +293,8 @@ def quantities(inputs, parameters, xp=np):
     B_Drphi = K_zgammar0/(D_Drphi*QDRP1*(1 - eps_gamma))  # [4.98] stiffness of the moment by spin
     D_rphi = D_Drphi*xp.sin(QDRP1*xp.atan(B_Drphi*UNLOADED_RADIUS*phit_in))  # [4.93] moment by spin
     M_zphi90 = 2*G_yk*M_zphi_inf*xp.atan(QCRP2*UNLOADED_RADIUS*xp.abs(phit_in))/xp.pi  # [4.103] moment by spin at 90 deg of slip
-    D_rphi_size = xp.where(D_rphi == 0, 1, xp.where(CONVENTION > 0.5, 1e-06, 0) + xp.abs(D_rphi))  # [4.104] size of the moment by spin; 1 where there is none
-    zeta_7_cosine = xp.where(D_rphi == 0, 0, M_zphi90/D_rphi_size)  # [4.104] reduction of the moment by spin with side slip
+    D_rphi_size = xp.where(xp.abs(D_rphi) <= 1e-100, 1, xp.where(CONVENTION > 0.5, 1e-06, 0) + xp.abs(D_rphi))  # [4.104] size of the moment by spin; 1 where there is none
+    zeta_7_cosine = xp.where(xp.abs(D_rphi) <= 1e-100, 0, M_zphi90/D_rphi_size)  # [4.104] reduction of the moment by spin with side slip
     zeta_7_cosine_size = xp.abs(zeta_7_cosine)  # [4.104] its size
     zeta_7_below_1 = xp.where(zeta_7_cosine_size >= 1, 0, zeta_7_cosine)  # [4.104] the same where its size is below 1
     zeta_7_above_1 = xp.where(zeta_7_cosine_size > 1, zeta_7_cosine_size, 2)  # [4.104] its size where that is above 1
@@ -597,8 +597,8 @@ def forces(inputs, parameters, xp=np):
     B_Drphi = K_zgammar0/(D_Drphi*QDRP1*(1 - eps_gamma))  # [4.98] stiffness of the moment by spin
     D_rphi = D_Drphi*xp.sin(QDRP1*xp.atan(B_Drphi*UNLOADED_RADIUS*phit_in))  # [4.93] moment by spin
     M_zphi90 = 2*G_yk*M_zphi_inf*xp.atan(QCRP2*UNLOADED_RADIUS*xp.abs(phit_in))/xp.pi  # [4.103] moment by spin at 90 deg of slip
-    D_rphi_size = xp.where(D_rphi == 0, 1, xp.where(CONVENTION > 0.5, 1e-06, 0) + xp.abs(D_rphi))  # [4.104] size of the moment by spin; 1 where there is none
-    zeta_7_cosine = xp.where(D_rphi == 0, 0, M_zphi90/D_rphi_size)  # [4.104] reduction of the moment by spin with side slip
+    D_rphi_size = xp.where(xp.abs(D_rphi) <= 1e-100, 1, xp.where(CONVENTION > 0.5, 1e-06, 0) + xp.abs(D_rphi))  # [4.104] size of the moment by spin; 1 where there is none
+    zeta_7_cosine = xp.where(xp.abs(D_rphi) <= 1e-100, 0, M_zphi90/D_rphi_size)  # [4.104] reduction of the moment by spin with side slip
     zeta_7_cosine_size = xp.abs(zeta_7_cosine)  # [4.104] its size
     zeta_7_below_1 = xp.where(zeta_7_cosine_size >= 1, 0, zeta_7_cosine)  # [4.104] the same where its size is below 1
     zeta_7_above_1 = xp.where(zeta_7_cosine_size > 1, zeta_7_cosine_size, 2)  # [4.104] its size where that is above 1

@@ -9,7 +9,7 @@ import pandas as pd
 
 from ...boundary.errors import DataError
 from ...numerics.arrays import FloatArray
-from ...tires.channels import CHANNELS, INPUTS
+from ...symbolic.channels import CHANNELS, INPUTS
 from ..column_names import check_names
 from ..interpretation import NOT_READ, Interpretation
 from ..recording import Recording

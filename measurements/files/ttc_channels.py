@@ -12,7 +12,7 @@ import pandas as pd
 
 from ...boundary.errors import DataError, TirefmuError, nearest
 from ...numerics.arrays import FloatArray
-from ...tires.channels import CHANNELS, OUTPUTS
+from ...symbolic.channels import CHANNELS, OUTPUTS
 from ..checks.columns.radii import deflection, median_radius
 from ..column_names import intended_channel
 from ..thresholds import FREE_ROLLING_FORCE, LOWEST_KPA
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 #: kappa is read from SL, the slip that is zero at zero FX, and never from SR. N is unusable in many runs and ignored.
 MANDATORY = ("ET", "SA", "IA", "FZ")
 _SI = {
-    "time": "sec", "ratio": "none", "angle": "deg", "force": "N", "pressure": "kPa", "speed": "kph",
+    "time": "sec", "angle": "deg", "force": "N", "pressure": "kPa", "speed": "kph",
     "temperature": "deg C", "absolute temperature": "deg C", "moment": "N-m",
 }  # fmt: skip
 _USCS = _SI | {
@@ -79,7 +79,7 @@ def bench_content(content: Content, name: str) -> Content:
         assumed, reason = _SI, "declared in the file"
     else:
         assumed, reason = assumed_units(name, folded)
-    units = {channel.name: assumed[channel.quantity] for channel in _BENCH_NAMES.values()}
+    units = {channel.name: channel.bench_unit or assumed[channel.quantity] for channel in _BENCH_NAMES.values()}
     return replace(content, columns=columns, format="ttc", units=units, about={**content.about, "units": reason})
 
 

@@ -13,7 +13,7 @@ from ...drawing.labels import axis_label, drawn_value, held_text, level_text, no
 from ...drawing.style import BLACK, BLUE, GRAY, GREEN, LIGHT_GRAY, ORANGE, RED, level_colors, some_of
 from ...numerics.arrays import BoolArray, FloatArray
 from ...numerics.ties import graded
-from ...tires.channels import CHANNELS, INPUTS, OUTPUTS
+from ...symbolic.channels import CHANNELS, INPUTS, OUTPUTS
 from ..operating_conditions.levels import held_levels, level_tolerance
 from .inspection import Inspection
 

@@ -13,7 +13,7 @@ import pandas as pd
 from ...boundary.escaping import excerpt, visible
 from ...boundary.named_options import named
 from ...numerics.arrays import BoolArray, FloatArray, IndexArray
-from ...tires.channels import CHANNELS
+from ...symbolic.channels import CHANNELS
 from ..checks.columns.check import check_columns
 from ..checks.columns.meanings import ColumnMeaning, column_meanings
 from ..checks.recordings.data_findings import data_findings
@@ -248,7 +248,7 @@ def _channel(recording: Recording, name: str) -> ChannelSummary:
     low, middle, high = (float(v) for v in np.quantile(values, (0.0, 0.5, 1.0))) if len(values) else (np.nan,) * 3
     in_file = name in recording.about.get("declared", "").split()
     reason = "declared in the file" if in_file else recording.about.get("units") or "SI, as no unit is declared"
-    levels = held_levels(column) if declared.role == "input" and name not in ("t", "T") else []
+    levels = held_levels(column) if declared.role != "output" and name not in ("t", "T") else []
     return ChannelSummary(
         name, declared.meaning, declared.unit, reason, len(values), len(column) - len(values), low + 0.0,
         middle + 0.0, high + 0.0, tuple(level + 0.0 for level in levels),

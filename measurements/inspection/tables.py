@@ -8,7 +8,7 @@ from itertools import groupby
 import numpy as np
 
 from ...drawing.labels import drawn_unit, drawn_value, per_si
-from ...tires.channels import CHANNELS
+from ...symbolic.channels import CHANNELS, CONTROLLED_INPUTS
 from ..checks.columns.meanings import ASSUMPTIONS
 from ..checks.rows.row_exclusion import EXCLUSION_REASONS
 from .inspection import Inspection, SweepSummary
@@ -62,7 +62,7 @@ def channel_table(inspection: Inspection) -> Table:
         name = channel.name
         values = [_number(name, value) for value in (channel.lowest, channel.median, channel.highest)]
         levels = ", ".join(_number(name, level) for level in channel.levels)
-        swept = "swept" if CHANNELS[name].role == "input" and name not in ("t", "T") else ""
+        swept = "swept" if name in CONTROLLED_INPUTS else ""
         counts = [str(channel.rows), str(channel.missing)]
         rows.append([name, drawn_unit(name), *counts, *values, levels or swept])
     return header, rows
@@ -122,7 +122,7 @@ def excluded_table(inspection: Inspection) -> Table:
 def _number(name: str, value: float, *, sign: bool = False) -> str:
     """Return a value, or with a sign a change, in the drawn unit; 0 where it is far below the tolerance."""
     drawn = value * per_si(name) if sign else drawn_value(name, value)
-    least = 1e-4 if CHANNELS[name].unit == "-" else 5e-3
+    least = 1e-4 if CHANNELS[name].unit == "1" else 5e-3
     drawn = 0.0 if abs(drawn) < least else drawn
     return f"{drawn:+.3g}" if sign else f"{drawn:.4g}"
 

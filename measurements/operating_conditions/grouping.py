@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...numerics.arrays import BoolArray, FloatArray, IndexArray
-from ...tires.channels import CONTROLLED_INPUTS
+from ...symbolic.channels import CONTROLLED_INPUTS
 from ..recording import Recording, once
 from ..thresholds import OVERSAMPLED
 from .levels import level_tolerance, levels

@@ -9,7 +9,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from ...boundary.errors import DataError
 from ...numerics.arrays import FloatArray, IndexArray
-from ...tires.channels import CHANNELS
+from ...symbolic.channels import CHANNELS
 from ..thresholds import LOAD_TOLERANCE, MIN_LEVEL_PROMINENCE, MIN_LEVEL_SHARE, MIN_ROWS_AT_LEVELS
 
 #: Largest number of levels of a held input; with more levels it was swept in steps.

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
 
 from ...numerics.arrays import BoolArray, FloatArray, IndexArray
-from ...tires.channels import CONTROLLED_INPUTS
+from ...symbolic.channels import CONTROLLED_INPUTS
 from ..recording import Recording, once
 from ..thresholds import (
     FAR_FROM_LEVELS,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...numerics.arrays import FloatArray
-from ...tires.channels import CONTROLLED_INPUTS
+from ...symbolic.channels import CONTROLLED_INPUTS
 from ..recording import Recording
 from ..thresholds import DEFAULT_SAMPLE_INTERVAL, JUMP_TOLERANCES, LONGEST_SAMPLE_INTERVAL, MAX_JUMPS, MIN_SERIES_ROWS
 from .levels import level_tolerance

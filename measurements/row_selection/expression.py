@@ -21,7 +21,7 @@ import numpy as np
 from ...boundary.errors import DataError, TirefmuError, nearest
 from ...boundary.escaping import excerpt
 from ...numerics.arrays import BoolArray, FloatArray
-from ...tires.channels import CHANNELS
+from ...symbolic.channels import CHANNELS
 from ..column_names import intended_channel
 from ..units import to_si
 

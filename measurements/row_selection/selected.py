@@ -10,7 +10,7 @@ import numpy as np
 
 from ...boundary.errors import DataError
 from ...numerics.arrays import BoolArray, FloatArray
-from ...tires.channels import CHANNELS
+from ...symbolic.channels import CHANNELS
 from ..operating_conditions.phases import phases
 from ..recording import Recording
 from .expression import LONGEST_EXPRESSION, parse_selection, quoted
@@ -115,5 +115,5 @@ def _range(recording: Recording, name: str) -> str:
     values = _numbers(recording, name)
     if np.isnan(values).all():
         return f"{name} has no number"
-    unit = CHANNELS[name].unit if name in CHANNELS else ""
-    return f"{name} is {np.nanmin(values):.6g} to {np.nanmax(values):.6g} {unit}".rstrip(" -")
+    unit = CHANNELS[name].after if name in CHANNELS else ""
+    return f"{name} is {np.nanmin(values):.6g} to {np.nanmax(values):.6g}{unit}"

@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 
 from ...boundary.errors import DataError
+from ...symbolic.channels import CHANNELS, OUTPUTS
 from ...tires import Tire, tire_from
-from ...tires.channels import CHANNELS, OUTPUTS
 from ...tires.signs import convert_signs
 from ..recording import Recording
 from .programs import Program

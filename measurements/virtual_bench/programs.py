@@ -16,7 +16,7 @@ import pandas as pd
 
 from ...boundary.errors import DataError
 from ...numerics.arrays import FloatArray
-from ...tires.channels import INPUTS
+from ...symbolic.channels import INPUTS
 from ...tires.signs import reversed_columns
 from ..units import PSI
 

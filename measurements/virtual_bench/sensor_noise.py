@@ -10,7 +10,7 @@ import numpy as np
 
 from ...boundary.errors import DataError
 from ...numerics.arrays import FloatArray
-from ...tires.channels import CHANNELS, channel
+from ...symbolic.channels import CHANNELS, channel
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ signs corrects this.
 
 from __future__ import annotations
 
-from sympy import Eq, Expr, Float, Integer, Symbol, acos, atan, cos, exp, log, pi, sin, sqrt, tan
+from sympy import Expr, Float, Integer, Symbol, acos, atan, cos, exp, log, pi, sin, sqrt, tan
 
 from ..effects import (
     Mz_from_Fx,
@@ -23,7 +23,7 @@ from ..effects import (
     trail_load,
     trail_shift,
 )
-from ..functions import absolute, root, sgn, where
+from ..functions import SMALLEST_SQUARE, absolute, root, sgn, where
 from ..notation import Chapter, magic, only
 from ..options import convention, signs
 from ..quantities import V
@@ -103,14 +103,15 @@ BDrphi = eq("4.98", "B_Drphi",
 Drphi  = eq("4.93", "D_rphi",
             DDrphi * sin(ts.QDRP1 * atan(BDrphi * R0 * phit)),
             "N m", "moment by spin", named=False)
+none   = absolute(Drphi) <= SMALLEST_SQUARE  # below it, the square of a divisor would be 0
 Mzp90  = eq("4.103", "M_zphi90",
             Mzinf * 2 / pi * atan(ts.QCRP2 * R0 * absolute(phit)) * Gyk,
             "N m", "moment by spin at 90 deg of slip", named=False)
 peak   = eq("4.104", "D_rphi_size",
-            where(Eq(Drphi, 0), 1, absolute(Drphi) + convention.either(0, EPS_R)),
+            where(none, 1, absolute(Drphi) + convention.either(0, EPS_R)),
             "N m", "size of the moment by spin; 1 where there is none", named=False)
 fall   = eq("4.104", "zeta_7_cosine",
-            where(Eq(Drphi, 0), 0, Mzp90 / peak),
+            where(none, 0, Mzp90 / peak),
             "1", "reduction of the moment by spin with side slip", named=False)
 size   = eq("4.104", "zeta_7_cosine_size",
             absolute(fall),

@@ -6,13 +6,19 @@ compare names. The sign laws are checked by numbers (`tirefmu.symbolic.model.sig
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 
 from ...boundary.errors import ModelError, nearest
+from ...boundary.escaping import excerpt
 from ..contract import ROLES
+from ..declarations import Coefficient
 from ..quantities import BEYOND
 from .definition import INDISPENSABLE, Model
 from .sign_law import check_reversal, check_signs
+
+#: How a description begins: in lower case, with the symbol of a force or moment, or with the name of a model.
+_DESCRIPTION = re.compile(r"[a-z]|[FM][xyz]\b|MF[0-9.]+: [a-z]")
 
 
 def verify(model: Model) -> None:
@@ -53,6 +59,10 @@ def _check_coefficients(model: Model) -> None:
     for name, declaration in model.coefficients.items():
         if declaration.default != declaration.default:
             raise ModelError(f"{model.name}: coefficient {name} has neither a neutral value nor a start")
+    of_files = {effect.section for effect in model.added}  # with any text, checked by their reader
+    for section in model.sections:
+        for name, declaration in section.coefficients.items() if section.title not in of_files else ():
+            _check_declaration(model, name, declaration)
     named = [(f"role {role}", name) for role, declared in model.roles.items() for name in declared.coefficients]
     named += [("the baseline", name) for name in model.baseline.coefficients]
     named += [("the relaxation lengths", name) for name in model.motion.relaxation]
@@ -64,6 +74,19 @@ def _check_coefficients(model: Model) -> None:
         if name not in declarations:
             near = nearest(name, declarations)
             raise ModelError(f"{model.name}: {where} has {name}, which is no coefficient of it{near}")
+
+
+def _check_declaration(model: Model, name: str, declared: Coefficient) -> None:
+    """Check name, description and bounds of a coefficient."""
+    where = f"{model.name}: coefficient {name}"
+    if name != name.upper():
+        raise ModelError(f"{where} is not in capital letters")
+    if not _DESCRIPTION.match(declared.description):
+        begins = "in lower case, or as 'Fy at ...' or 'MF5.2: ...'"
+        raise ModelError(f"{where}: the description {excerpt(declared.description, 40)!r} has to begin {begins}")
+    if not declared.lower <= declared.generic <= declared.upper or declared.lower == declared.upper:
+        bounds = f"{declared.lower:g} to {declared.upper:g}"
+        raise ModelError(f"{where}: the start {declared.generic:g} is not within its bounds, {bounds}")
 
 
 def _check_quantities(model: Model) -> None:

@@ -7,6 +7,7 @@ import json
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar, NamedTuple
 
 import jsonschema
 import pytest
@@ -24,7 +25,6 @@ from tirefmu.boundary.json_schema import json_value, schema_of
 from tirefmu.commands.cli import cli
 from tirefmu.commands.schemas import KINDS
 from tirefmu.fitting import load_recipe
-from tirefmu.fitting.results import FitContent
 from tirefmu.symbolic.added import read_effect
 
 ROOT = Path(__file__).parents[2]
@@ -148,8 +148,45 @@ def test_the_values_of_a_class_follow_its_schema(sample):
         jsonschema.validate({**values, "name": 1}, schema_of(Sample, missing=True))
 
 
+class Extent(NamedTuple):
+    """A named tuple is an object, too."""
+
+    rms: float
+    largest: float
+
+
+@dataclass(frozen=True)
+class Listed:
+    """A result whose keys are those of its parts, and what it derives from them."""
+
+    JSON_KEYS: ClassVar = ("version", "sample.number", "sample.name as called", "extent", "tags", "large")
+    version: ClassVar[str] = "1.0"
+
+    sample: Sample
+    extent: Extent
+    tags: frozenset[str]
+
+    @property
+    def large(self) -> bool:
+        """Whether the number is large."""
+        return self.sample.number > 1.0
+
+
+def test_the_keys_of_a_class_may_be_attributes_of_its_parts_and_properties():
+    listed = Listed(Sample(2.0, "a", (), {}), Extent(1.0, float("inf")), frozenset("cab"))
+    assert json_value(listed) == {
+        "version": "1.0", "number": 2.0, "called": "a", "extent": {"rms": 1.0, "largest": None},
+        "tags": ["a", "b", "c"], "large": True,
+    }  # fmt: skip
+    schema = schema_of(Listed, missing=True)
+    jsonschema.validate(json_value(listed), schema)
+    assert schema["properties"]["large"] == {"type": "boolean", "description": "Whether the number is large."}
+    with pytest.raises(KeyError):
+        schema_of(type("Wrong", (Listed,), {"JSON_KEYS": ("sample.absent",)}))
+
+
 def test_the_schema_of_a_fit_has_the_fields_of_its_parts():
     """A bootstrap and temperatures, which no fit here has, follow from their classes."""
-    properties = schema_of(FitContent, missing=True)["properties"]
+    properties = validator("fit").schema["properties"]
     assert {"type": "null"} in properties["bootstrap"]["anyOf"]
     assert "holdout_rmse" in properties["temperature"]["anyOf"][0]["required"]

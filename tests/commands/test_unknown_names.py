@@ -9,10 +9,11 @@ import pytest
 
 from tirefmu.applications.batch import KEYS, OPTIONS
 from tirefmu.applications.project import SECTIONS
-from tirefmu.boundary.errors import LISTED_BY
+from tirefmu.boundary.errors import FEW, LISTED_BY
 from tirefmu.fitting import RECIPES
 from tirefmu.fitting.problem import recipe_schema
 from tirefmu.measurements import CHANNELS
+from tirefmu.measurements.row_selection.expression import NAMES
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import PUBLISHED, published
 from tirefmu.tires.property_file.units import UNITS as TIR_UNITS
@@ -87,8 +88,8 @@ OPTIONS_GIVEN = {
     "fit a.csv -o t.tir --model mf96 --nominal F0=3": ("Fz0", "R0", "p0", "V0"),
     "fit a.csv -o t.tir --model mf96 --loss hubr": ("squares", "huber", "cauchy"),
     "fit a.csv -o t.tir --model mf96 --method ipop": ("ipopt", "ioa"),
-    "fit a.csv -o t.tir --where load>3": (*CHANNELS, "sample", "segment", "sweep", "file"),
-    "fit a.csv -o t.tir --where xyz>3": (*CHANNELS, "sample", "segment", "20 are known"),
+    "fit a.csv -o t.tir --where load>3": NAMES,
+    "fit a.csv -o t.tir --where xyz>3": (*NAMES[:FEW], f"{len(NAMES)} are known"),
     "fit a.csv -o t.tir --signs isso": ("iso", "sae", "adapted-sae"),
     "info trento": tuple(PUBLISHED),
     "effects temp_frction": ("temp_friction", LISTED_BY["effect"]),

@@ -12,7 +12,7 @@ import pytest
 
 from tests.hostile import HOSTILE, Skeleton
 from tirefmu import compare
-from tirefmu.applications.comparison import comparison_figures, write_comparison
+from tirefmu.applications.comparison.figures import comparison_figures, write_comparison
 from tirefmu.applications.comparison.sweeps import sweeps
 from tirefmu.commands.cli import main
 from tirefmu.drawing.style import DASHED, SOLID

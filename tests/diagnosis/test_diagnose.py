@@ -13,11 +13,19 @@ from tirefmu.boundary.errors import DataError, TirefmuError, UnknownName
 from tirefmu.boundary.escaping import visible
 from tirefmu.diagnosis import Diagnosis, diagnose
 from tirefmu.diagnosis.explanations import RankedExplanation
-from tirefmu.diagnosis.reporting import report, report_page
+from tirefmu.diagnosis.reporting import report
 from tirefmu.diagnosis.reporting.gain_figure import gain_figure
 from tirefmu.diagnosis.reporting.memory_figure import memory_figure
-from tirefmu.diagnosis.unexplained import Unknown
-from tirefmu.diagnosis.verdict import Adequacy, CoefficientInterval, Extrapolation, FoundEffect, verdict_sentences
+from tirefmu.diagnosis.reporting.report import report_page
+from tirefmu.diagnosis.unexplained.formula_proposal import Unknown
+from tirefmu.diagnosis.verdict import (
+    Adequacy,
+    CoefficientInterval,
+    Extrapolation,
+    FoundEffect,
+    Identifiability,
+    verdict_sentences,
+)
 from tirefmu.drawing import picture as drawn
 from tirefmu.drawing.figure import Figure, Panel
 from tirefmu.measurements import Recording
@@ -158,8 +166,8 @@ def with_text(diagnosis, text):
     finding = replace(diagnosis.found[0], effect=text, coefficients={text: CoefficientInterval(1.0, 0.0, 2.0)})
     left = {**diagnosis.recording, "left_aside": {text: text}}
     changed = replace(
-        diagnosis, sentences=(text,), found=(finding,), confounded_with={text: {text: 0.9}}, next_measurement=(text,),
-        unknown=(unknown,), not_identifiable={text: text}, recording=left,
+        diagnosis, sentences=(text,), found=(finding,), confounded_with={text: {text: 0.9}}, unknown=(unknown,),
+        identifiability=Identifiability({}, {text: text}, (text,)), recording=left,
     )  # fmt: skip
     rows = {"training": {"Fy": 1.0}, "holdout": {"Fy": 1.0}, "recordings": {text: {"Fy": 1.0}}}
     simulated = {when: {**rows, "difference_from_direct_evaluation": 0.0} for when in ("before", "after")}

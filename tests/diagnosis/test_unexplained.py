@@ -7,7 +7,6 @@ import pytest
 
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.signals import Simulator
-from tirefmu.diagnosis.unexplained import Dictionary, UnexplainedStructure, effect_of
 from tirefmu.diagnosis.unexplained.features import (
     Feature,
     determined,
@@ -15,6 +14,7 @@ from tirefmu.diagnosis.unexplained.features import (
     features,
     locations_of,
 )
+from tirefmu.diagnosis.unexplained.formula_proposal import Dictionary, UnexplainedStructure, effect_of
 from tirefmu.diagnosis.unexplained.past import STATES, _low_pass
 from tirefmu.symbolic.added import library
 

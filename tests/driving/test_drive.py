@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import road
+from scipy.stats import chi2
 
 import tirefmu
 from tests.json_schemas import check_file, objections
@@ -22,8 +23,8 @@ from tirefmu.applications.driving.factors import scaled_tires, withheld
 from tirefmu.applications.driving.figures import write_drive
 from tirefmu.applications.driving.inputs.car import Car
 from tirefmu.applications.driving.interval import interval_of
-from tirefmu.applications.driving.rivals import DriveExplanation, Rival, forces_of
-from tirefmu.applications.driving.trust.contradiction import contradiction_of
+from tirefmu.applications.driving.rivals import DriveExplanation, Rival, forces_of, probabilities_of
+from tirefmu.applications.driving.trust.contradiction import chances_of_entries, contradiction_of
 from tirefmu.applications.driving.trust.left_out import is_better
 from tirefmu.applications.driving.verdict import EffectFinding, _contradiction_line, _unidentified_line
 from tirefmu.boundary.errors import DataError, TirefmuError
@@ -121,8 +122,43 @@ def test_a_joint_deviation_is_one_although_no_entry_alone_is(answer):
     assert wrong.degrees_of_freedom == n
     assert wrong.certain
     assert not right.certain
+    assert not right.doubtful
+    near = replace(right, deviation=float(chi2.isf(2e-6, n)), p=2e-6)
+    assert near.doubtful
+    assert not near.certain
+    assert "no difference of the tires is certain" in _contradiction_line(near, sure, answer.unknowns)
     rough = replace(sure, z=np.full(len(sure.z), 2.5), converged=False)
     assert not contradiction_of(rough, answer.unknowns).certain
+
+
+def with_deviations(answer, deviation, **z):
+    """Return the estimate with given deviations of some unknowns by name, 0 of the others, all of one uncertainty."""
+    unknowns = answer.unknowns
+    names = [*unknowns.car, *(f"{name}_{axle}" for axle, name in unknowns.factors)]
+    values = np.zeros(len(answer.estimate.z))
+    values[[names.index(name) for name in z]] = list(z.values())
+    covariance = deviation**2 * np.eye(len(values))
+    return replace(answer.estimate, z=values, covariance=covariance, scatter=0.0)
+
+
+def test_a_gross_entry_is_one_although_all_together_are_unremarkable(answer):
+    estimate = with_deviations(answer, 0.5, mass=5.6, ratio=2.5)
+    assert not contradiction_of(estimate, answer.unknowns).certain
+    chances = chances_of_entries(estimate, answer.unknowns)
+    assert chances["mass"] < 1e-6
+    assert chances["ratio"] > 0.05  # one of all entries deviates as far by chance
+    assert chances["wheelbase"] == pytest.approx(1.0)
+    wrong = probabilities_of(answer.grid, estimate, answer.unknowns).car
+    assert wrong["mass"] > 0.95
+    assert wrong["ratio"] < 0.05
+
+
+def test_a_small_change_that_is_certain_is_a_change(answer):
+    size = answer.unknowns.spread[-1]
+    for error, value, changed in ((0.01, 1.06, True), (0.01, 1.01, False), (0.05, 1.06, False), (0.05, 1.4, True)):
+        estimate = with_deviations(answer, error / size, LKY_rear=np.log(value) / size)
+        probability = probabilities_of(answer.grid, estimate, answer.unknowns).factors["rear", "LKY"]
+        assert (probability > 0.95) == changed, (error, value, probability)
 
 
 def test_what_parts_of_a_drive_differ_by_is_no_contradiction(answer):

@@ -11,7 +11,7 @@ from hashlib import sha256
 import pytest
 
 from tests.hostile import HOSTILE, Skeleton
-from tirefmu.applications.explorer import fit_intervals, page_text
+from tirefmu.applications.explorer.explore import fit_intervals, page_text
 from tirefmu.boundary.errors import TirefmuError, UnknownName
 from tirefmu.commands.cli import main
 from tirefmu.symbolic.added import AddedEffect

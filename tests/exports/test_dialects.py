@@ -43,6 +43,18 @@ def test_a_converted_file_is_accepted_and_is_the_same_tire(tire_of, tmp_path, ho
         assert text.count(f"\n{key} = {value}  $ of the model\n") == 1, key
 
 
+def test_every_host_lacks_an_unpublished_coefficient(tire_of, tmp_path, monkeypatch):
+    """Transient slip is computed by hosts in their own way."""
+    monkeypatch.setattr(MODELS["mf61"].coefficients["PDY3"], "section", "TIREFMU_FRICTION")
+    tire = tire_of("mf61")
+    replace(tire, values={**tire.values, "PDY3": 0.25, "SIGX": 0.3}, effects={*tire.has, "relax_lon"}).save(
+        tmp_path / "own.tir"
+    )
+    for host in [host for host, model in CASES if model == "mf61"]:
+        lacking = [finding.text for finding in errors_of(tmp_path / "own.tir", host) if "lacks" in finding.text]
+        assert lacking == ["PDY3 is 0.25: the host lacks it, as if it were 0"], host
+
+
 def cut_and_read(path):
     """Read values as MFeval's public reader of 2020 does: it takes the last two characters of every line for CRLF."""
     found = {}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tirefmu.fitting.results import BoundConsequence
+from tirefmu.fitting.results.records import BoundConsequence
 
 STAGE = """
 [[stage]]

@@ -22,7 +22,7 @@ from tirefmu.fitting.constraints import (
     measured_values,
     operating_range,
 )
-from tirefmu.symbolic.contract import CONSTRAINT_KINDS
+from tirefmu.symbolic.contract import CONSTRAINT_KINDS, MEASURES
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
@@ -84,7 +84,7 @@ def test_the_verification_grid_contains_the_imposed_one(ranges, over):
 
 @pytest.mark.parametrize("case", ALL, ids=label)
 def test_a_constraint_varies_every_input_of_its_quantity(case):
-    """Inputs that are not in `over` must have no influence, because the grid contains only one value of them."""
+    """Inputs that are not in `varied` must have no influence, because the grid contains only one value of them."""
     model, _, constraint = case
     code, symbolic_model = code_for(model, "numpy"), MODELS[model]
     rng = np.random.default_rng(0)
@@ -101,10 +101,23 @@ def test_a_constraint_varies_every_input_of_its_quantity(case):
     names = [quantity.name for quantity in symbolic_model.inputs]
     here = {name: rng.uniform(*free[name]) for name in names}
     moved = np.array(
-        [np.full(50, here[name]) if name in constraint.over else rng.uniform(*free[name], 50) for name in names]
+        [np.full(50, here[name]) if name in constraint.varied else rng.uniform(*free[name], 50) for name in names]
     )
     values = code.quantities(moved, parameters)[index]
     np.testing.assert_allclose(values, values[0], rtol=1e-9)
+
+
+@pytest.mark.parametrize("wrong", [{"kind": "friction_faling"}, {"measure": "grow"}])
+def test_an_unknown_kind_or_measure_is_refused(wrong):
+    (name,) = wrong.values()
+    with pytest.raises(UnknownName, match=f"unknown .*{name}.*did you mean (friction_falling|growth)"):
+        Constraint("mu_x", -inf, 0.0, ("Fz",), **wrong)
+
+
+@pytest.mark.parametrize("measure", MEASURES)
+def test_each_measure_is_said_in_words_of_its_own(measure):
+    others = {Constraint("mu_x", -inf, 0.0, ("Fz",), measure=other).text for other in MEASURES if other != measure}
+    assert Constraint("mu_x", -inf, 0.0, ("Fz",), measure=measure).text not in others
 
 
 def test_distance_and_name():

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from tirefmu import compare
-from tirefmu.applications.comparison import comparison_figures
+from tirefmu.applications.comparison.figures import comparison_figures
 from tirefmu.applications.explorer.tire_data import tire_data
 from tirefmu.drawing.style import DOTTED
 from tirefmu.fitting import fit
@@ -70,6 +70,8 @@ def test_what_the_data_never_show_is_stated(missing, characteristic, reason):
     assert (entry.characteristic, entry.determined) == (characteristic, False)
     assert any(reason in text for text in result.verdict.reasons)
     assert any(reason in text for text in not_measured(result.tire).values())
+    one_side = "the other side of Fy is not determined: slip angles from 4 to 14 deg only"
+    assert (one_side in result.verdict.reasons) == (missing.get("angles") == (4.0, 14.0))
     frictions = [c for c in result.findings.characteristics if c.quantity == "peak friction"]
     if characteristic == "peak friction":
         for c in frictions:  # an estimate from the slope, no reading of the largest measured ratio

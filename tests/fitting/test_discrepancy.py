@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import fit
-from tirefmu.fitting.results import FORM_OF_FORCE
+from tirefmu.fitting.results.verdict import FORM_OF_FORCE
 
 SPEC = importlib.util.spec_from_file_location(
     "coverage_benchmark", Path(__file__).parents[2] / "benchmarks" / "coverage.py"

@@ -91,7 +91,7 @@ def test_a_constraint_is_satisfied_if_the_optimum_violates_it(problem, start, bo
     # E_y of the known tire is below 1: the bound is below the unconstrained solution.
     highest = float(curvature_at(problem, free.x, 1).max())
     ceiling = highest - 0.3
-    tight = Constraint(constraint.quantity, -inf, ceiling, constraint.over)
+    tight = Constraint(constraint.quantity, -inf, ceiling, constraint.varied)
     constrained = solve(problem, start, *bounds(problem), [(tight, points)])
     assert constrained.converged
     assert curvature_at(problem, constrained.x, 4).max() == pytest.approx(ceiling, abs=1e-3)
@@ -103,7 +103,7 @@ def test_the_best_point_of_a_stopped_fit_satisfies_the_constraints(problem, star
     (constraint, points), curvature_at = curvature
     free = solve(problem, start, *bounds(problem), [])
     ceiling = float(curvature_at(problem, free.x, 1).max()) - 0.3
-    tight = [(Constraint(constraint.quantity, -inf, ceiling, constraint.over), points)]
+    tight = [(Constraint(constraint.quantity, -inf, ceiling, constraint.varied), points)]
     calls = itertools.count(1)
     stopped = solve(problem, free.x, *bounds(problem), tight, stop=lambda: next(calls) >= STOPPED_AT)
     assert stopped.reason == INTERRUPTED

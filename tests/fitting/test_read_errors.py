@@ -6,8 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.fitting.checks.read_errors import ROUGH, ReadErrors
-from tirefmu.fitting.checks.slip_stiffness import MODEL_ERROR
+from tirefmu.fitting.checks.read_errors import MODEL_ERROR, ROUGH, ReadErrors
 
 LOADS = np.linspace(500.0, 2500.0, 9)
 NOISE = 0.03

@@ -12,8 +12,10 @@ import pytest
 
 from tirefmu.boundary.errors import FitError, TirefmuError, UnknownName
 from tirefmu.commands.demo import SEED, bench_tire
-from tirefmu.fitting import RECIPES, fit, load_recipe
+from tirefmu.fitting import RECIPES, FitOptions, fit, load_recipe
+from tirefmu.fitting.prepared import prepared_stages
 from tirefmu.fitting.problem import FreeCoefficient
+from tirefmu.fitting.setup import Plan, Setup
 from tirefmu.measurements import Noise, VirtualBench, trento_program
 from tirefmu.symbolic.models import MODELS
 
@@ -264,3 +266,21 @@ def test_the_report_recipe_reproduces_the_properties_of_the_report():
     stages = {stage.name: stage.r2_uncentred for stage in result.stages}
     for name in ("FX0 pure", "FX0(Fz)", "FX0(gamma)", "FY0 pure", "FY0(Fz)", "FY0(gamma)", "FX combined"):
         assert stages[name] > 0.99, name
+
+
+@pytest.mark.parametrize(
+    ("stage", "freed"),
+    [
+        ("", {"PDY1", "PDX1"}),
+        ('sections = ["LATERAL_COEFFICIENTS"]', {"PDY1"}),
+        ('sections = ["SCALING_COEFFICIENTS"]', {"LMUX", "LMUY"}),
+        ("free = {PDY2 = {guess = 0.1}}", {"PDY2"}),
+    ],
+)
+def test_a_coefficient_is_freed_by_default_or_by_its_name(stage, freed, known, make, tmp_path, monkeypatch):
+    """Or by the name of a section without any coefficient that is freed by default."""
+    monkeypatch.setattr(MODELS["mf96"].coefficients["PDY2"], "fitted", False)
+    path = make.recipe(tmp_path, f'[[stage]]\nname = "a"\n{stage}\n')
+    plan = Plan.of("mf96", None, FitOptions(recipe=path, nominal=make.nominal, screening=False))
+    (prepared,) = prepared_stages(Setup.of(plan, [make.bench(known)]))
+    assert {name for name in prepared.names if name in ("PDX1", "PDY1", "PDY2", "LMUX", "LMUY")} == freed

@@ -14,7 +14,7 @@ from hypothesis.extra.numpy import arrays
 
 from tirefmu.boundary.errors import FitError, UnknownName
 from tirefmu.fitting.constraints import Margin
-from tirefmu.fitting.results import quality
+from tirefmu.fitting.results.records import quality
 from tirefmu.fitting.uncertainty.sandwich import QUANTILE
 from tirefmu.tires import read_tir
 

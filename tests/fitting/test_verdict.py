@@ -11,7 +11,8 @@ from tirefmu.fitting import Findings, fit
 from tirefmu.fitting.checks import Characteristic, Clipped, Discontinuity, SlipStiffness
 from tirefmu.fitting.constraints import Margin, chosen_constraints
 from tirefmu.fitting.data import ExcludedRows
-from tirefmu.fitting.results import ChannelFit, verdict_of
+from tirefmu.fitting.results.records import ChannelFit
+from tirefmu.fitting.results.verdict import verdict_of
 from tirefmu.fitting.uncertainty.sandwich import Uncertainty
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps
 

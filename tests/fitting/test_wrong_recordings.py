@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import fit
-from tirefmu.fitting.results import GOOD, UNUSABLE, lacks_something
+from tirefmu.fitting.results.verdict import GOOD, UNUSABLE, lacks_something
 
 from . import wrong_recordings
 

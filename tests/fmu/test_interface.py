@@ -89,6 +89,15 @@ def test_exceeding_the_known_range_is_reported_once(hosts):
     assert [line.partition(" ")[0] for line in host.log[1:]] == ["kappa", "p"]
 
 
+@pytest.mark.parametrize("name", ["fiala", "brush"])
+def test_inputs_in_another_unit_or_sign_are_reported_for_a_tire_without_ranges(hosts, name):
+    host = hosts(name, 2).start()
+    for given in ({"alpha": 2.0}, {"alpha": -12.0}, {"kappa": 15.0}, {"Fz": -4000.0}, {"Fz": 4000.0}):
+        assert host.set(**given) == OK
+        host.get("Fx")
+    assert [line.partition(" is outside ")[0] for line in host.log] == ["alpha = -12", "kappa = 15", "Fz = -4000"]
+
+
 @pytest.mark.parametrize(("inputs", "speed"), [("wheel", "V_x"), ("hub", "v_x"), ("hub-torque", "v_x")])
 def test_a_speed_that_nobody_sets_is_reported_once(hosts, inputs, speed):
     host = hosts("first", 2, inputs).start()

@@ -5,6 +5,8 @@ import pytest
 from tirefmu.boundary.errors import UnknownName
 from tirefmu.measurements import CHANNELS, INPUTS, OUTPUTS, channel, to_si
 from tirefmu.measurements.column_names import intended_channel, unit_in_name
+from tirefmu.symbolic import quantities
+from tirefmu.symbolic.declarations import Quantity
 from tirefmu.tires import SIGNS, TABLE_INPUTS, TABLE_OUTPUTS
 
 
@@ -26,6 +28,14 @@ def test_each_declaration_is_in_si_and_complete(name):
     assert to_si([1.0, 300.0], declared.unit, declared.quantity).tolist() == [1.0, 300.0]
     assert declared.meaning
     assert declared.limits[0] < declared.limits[1]
+
+
+def test_a_quantity_of_the_equations_has_the_unit_of_its_channel():
+    """Printed code spells deg C without the blank."""
+    declared = [each for each in vars(quantities).values() if isinstance(each, Quantity) and each.name in CHANNELS]
+    assert {each.name for each in declared} >= {"kappa", "alpha", "Fz", "T", "Fy"}
+    for each in declared:
+        assert each.unit.replace("degC", "deg C") == CHANNELS[each.name].unit
 
 
 def test_no_alias_means_two_channels():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from tirefmu.fitting import fit, load_recipe
 from tirefmu.fmu import check, export
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.contract import Baseline, FitDeclaration, PropertyFile, Role, positive
+from tirefmu.symbolic.declarations import Coefficient, Section
 from tirefmu.symbolic.model.discovery import register
 from tirefmu.symbolic.model.verification import verify
 from tirefmu.symbolic.models import MODELS
@@ -93,6 +95,24 @@ def test_both_conventions_are_one_tire(tire):
 def test_a_wrong_declaration_is_named(made, change, message):
     with pytest.raises(ModelError, match=message):
         verify(replace(made(), **change))
+
+
+@pytest.mark.parametrize(
+    ("declared", "message"),
+    [
+        (("Grip on ice",), "the description 'Grip on ice' has to begin in lower case"),
+        (("Fun",), "the description 'Fun' has to begin"),
+        (("grip", "1", 1.0, 1.0), "the start 0 is not within its bounds, 1 to 1"),
+        (("grip", "1", -1.0, 1.0, 0.0, 9.0), "the start 9 is not within its bounds, -1 to 1"),
+        (("Fy at rest", "1", -1.0, 1.0), ""),
+        (("MF5.2: grip", "1", -1.0), ""),
+    ],
+)
+def test_a_wrong_coefficient_is_named(made, declared, message):
+    added = type("Added", (Section,), {"NEW": Coefficient(*declared)}, title="ADDED")
+    wrong = replace(made(), sections=(*made().sections, added))
+    with pytest.raises(ModelError, match=f"toy: coefficient NEW: {message}") if message else nullcontext():
+        verify(wrong)
 
 
 def test_names_and_numbers_are_taken_once(made):

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from tirefmu import draw, evaluate
-from tirefmu.boundary.errors import DataError, TirefmuError, WrongType
+from tirefmu.boundary.errors import DataError, TirefmuError, TirefmuWarning, WrongType
 from tirefmu.measurements import Recording
 from tirefmu.tires import published
 
@@ -152,3 +152,20 @@ def test_the_convention_of_a_recording_is_its_own():
         TIRE.evaluate(recording, signs="iso")
     with pytest.raises(WrongType, match=r"tirefmu\.evaluate takes a path"):
         TIRE.evaluate("run.csv")
+
+
+@pytest.mark.parametrize("loads", [0.9, [0.0, 0.4, 1.2], pd.Series([0.5, np.nan])])
+def test_loads_that_are_probably_in_kilonewton_are_evaluated_with_a_warning(loads):
+    """They may be those of a wheel that lifts off; a number is treated as an array."""
+    with pytest.warns(TirefmuWarning, match=r"is nearly no load for this tire: it is in N \(in kN\?"):
+        TIRE.forces(alpha=0.1, Fz=loads)
+    TIRE.forces(alpha=0.1, Fz=[0.0, 5.0])
+    TIRE.forces(alpha=0.1, Fz=0.0)
+
+
+@pytest.mark.parametrize("name", ["SA", "Alpha", "alpha_deg", "slip_angle", "Slip Angle", "alpha (deg)"])
+def test_an_input_under_another_name_is_not_ignored(name):
+    with pytest.raises(DataError, match=r"is not alpha: the columns are in SI units and have plain names"):
+        TIRE.evaluate(pd.DataFrame({name: [5.0], "Fz": 900.0}))
+    TIRE.evaluate(pd.DataFrame({name: [5.0], "alpha": 0.1, "Fz": 900.0}))
+    TIRE.evaluate(TIRE.evaluate(pd.DataFrame({"alpha": [0.1], "Fz": 900.0})))  # quantities are no inputs

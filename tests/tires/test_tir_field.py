@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.boundary.errors import TirError
+from tirefmu.boundary.errors import TirefmuWarning, TirError
+from tirefmu.commands.cli import main
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import read_tir, write_tir
 from tirefmu.tires.property_file.names import not_given
@@ -48,8 +49,9 @@ def test_values_are_those_of_the_reference_reader(field_file, golden):
     reference = json.loads((golden / f"{model}_{FILES[model]}_params.json").read_text(encoding="utf-8"))
     assert tire.model == model
     compared = {name: value for name, value in tire.values.items() if name in reference}
-    # Of tirefmu only: keys that MFeval does not read, and the relaxation of the transient model.
-    assert tire.values.keys() - compared.keys() <= {"QBZ6", "LMUV", "Q_A1", "Q_A2", "SIGX", "SIGY", "SIGC", "SIGK"}
+    # Keys that MFeval does not read.
+    published = {name for name in tire.values if tire.symbolic_model.coefficients[name].published}
+    assert published - compared.keys() <= {"QBZ6", "LMUV", "Q_A1", "Q_A2"}
     assert compared == {name: reference[name] for name in compared}
 
 
@@ -137,7 +139,7 @@ def test_the_notation_does_not_matter(field_file, way, tmp_path):
 )  # fmt: skip
 def test_the_number_of_a_model(fittyp, model, tmp_path):
     path = written(tmp_path / "t.tir", small("", f"FITTYP = {fittyp}"))
-    assert read_tir(path).model == model
+    assert read_tir_with_notes(path).tire.model == model
 
 
 @pytest.mark.parametrize(
@@ -189,7 +191,7 @@ def test_a_json_file_is_named(tmp_path):
     ("side", "read"), [("LEFT", "left"), ("Right", "right"), ("SYMMETRIC", "symmetric"), ("UNKNOWN", ""), ("", "")]
 )
 def test_the_side_of_the_vehicle(side, read, tmp_path):
-    tire = read_tir(written(tmp_path / "t.tir", small("", f"FITTYP = 61\nTYRESIDE = '{side}'")))
+    tire = read_tir_with_notes(written(tmp_path / "t.tir", small("", f"FITTYP = 61\nTYRESIDE = '{side}'"))).tire
     assert tire.side == read
     assert f"TYRESIDE = '{side if read == '' else side.upper()}'" in tir_text(tire)
 
@@ -349,6 +351,27 @@ def test_a_symmetric_tire_has_no_force_at_zero_slip(text, fittyp, tmp_path):
 def test_what_a_file_requests_and_tirefmu_does_not_do_is_stated(line, note, tmp_path):
     reading = read_tir_with_notes(written(tmp_path / "t.tir", small("", f"FITTYP = 61\n{line}")))
     assert any(line.split(" ")[0] in stated and note in stated for stated in reading.notes), reading.notes
+
+
+@pytest.mark.parametrize(
+    ("line", "note"),
+    [
+        ("FITTYP = 52", "FITTYP 52 is read as mf52; MFeval reads it as MF6.1"),
+        ("FITTYP = 61\nPROPERTY_FILE_FORMAT = 'PAC2002'", "FITTYP is that of mf61, PROPERTY_FILE_FORMAT 'PAC2002'"),
+        ("FITTYP = 61\nUSE_MODE = 3", "other programs compute forces without combined slip"),
+        ("FITTYP = 62\nTYRESIDE = 'SYMMETRIC'", "PHY1, PVY1, QDZ6 make left and right differ and are set to 0"),
+    ],
+)
+def test_what_other_programs_read_otherwise_is_a_warning_of_every_reading(line, note, tmp_path, capsys):
+    path = written(tmp_path / "t.tir", small(OFFSETS, line))
+    with pytest.warns(TirefmuWarning, match=re.escape(note)) as caught:
+        read_tir(path)
+    assert [warning.filename for warning in caught] == [__file__]
+    command = ["export", str(path), "--kind", "ssv", "-o", str(tmp_path / "t.ssv")]
+    assert main(command) == 0
+    assert capsys.readouterr().err.count(f"tirefmu: warning: {path}: ") == 1
+    assert main([*command, "--quiet"]) == 0
+    assert capsys.readouterr().err == ""
 
 
 def test_what_agrees_is_not_stated(tmp_path):

@@ -29,25 +29,25 @@ OTHER_MODELS = {
 
 def model_of(
     entries: Mapping[tuple[str, str], Entry], stated: Mapping[str, Entry], path: Path
-) -> tuple[str, tuple[str, ...]]:
-    """Return the model of a file, with notes where the file does not state it explicitly.
+) -> tuple[str, list[str], list[str]]:
+    """Return the model of a file, with notes where the file does not state it, and where other programs read another.
 
-    `own`: the entries of [TIREFMU]. `path`: for messages. Raises `TirError` if the file is for no model of this
+    `stated`: the entries of [TIREFMU]. `path`: for messages. Raises `TirError` if the file is for no model of this
     version, or states none.
     """
     if "TIREFMU_MODEL" in stated:
-        return _named(stated["TIREFMU_MODEL"], path), ()
-    fittyp = _last("FITTYP", entries)
+        return _named(stated["TIREFMU_MODEL"], path), [], []
+    fittyp, format_ = _last("FITTYP", entries), _last("PROPERTY_FILE_FORMAT", entries)
     if fittyp and unquoted(fittyp.value):
-        return _numbered(fittyp, path)
-    format_ = _last("PROPERTY_FILE_FORMAT", entries)
+        name, disputed = _numbered(fittyp, path)
+        return name, [], [*disputed, *_other_format(name, unquoted(format_.value) if format_ else "")]
     if format_ is None or not unquoted(format_.value):
         raise TirError(f"{path}: no FITTYP in [MODEL]: which model is it?")
     spelled = unquoted(format_.value).upper()
     files = {name: model.property_file for name, model in MODELS.items()}
     for name, file in files.items():
         if folded(spelled) in map(folded, file.formats):
-            return name, (f"no FITTYP: {name} by PROPERTY_FILE_FORMAT '{spelled}'",)
+            return name, [f"no FITTYP: {name} by PROPERTY_FILE_FORMAT '{spelled}'"], []
     formats = {format_ for file in files.values() for format_ in (*file.formats, *file.shared_formats)}
     other = OTHER_MODELS.get("".join(filter(str.isalnum, spelled)))
     if other:
@@ -60,7 +60,15 @@ def model_of(
     identified = model_by_coefficients(spelled, {key for _, key in entries})
     if identified is None:
         raise TirError(f"{path}: no FITTYP in [MODEL], and {quoted(spelled)} does not identify the model")
-    return identified, (f"no FITTYP: {identified} by the coefficients in the file",)
+    return identified, [f"no FITTYP: {identified} by the coefficients in the file"], []
+
+
+def _other_format(name: str, format_: str) -> list[str]:
+    """Return a note if PROPERTY_FILE_FORMAT is that of another model than FITTYP: some programs read one of them."""
+    others = [other for other, model in MODELS.items() if folded(format_) in map(folded, model.property_file.formats)]
+    if not others or name in others:
+        return []
+    return [f"FITTYP is that of {name}, PROPERTY_FILE_FORMAT {quoted(format_)} that of {others[0]}: read as {name}"]
 
 
 def _named(entry: Entry, path: Path) -> str:
@@ -70,7 +78,7 @@ def _named(entry: Entry, path: Path) -> str:
     return name
 
 
-def _numbered(entry: Entry, path: Path) -> tuple[str, tuple[str, ...]]:
+def _numbered(entry: Entry, path: Path) -> tuple[str, list[str]]:
     number, _ = number_and_rest(entry.value)
     if math.isnan(number):
         raise TirError(f"{path}:{entry.line}: FITTYP = {quoted(entry.value)} is not a number")
@@ -78,7 +86,7 @@ def _numbered(entry: Entry, path: Path) -> tuple[str, tuple[str, ...]]:
     for name, numbers in fittyp.items():
         if number in numbers:
             disputed = MODELS[name].property_file.disputed.get(int(number))
-            return name, (f"FITTYP {number:g} is read as {name}; {disputed}",) if disputed else ()
+            return name, [f"FITTYP {number:g} is read as {name}; {disputed}"] if disputed else []
     listed = ", ".join(f"{' '.join(map(str, sorted(numbers)))} ({name})" for name, numbers in fittyp.items())
     raise TirError(
         f"{path}:{entry.line}: FITTYP {excerpt(entry.value)} is not a model of this version: known are {listed}"

@@ -13,11 +13,12 @@ from __future__ import annotations
 
 import json
 import math
+import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from ...boundary.errors import LISTED_BY, TirefmuError, TirError, UnknownName, nearest, path_from
+from ...boundary.errors import LISTED_BY, TirefmuError, TirefmuWarning, TirError, UnknownName, nearest, path_from
 from ...boundary.escaping import excerpt, quoted
 from ...symbolic.added import AddedEffect, library, read_effect
 from ...symbolic.model import INDISPENSABLE, Model
@@ -59,10 +60,12 @@ class TirReading:
 
     - `notes`: what the file does not state and how it was interpreted, a sentence each: units converted, keys that
       resemble coefficients, keys given twice, ...
+    - `disputed`: those of the notes about statements that other programs read or obey differently.
     """
 
     tire: Tire
     notes: tuple[str, ...]
+    disputed: tuple[str, ...] = ()
 
 
 def read_tir(path: str | Path, radius: float | None = None) -> Tire:
@@ -85,8 +88,16 @@ def read_tir(path: str | Path, radius: float | None = None) -> Tire:
     ------
     TirError
         If the file is missing or broken, or states another radius; the message names file, line and key.
+
+    Warns
+    -----
+    TirefmuWarning
+        For each statement of the file that other programs read or obey differently, such as FITTYP 52 or USE_MODE 3.
     """
-    return read_tir_with_notes(path, radius).tire
+    reading = read_tir_with_notes(path, radius)
+    for note in reading.disputed:
+        warnings.warn(f"{path}: {note}", TirefmuWarning, stacklevel=2)
+    return reading.tire
 
 
 def read_tir_with_notes(path: str | Path, radius: float | None = None) -> TirReading:
@@ -103,6 +114,7 @@ class _Reader:
     def __init__(self, path: Path, radius: float | None = None) -> None:
         self.path, self.radius = path, radius
         self.notes: list[str] = []
+        self.disputed: list[str] = []
         self.given: dict[str, Entry] = {}
         lines = read_lines(path)
         self.rows = [line for line in lines if isinstance(line, Row)]
@@ -120,7 +132,7 @@ class _Reader:
         """Return the tire and the notes."""
         stated = {key: self.unread.pop(("TIREFMU", key)) for key in self._keys_of("TIREFMU")}
         self.units, unit_notes = unit_system(self.unread, self.path)
-        name, why = model_of(self.unread, stated, self.path)
+        name, why, self.disputed = model_of(self.unread, stated, self.path)
         self.notes += [*why, *unit_notes]
         added = tuple(self._added(self._take(ADDED, key)) for key in self._keys_of(ADDED))
         named = listed(stated["EFFECTS"].value) if "EFFECTS" in stated else ()
@@ -152,7 +164,8 @@ class _Reader:
         except TirefmuError as error:
             raise TirError(f"{self.path}: {error}") from error
         tire = self._without_side(tire)
-        return TirReading(tire, (*self.notes, *use_notes(tire)))
+        disputed = (*self.disputed, *use_notes(tire))
+        return TirReading(tire, (*self.notes, *disputed), disputed)
 
     def _add_radius(self, values: dict[str, float]) -> None:
         """Add the radius that the caller gives to a file without one."""
@@ -328,7 +341,9 @@ class _Reader:
         if tire.side != "symmetric":
             return tire
         if differing := sided(tire):
-            self.notes.append(f"TYRESIDE = 'SYMMETRIC': {', '.join(differing)} would make left and right differ: 0")
+            self.disputed.append(
+                f"TYRESIDE = 'SYMMETRIC': {', '.join(differing)} make left and right differ and are set to 0"
+            )
         return symmetric(tire)
 
     def _refuse_rows(self, model: Model) -> None:

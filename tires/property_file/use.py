@@ -56,21 +56,21 @@ def _notes(tire: TireDefinition, entries: dict[str, str]) -> Iterator[str]:
     if "USE_MODE" in entries and tire.symbolic_model.property_file.fittyp:
         yield from _mode(entries["USE_MODE"])
     if "TYRESIDE" in entries and unquoted(entries["TYRESIDE"]):
-        shown = excerpt(quoted(entries["TYRESIDE"]))
+        shown = quoted(unquoted(entries["TYRESIDE"]))
         yield f"TYRESIDE = {shown} is none of LEFT, RIGHT, SYMMETRIC: the tire is evaluated as it was measured"
     for key, same in SAME.items():
         if unquoted(entries.get(key, "")).upper() not in ("", *same):
-            yield f"{key} = {excerpt(quoted(entries[key]))}: {STATED[key]}"
+            yield f"{key} = {quoted(unquoted(entries[key]))}: {STATED[key]}"
     for key in SAFETY:
         number, _ = number_and_rest(entries.get(key, "0"))
         if number != 0.0:
-            yield f"{key} = {excerpt(quoted(entries[key]))}: MF-Tyre limits forces outside the range, tirefmu does not"
+            yield f"{key} = {excerpt(entries[key])}: MF-Tyre limits forces outside the range, tirefmu does not"
 
 
 def _mode(value: str) -> Iterator[str]:
     number, _ = number_and_rest(value)
     if math.isnan(number) or number != int(number):
-        yield f"USE_MODE = {excerpt(quoted(value))} is no whole number: tirefmu computes all forces with combined slip"
+        yield f"USE_MODE = {quoted(unquoted(value))} is no whole number: tirefmu computes all forces with combined slip"
         return
     digit = abs(int(number)) % 10
     if digit in USE_MODES:

@@ -18,7 +18,7 @@ from ....measurements.files.columns.content import Column, Content, is_unit, nam
 from ....measurements.files.columns.resolution import choices
 from ....measurements.interpretation import NOT_READ
 from ....measurements.units import GRAVITY, to_si, unit_named
-from ....tires.channels import CHANNELS, OUTPUTS
+from ....symbolic.channels import CHANNELS, OUTPUTS
 from .car_entries import example_text
 from .clock import TRIED, clock_problem
 from .log_channels import LOG_CHANNELS, TURNED, VERTICAL

@@ -23,9 +23,12 @@ AXLES = ("front", "rear")
 FACTORS = ("LMUY", "LKY")
 #: Prior probability that a factor changed. Judgement: who compares a drive expects other tires as likely as not.
 CHANGED = 0.5
-#: Prior standard deviation of the logarithm of a factor that changed (it hardly matters for what a drive determines),
-#: and of one that did not. Judgement: side forces of a repeated bench measurement scatter by 1 to 2 %.
-FACTOR_SPREAD, SAME_SPREAD = 0.5, 0.02
+#: Prior standard deviation of the logarithm of a factor (it hardly matters for what a drive determines); standard
+#: deviations of one that changed, each as likely. Judgement: tires change by some percent to a half.
+FACTOR_SPREAD, CHANGES = 0.5, (0.05, 0.15, 0.5)
+#: Largest difference of equal tires, two standard deviations: side forces of a repeated bench measurement scatter by
+#: 1 to 2 %.
+SAME = 0.02
 #: What has no influence without these channels.
 NEEDS: dict[str, tuple[str, ...]] = {
     "ax_offset": ("ax",), "ay_offset": ("ay",), "roll_gradient": ("ay",), "x": ("ay", "ax"),

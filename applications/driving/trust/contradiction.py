@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated, ClassVar
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import chi2
+from scipy.stats import chi2, norm
 
 from ..estimate import Estimate
 from ..inputs.unknowns import Unknowns
@@ -20,6 +21,8 @@ UNTOLD = 1e-4
 #: Probability below which the deviation is a contradiction. Judgement: uncertainties of a file are approximate, and
 #: one sensor at three standard deviations does not mean another car.
 IMPROBABLE = 1e-6
+#: Part of its uncertainty that an entry may have: those of a file are approximate, too large ones as well.
+PART = 1 / 3
 
 
 @dataclass(frozen=True)
@@ -28,22 +31,28 @@ class Contradiction:
 
     - `deviation`: chi-squared: squares of the deviations of independent combinations of entries, over the variances
       that they have if the file is right. `degrees_of_freedom`: their number.
-    - `p`: probability of a larger deviation if the file is right. `converged`: whether the estimate did.
-    - `unless`: effects of the library with which the car agrees with its file, if the tires lack one.
+    - `converged`: whether the estimate did.
     - `explained`: whether another car would explain the drive: no side forces remain, and tires explain no more.
     """
 
-    deviation: float
+    JSON_KEYS: ClassVar = ("deviation", "degrees_of_freedom", "p", "explained", "unless")
+
+    deviation: Annotated[float, "chi-squared"]
     degrees_of_freedom: int
-    p: float
+    p: Annotated[float, "probability of a larger deviation if the file is right"]
     converged: bool
-    unless: tuple[str, ...] = ()
-    explained: bool = True
+    unless: Annotated[tuple[str, ...], "effects with which the car agrees with its file, if the tires lack one"] = ()
+    explained: Annotated[bool, "whether another car would explain the drive"] = True
 
     @property
     def certain(self) -> bool:
         """Whether car and tires together contradict the drive: an estimate that is not at its optimum says nothing."""
         return self.converged and self.p < IMPROBABLE
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether it were certain if an entry that deviates as expected had but a part of its uncertainty."""
+        return _chance(self.deviation + 1.0 / PART**2 - 1.0, self.degrees_of_freedom) < IMPROBABLE
 
     @property
     def of_car(self) -> bool:
@@ -79,6 +88,21 @@ def joint_deviation(z: FloatArray, covariance: FloatArray, scatter: FloatArray |
     seen = vectors[:, values > SEEN]
     along, variance = seen.T @ z, seen.T @ (np.eye(len(z)) - covariance + scatter) @ seen
     return float(along @ np.linalg.solve(variance, along)), seen.shape[1]
+
+
+def chances_of_entries(estimate: Estimate, unknowns: Unknowns) -> dict[str, float]:
+    """Return for each entry the probability that any one of a right file deviates as far as it does.
+
+    The joint deviation of many entries hides a single one. The bound for the largest of several normal variables holds
+    for any correlation (Sidak, JASA 62, 1967).
+    """
+    n = len(unknowns.car)
+    scatter = np.diag(estimate.scatter + np.zeros_like(estimate.covariance))[:n]
+    variance = 1.0 - (np.diag(estimate.covariance)[:n] - scatter)
+    seen = variance > SEEN
+    alone = 2.0 * norm.sf(np.abs(estimate.z[:n]) / np.sqrt(np.where(seen, variance, np.inf) + scatter))
+    any_one = -np.expm1(seen.sum() * np.log1p(-np.minimum(alone, 1.0 - 1e-16)))
+    return dict(zip(unknowns.car, any_one.tolist(), strict=True))
 
 
 def is_agreement(z: FloatArray, covariance: FloatArray) -> bool:

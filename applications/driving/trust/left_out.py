@@ -8,8 +8,9 @@ Only what the simulated car does better in the parts that were left out, beyond 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +21,7 @@ from ..estimate import Estimate
 from ..inputs.car import Car
 from ..inputs.grid import Grid
 from ..inputs.unknowns import AXLES, FACTORS, Unknowns
-from ..simulation import HORIZON, estimated_motion, pieces_of, simulated
+from ..simulation import HORIZON, errors_of, estimated_motion, pieces_of, rows_of, simulated_pieces
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -37,15 +38,16 @@ MOST = 2.0
 class LeftOut:
     """Errors of the simulated car in the parts that were left out of its estimate.
 
-    - `before`, `after`: rms of yaw rate, ay and lateral speed, with the given and with the new tires.
+    - `before`, `after`: rms of yaw rate, ay and lateral speed.
     - `parts`: first and last time of each part, s, and the rms of the error of the yaw rate, rad/s, before and after.
-    - `better`: whether the new tires are better, beyond the scatter over the parts.
     """
 
-    before: Mapping[str, float]
-    after: Mapping[str, float]
+    JSON_KEYS: ClassVar = ("before", "after", "better")
+
+    before: Annotated[Mapping[str, float], "tires as given"]
+    after: Annotated[Mapping[str, float], "new tires"]
     parts: tuple[tuple[float, float, float, float], ...]
-    better: bool
+    better: Annotated[bool, "whether the new tires are better, beyond the scatter over the parts"]
 
 
 @dataclass(frozen=True)
@@ -65,35 +67,44 @@ class Parts:
     covariance: FloatArray
 
     def errors(
-        self, tires: Mapping[str, Tire], fixed: Iterable[tuple[str, str]]
-    ) -> tuple[FloatArray, dict[str, float]]:
-        """Return the squared error of each part, (rad/s)^2, and the rms of signals; some factors are fixed at 1."""
-        places, z = [self.unknowns.factor(*pair) for pair in fixed], self.z
-        if places:
-            block = np.linalg.inv(self.covariance[:, places][:, :, places]) @ self.z[:, places, None]
-            z = self.z - (self.covariance[:, :, places] @ block)[:, :, 0]
-            most = np.maximum(np.abs(self.z), MOST)
-            z = np.clip(z, -most, most)
-            z[:, places] = 0.0
-        of_pieces = z[self.number].T
+        self, tires: Mapping[str, Tire], fixed: Sequence[Sequence[tuple[str, str]]]
+    ) -> list[tuple[FloatArray, dict[str, float]]]:
+        """Return the squared error of each part, (rad/s)^2, and the rms of signals, with some factors fixed at 1.
+
+        `fixed`: the factors of each car that is simulated.
+        """
+        rows, given = rows_of(self.grid), (self.grid, self.estimate, self.unknowns, self.car)
+        z = np.concatenate([self._z_without(some)[self.number] for some in fixed]).T
         factors = {
             axle: {
-                name: np.exp(self.unknowns.spread[i] * of_pieces[i])
+                name: np.exp(self.unknowns.spread[i] * z[i])
                 for name in FACTORS
                 for i in [self.unknowns.factor(axle, name)]
             }
             for axle in AXLES
         }
-        given = self.grid, self.estimate, self.unknowns, self.car
-        simulation = simulated(*given, tires, z=of_pieces, factors=factors)
         wanted = estimated_motion(self.grid, self.estimate)
         speed = (self.estimate.states[self.grid.left, 0] + self.estimate.states[self.grid.right, 0]) / 2
         scale = np.stack([np.ones_like(speed), speed, speed], axis=1)
-        squares = np.mean(((simulation.motion - wanted) / scale) ** 2, axis=1)
-        length = round(HORIZON / self.grid.step)
-        of_piece = np.array([squares[first : first + length].mean() for first in pieces_of(self.grid)])
-        of_part = np.bincount(self.number, of_piece) / np.bincount(self.number)
-        return of_part, dict(simulation.rms)
+        result = []
+        for pieces in simulated_pieces(*given, tires, z=z, factors=factors):
+            of_piece = np.mean(((pieces - wanted[rows]) / scale[rows]) ** 2, axis=(1, 2))
+            of_part = np.bincount(self.number, of_piece) / np.bincount(self.number)
+            motion = np.full_like(wanted, np.nan)
+            motion[rows] = pieces
+            result.append((of_part, errors_of(motion, *given)))
+        return result
+
+    def _z_without(self, fixed: Sequence[tuple[str, str]]) -> FloatArray:
+        """Return the unknowns of all parts if some factors are fixed at 1, shape (n_parts, n_z)."""
+        if not fixed:
+            return self.z
+        places = [self.unknowns.factor(*pair) for pair in fixed]
+        block = np.linalg.inv(self.covariance[:, places][:, :, places]) @ self.z[:, places, None]
+        most = np.maximum(np.abs(self.z), MOST)
+        z = np.clip(self.z - (self.covariance[:, :, places] @ block)[:, :, 0], -most, most)
+        z[:, places] = 0.0
+        return z
 
 
 def parts_of(grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> Parts | None:
@@ -138,18 +149,25 @@ def is_better(before: FloatArray, after: FloatArray) -> bool:
     return bool(gain.mean() > student.ppf(1.0 - CHANCE, len(gain) - 1) * error)
 
 
-def left_out(parts: Parts, base: Parts, tires: Mapping[str, Tire], new: Mapping[str, Tire]) -> LeftOut:
+def left_out(
+    parts: Parts, base: Parts, tires: Mapping[str, Tire], new: Mapping[str, Tire], pairs: Sequence[tuple[str, str]]
+) -> tuple[LeftOut, frozenset[tuple[str, str]]]:
     """Return the errors with the given tires (factors of 1) and with the new tires (estimated factors).
 
-    `parts`: of the answer; `base`: of the estimate without an effect, which is the same if the answer has none.
+    `parts`: of the answer; `base`: of the estimate without an effect, which is the same if the answer has none. Also
+    returned: those of some factors, by axle and name, without which the error is larger.
     """
-    everything = base.unknowns.factors
-    before, rms_before = base.errors(tires, everything)
-    after, rms_after = parts.errors(new, ())
+    everything, one_each = base.unknowns.factors, [(pair,) for pair in pairs]
+    if parts is base:
+        (before, rms_before), (after, rms_after), *others = parts.errors(new, [everything, (), *one_each])
+    else:
+        ((before, rms_before),) = base.errors(tires, [everything])
+        (after, rms_after), *others = parts.errors(new, [(), *one_each])
     starts = parts.grid.t[pieces_of(parts.grid)]
     spans = [starts[parts.number == i] for i in range(len(before))]
     rows = tuple(
         (float(some[0]), float(some[-1] + HORIZON), float(np.sqrt(first)), float(np.sqrt(second)))
         for some, first, second in zip(spans, before, after, strict=True)
     )
-    return LeftOut(rms_before, rms_after, rows, is_better(before, after))
+    better = frozenset(pair for pair, (without, _) in zip(pairs, others, strict=True) if is_better(without, after))
+    return LeftOut(rms_before, rms_after, rows, is_better(before, after)), better

@@ -6,7 +6,7 @@ import numpy as np
 
 from ....boundary.errors import DataError
 from ....numerics.ties import graded
-from ....tires.channels import OUTPUTS
+from ....symbolic.channels import OUTPUTS
 from ....tires.signs import REVERSED
 from ...column_names import check_names
 from ...recording import Recording, once

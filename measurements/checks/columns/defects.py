@@ -7,7 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
-from ....tires.channels import CHANNELS
+from ....symbolic.channels import CHANNELS
 from ...recording import Recording
 from ...thresholds import (
     FAR_SLIP,

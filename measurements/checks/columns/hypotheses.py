@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from ....boundary.errors import UnknownName
-from ....tires.channels import CHANNELS
+from ....symbolic.channels import CHANNELS
 from ....tires.signs import SIGNS
 from ...interpretation import Interpretation
 from ...recording import Recording

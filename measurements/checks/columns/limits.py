@@ -9,7 +9,7 @@ import numpy as np
 from ....boundary.errors import DataError
 from ....numerics.arrays import FloatArray
 from ....numerics.ties import graded
-from ....tires.channels import CHANNELS
+from ....symbolic.channels import CHANNELS
 from ....tires.input_check import (
     BACKWARD_SLIP,
     FAR_SLIP,
@@ -71,7 +71,7 @@ def _problems(recording: Recording) -> Iterator[str]:
             if unit and not low <= to_si(worst, unit, channel.quantity) <= high:
                 unit, guess = "", "in another unit"
             hint = f"declare it: '{name} [{unit}]'" if unit else "check the unit"
-            yield f"{name} reaches {worst:.4g} {channel.unit}: {guess}? {hint}".replace(" -:", ":")
+            yield f"{name} reaches {worst:.4g}{channel.after}: {guess}? {hint}"
     yield from _too_small(recording, declared)
     yield from _spinning_wheel(recording, declared)
     yield from _wrong_load_sign(recording)

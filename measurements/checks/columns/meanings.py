@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....tires.channels import CHANNELS
+from ....symbolic.channels import CHANNELS
 from ...recording import Recording
 from .explanation import explanation
 from .traits import SIZES, Traits
@@ -62,13 +62,13 @@ def column_meanings(recording: Recording) -> list[ColumnMeaning]:
     traits = explanation(recording).claimed.traits
     meanings = []
     for name, channel in CHANNELS.items():
-        unit = channel.unit.replace("-", "")
         if name in recording.table:
-            read_as = recording.about.get(f"unit of {name}") or unit or "fraction"
+            read_as = recording.about.get(f"unit of {name}") or channel.unit
+            read_as = "fraction" if read_as == "1" else read_as
             meaning = channel.meaning.split(" (omega")[0]
             meanings.append(ColumnMeaning(name, f"{meaning}, {read_as}", "; ".join(_evidence(name, traits))))
         elif name in _NOMINAL:
-            value = "nominal" if name in ("Fz", "p", "V") else f"0 {unit}".rstrip()
+            value = "nominal" if name in ("Fz", "p", "V") else f"0{channel.after}"
             meanings.append(ColumnMeaning(name, f"no column: {value} in every row", ""))
     return meanings
 

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from ....numerics.arrays import BoolArray, FloatArray
-from ....tires.channels import CONTROLLED_INPUTS, OUTPUTS
+from ....symbolic.channels import CONTROLLED_INPUTS, OUTPUTS
 from ...recording import Recording
 from ...thresholds import (
     FAR_SLIP,

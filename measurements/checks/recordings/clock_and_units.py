@@ -9,7 +9,7 @@ import numpy as np
 
 from ....numerics.arrays import FloatArray, IndexArray
 from ....numerics.ties import graded
-from ....tires.channels import CHANNELS, CONTROLLED_INPUTS
+from ....symbolic.channels import CHANNELS, CONTROLLED_INPUTS
 from ...operating_conditions.levels import held_levels
 from ...operating_conditions.phases import SLIP_INPUTS
 from ...recording import Recording
@@ -113,10 +113,10 @@ def _mixed_units(recording: Recording) -> Iterator[DataFinding]:
         levels = np.abs(held_levels(recording.table[name])) if name in recording.table else np.empty(0)
         for (ratio, units), low, high in product(ratios.items(), levels, levels):
             if low > 0.0 and abs(high / low / ratio - 1.0) < RATIO_TOLERANCE:
-                unit = CHANNELS[name].unit
+                unit = CHANNELS[name].after
                 yield DataFinding(
                     "unit",
-                    f"{recording.source}: mixed units? {name} is {low:.4g} {unit} in some rows and {high:.4g} {unit} "
+                    f"{recording.source}: mixed units? {name} is {low:.4g}{unit} in some rows and {high:.4g}{unit} "
                     f"in others, the ratio of {units}",
                     serious=True,
                 )

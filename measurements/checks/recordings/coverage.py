@@ -29,8 +29,8 @@ SHAPE, CURVATURE = 1.4, -0.5
 class ChannelCoverage:
     """Whether data determine a characteristic of a channel.
 
-    - `characteristic`: "peak friction", "slip stiffness", "combined slip", or "influence of load", "influence of
-      camber", "influence of pressure"; empty for a channel as a whole.
+    - `characteristic`: "peak friction", "slip stiffness", "other side" (of zero slip), "combined slip", or "influence
+      of load", "influence of camber", "influence of pressure"; empty for a channel as a whole.
     - `share`: of the peak friction, the largest share of the peak that the data reach; of the slip stiffness, the
       smallest one.
     - `reason`: what the data lack; empty if they lack nothing. A determined peak may lack loads.

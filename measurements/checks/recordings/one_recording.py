@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from scipy.ndimage import median_filter
 
-from ....tires.channels import CHANNELS, OUTPUTS
+from ....symbolic.channels import CHANNELS, OUTPUTS
 from ...operating_conditions.levels import held_levels
 from ...operating_conditions.time_series import sample_interval
 from ...recording import Recording, once

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from ....numerics.arrays import FloatArray
-from ....tires.channels import OUTPUTS
+from ....symbolic.channels import OUTPUTS
 from ...operating_conditions.time_series import segments_of
 from ...recording import Recording
 from ...thresholds import MIN_EXPLAINED, MIN_TEMPERATURE_RANGE

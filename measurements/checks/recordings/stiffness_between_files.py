@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from ....numerics.ties import graded
-from ....tires.channels import CHANNELS
+from ....symbolic.channels import CHANNELS
 from ...operating_conditions.levels import held_levels
 from ...recording import Recording
 from ...thresholds import (

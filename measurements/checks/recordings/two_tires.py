@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....numerics.ties import graded
-from ....tires.channels import CHANNELS
+from ....symbolic.channels import CHANNELS
 from ....tires.signs import reversed_columns
 from ...operating_conditions.grouping import group_by_condition
 from ...recording import Recording

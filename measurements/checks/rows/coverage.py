@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....tires.channels import CHANNELS, CONTROLLED_INPUTS, OUTPUTS
+from ....symbolic.channels import CHANNELS, CONTROLLED_INPUTS, OUTPUTS
 from ...operating_conditions.levels import level_tolerance, levels
 from ...recording import Recording, once
 from ...thresholds import FEW_ROWS, MAX_BACKWARD_STEPS
@@ -48,12 +48,12 @@ class Coverage:
 
     def __str__(self) -> str:
         """Return the coverage in one line."""
-        unit = CHANNELS[self.channel].unit.replace("-", "")
+        unit = CHANNELS[self.channel].after
         if self.swept:
-            return f"{self.channel}: swept from {self.lowest:.4g} to {self.highest:.4g} {unit}".rstrip()
+            return f"{self.channel}: swept from {self.lowest:.4g} to {self.highest:.4g}{unit}"
         held = ", ".join(f"{level:.4g}" for level in self.levels)
         prefix = "held at" if len(self.levels) == 1 else f"held at {len(self.levels)} levels,"
-        return f"{self.channel}: {prefix} {held} {unit}".rstrip()
+        return f"{self.channel}: {prefix} {held}{unit}"
 
 
 def coverage(recording: Recording) -> list[Coverage]:
@@ -134,8 +134,7 @@ def _constancy(by_name: dict[str, Coverage], slip: str) -> str:
     channel = by_name.get(slip)
     if channel is None:
         return "is missing"
-    unit = CHANNELS[slip].unit.replace("-", "")
-    return f"stays at {0.5 * (channel.lowest + channel.highest) + 0.0:.3g} {unit}".rstrip()
+    return f"stays at {0.5 * (channel.lowest + channel.highest) + 0.0:.3g}{CHANNELS[slip].after}"
 
 
 def _clock_notes(recording: Recording) -> list[str]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ....boundary.errors import DataError
-from ....tires.channels import INPUTS
+from ....symbolic.channels import INPUTS
 from ...recording import Recording
 from ...thresholds import MAX_INCOMPLETE
 

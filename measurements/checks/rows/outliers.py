@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from ....numerics.arrays import BoolArray, FloatArray
-from ....tires.channels import CHANNELS
+from ....symbolic.channels import CHANNELS
 from ...operating_conditions.time_series import Segment, segments_of
 from ...recording import Recording
 from ...thresholds import (
@@ -48,8 +48,8 @@ class Outlier:
 
     def __str__(self) -> str:
         """Return row, channel, value and running median in one line."""
-        unit = CHANNELS[self.channel].unit
-        return f"row {self.row + 1}: {self.channel} is {self.value:.4g} {unit}, the running median is {self.median:.4g}"
+        unit = CHANNELS[self.channel].after
+        return f"row {self.row + 1}: {self.channel} is {self.value:.4g}{unit}, the running median is {self.median:.4g}"
 
 
 def outliers(recording: Recording) -> list[Outlier]:

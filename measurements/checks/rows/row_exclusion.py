@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ....boundary.errors import DataError
 from ....numerics.arrays import BoolArray, FloatArray
-from ....tires.channels import INPUTS
+from ....symbolic.channels import INPUTS
 from ...operating_conditions.phases import transitions
 from ...recording import Recording
 from ...thresholds import (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -12,12 +13,14 @@ from ....boundary.errors import DataError, TirefmuError, UnknownName, nearest
 from ....boundary.escaping import quoted
 from ....numerics.arrays import FloatArray
 from ...interpretation import NOT_READ
-from ...units import to_si
+from ...units import to_si, unit_named
 from .cells import numbers
 from .content import MAX_COLUMNS, Column, Content, is_unit, listed, name_and_unit
 
 #: Formats that define what their columns are; the names of others count.
 DEFINED = ("ttc", "tydex")
+#: The last word of a header: ``wheel_deg``, ``Yaw deg/s``, ``SlipDeg``.
+_LAST_WORD = re.compile(r"(?:[\s_.,:;]|(?<=[a-z])(?=[A-Z]))([^\W\d_][^\s_.,:;]*|°\S*)$")
 #: Quantities that benches do not measure in SI units: without a declared unit a name of theirs may be meant either way.
 _BENCH_UNITS = ("angle", "pressure", "speed")
 
@@ -108,6 +111,8 @@ def choices(
             text_of_unit = unit or column.declared_unit
             if wanted is not None and not unit and not column.unit and not is_unit(text_of_unit):
                 text_of_unit = ""  # the brackets of a header that is named whole may be an index
+            if wanted is not None and not text_of_unit and name not in content.units:
+                _refuse_unit_in_name(column.header, declared, source)
             chosen[name] = ColumnChoice(
                 name,
                 declared.quantity,
@@ -121,6 +126,18 @@ def choices(
         if name not in chosen:
             raise DataError(f"{source}: no column {name!r}, whose unit is given as {units[name]}")
     return chosen
+
+
+def _refuse_unit_in_name(header: str, declared: Declared, source: str) -> None:
+    """Refuse a header that is named without a unit and ends in one, such as ``wheel_deg``: its numbers count as SI."""
+    end = _LAST_WORD.search(header.strip())
+    unit = unit_named(end[1]) if end and is_unit(end[1]) else None
+    if unit is not None and unit.quantity == declared.quantity and (unit.factor, unit.offset) != (1.0, 0.0):
+        name, written = header.strip(), end[1] if end else ""
+        raise DataError(
+            f"{source}: column {quoted(name)} ({declared.name}): the unit in its name is not read: state it: "
+            f"--columns {quoted(f'{declared.name}={name} [{written}]')}"
+        )
 
 
 def _by_default(content: Content, declared: Declared) -> Sequence[Column]:

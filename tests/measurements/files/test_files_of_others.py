@@ -304,6 +304,20 @@ def test_a_unit_is_that_of_the_user_otherwise_of_the_header(header):
     np.testing.assert_allclose(turned.values("steer"), -rows["steer"])
 
 
+@pytest.mark.parametrize(
+    "header", ["wheel_deg", "Steered Angle deg", "wheel, deg", "wheel:Degrees", "SteerDeg", "wheel °"]
+)
+def test_a_unit_in_the_name_of_a_header_is_not_ignored(header):
+    rows = drive_rows().rename(columns={"steer": header})
+    with pytest.raises(TirefmuError, match=r"the unit in its name is not read: state it: --columns 'steer=.* \["):
+        read_log(rows, {"steer": header})
+    for unit, factor in (("deg", np.pi / 180.0), ("rad", 1.0)):
+        log = read_log(rows, {"steer": f"{header} [{unit}]"})
+        np.testing.assert_allclose(log.values("steer"), factor * rows[header])
+    for word in ("wheel_rad", "angle_front", "steer_in"):
+        read_log(rows.rename(columns={header: word}), {"steer": word})
+
+
 @pytest.mark.parametrize(("factor", "unit"), [(1e3, "ms"), (1e6, "us"), (1e9, "ns"), (1.0 / 3600.0, "h")])
 def test_a_clock_in_another_unit_is_named_before_any_work(factor, unit):
     rows = drive_rows().rename(columns={"t": "timestamp"})

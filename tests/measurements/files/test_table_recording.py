@@ -5,15 +5,16 @@ import pandas as pd
 import pytest
 
 from tirefmu.boundary.errors import DataError
-from tirefmu.measurements import read_recording
+from tirefmu.measurements import CHANNELS, read_recording
 
 ROWS = pd.DataFrame(
     {"ET": [0.0, 0.01], "V": 36.0, "SA": [2.0, -2.0], "IA": 4.0, "P": 80.0, "FX": 10.0, "FY": -300.0, "FZ": -900.0,
-     "MX": 5.0, "MZ": 7.0, "TSTC": 60.0, "SL": 0.05, "AMBTMP": 20.0, "RST": 25.0, "NFX": "text"}
+     "MX": 5.0, "MZ": 7.0, "TSTC": 60.0, "SL": 0.05, "AMBTMP": 20.0, "RST": 25.0, "MY": 3.0,
+     "NFX": "text"}
 )  # fmt: skip
 EXPECTED = {
     "t": 0.0, "kappa": 0.05, "alpha": np.radians(2.0), "gamma": np.radians(4.0), "Fz": -900.0, "p": 80e3, "V": 10.0,
-    "T": 60.0, "T_ambient": 293.15, "T_road": 298.15, "Fx": 10.0, "Fy": -300.0, "Mz": 7.0, "Mx": 5.0,
+    "T": 60.0, "T_ambient": 293.15, "T_road": 298.15, "Fx": 10.0, "Fy": -300.0, "Mz": 7.0, "Mx": 5.0, "My": 3.0,
 }  # fmt: skip
 
 
@@ -35,6 +36,7 @@ def written(request, tmp_path):
 
 
 def test_a_table_with_ttc_columns_has_their_units_and_signs(written):
+    assert EXPECTED.keys() == {name for name, channel in CHANNELS.items() if channel.bench_names}
     recording = read_recording(written(ROWS))
     assert recording.table.iloc[0].to_dict() == pytest.approx(EXPECTED)
     assert (recording.signs, recording.about["units"]) == ("sae", "assumed SI: the file declares none")

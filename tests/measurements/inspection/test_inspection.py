@@ -7,8 +7,9 @@ import pandas as pd
 import pytest
 
 from tirefmu import inspect
+from tirefmu.drawing.labels import axis_label
 from tirefmu.drawing.style import LIGHT_GRAY
-from tirefmu.measurements import Recording, inspected, inspection_figures
+from tirefmu.measurements import CHANNELS, Recording, inspected, inspection_figures
 
 
 @pytest.fixture(scope="module")
@@ -75,6 +76,18 @@ def test_a_panel_over_slip_has_one_level_of_the_other_inputs():
     np.testing.assert_allclose(points, np.sort(pure["Fy"]))
     assert len(gray) + len(points) == len(included)
     assert "80 kPa" in panel.title
+
+
+def test_every_channel_is_drawn():
+    """One that no equation reads has a row of `CHANNELS` and nothing else."""
+    ramp = np.linspace(0.0, 1.0, 301)
+    table = pd.DataFrame({"t": ramp})
+    for name, declared in CHANNELS.items():
+        low, high = declared.usual or (0.0, 500.0)
+        table[name] = low + (high - low) * ramp
+    figures = inspection_figures(inspected(Recording(table, "iso", "a.csv")))
+    (over_time,) = (figure for figure in figures if "time (s)" in {panel.x for panel in figure.panels})
+    assert {panel.y for panel in over_time.panels} == {axis_label(name) for name in CHANNELS if name != "t"}
 
 
 def test_no_panel_is_without_content():

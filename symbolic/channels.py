@@ -21,11 +21,13 @@ class Channel:
     meaning : str
         What is measured.
     unit, quantity : str
-        The SI unit (deg C for T) and the physical quantity; "absolute temperature" is in kelvin.
+        The SI unit (deg C for T; "1" of a ratio) and the physical quantity; "absolute temperature" is in kelvin.
     role : str
-        "input" (imposed by the bench) or "output" (response of the tire).
+        "controlled" (an input that the bench imposes), "input" (another one) or "output" (response of the tire).
     bench_names : tuple of str
         Names in FSAE TTC files, the preferred one first.
+    bench_unit : str
+        The unit in TTC files that declare none. Empty: that of the physical quantity there; a ratio has none in common.
     aliases : tuple of str
         Other common names. A message suggests the contract's name for them; they are never accepted silently.
     limits : tuple of float
@@ -38,8 +40,6 @@ class Channel:
         The probable unit of values beyond the limits, and words for it. Empty: unknown.
     reversed_in : tuple of str
         What changes its sign: sign conventions other than "iso", and "mirror" for the mirror in the wheel plane.
-    controlled : bool
-        Whether a bench imposes it.
     usual : tuple of float, optional
         Range of a slider, in SI units, where neither the tire nor a recording has a range.
     stream : int
@@ -58,9 +58,14 @@ class Channel:
     hint: str = ""
     wrong_unit: tuple[str, str] = ("", "in another unit")
     reversed_in: tuple[str, ...] = ()
-    controlled: bool = False
     usual: tuple[float, float] | None = None
     stream: int = 0
+    bench_unit: str = ""
+
+    @property
+    def after(self) -> str:
+        """The unit as written after a number: a blank and the SI unit; nothing for a ratio."""
+        return "" if self.unit == "1" else f" {self.unit}"
 
 
 # Limits: a wheel turns by at most 90 deg, and -1 is a locked wheel; a spinning wheel of a slow vehicle reaches several.
@@ -72,35 +77,35 @@ _DECLARATIONS = (
         "t", "time", "s", "time", "input", ("ET",), ("time", "elapsed_time", "timestamp"), usual=(0.0, 600.0), stream=0
     ),
     Channel(
-        "kappa", "longitudinal slip (omega R_e - V_x)/|V_x|, a fraction", "-", "ratio", "input", ("SL",),
+        "kappa", "longitudinal slip (omega R_e - V_x)/|V_x|, a fraction", "1", "ratio", "controlled", ("SL",),
         ("slip", "slip_ratio", "longitudinal_slip", "long_slip"), (-10.5, 10.5), 0.01,
-        "a fraction (in percent? 10 % is 0.1)", ("%", "in percent"), (), True, (-0.3, 0.3), 1,
+        "a fraction (in percent? 10 % is 0.1)", ("%", "in percent"), (), (-0.3, 0.3), 1, "1",
     ),
     Channel(
-        "alpha", "slip angle", "rad", "angle", "input", ("SA",),
+        "alpha", "slip angle", "rad", "angle", "controlled", ("SA",),
         ("slip_angle", "side_slip", "lateral_slip", "alfa"), (-1.6, 1.6), radians(0.5),
-        _ANGLE, ("deg", "in degrees"), ("sae", "mirror"), True, (-0.25, 0.25), 2,
+        _ANGLE, ("deg", "in degrees"), ("sae", "mirror"), (-0.25, 0.25), 2,
     ),
     Channel(
-        "gamma", "inclination (camber) angle", "rad", "angle", "input", ("IA",),
+        "gamma", "inclination (camber) angle", "rad", "angle", "controlled", ("IA",),
         ("camber", "camber_angle", "inclination", "inclination_angle"), (-1.6, 1.6), radians(0.5),
-        _ANGLE, ("deg", "in degrees"), ("mirror",), True, (-0.15, 0.15), 3,
+        _ANGLE, ("deg", "in degrees"), ("mirror",), (-0.15, 0.15), 3,
     ),
     Channel(
-        "Fz", "wheel load", "N", "force", "input", ("FZ",),
+        "Fz", "wheel load", "N", "force", "controlled", ("FZ",),
         ("load", "vertical_load", "wheel_load", "normal_load", "vertical_force", "normal_force"), (-1e6, 1e6), None,
         "in N, positive where the wheel is pressed to the road (SAE? convert the signs)",
-        reversed_in=("sae",), controlled=True, stream=4,
+        reversed_in=("sae",), stream=4,
     ),
     Channel(
-        "p", "inflation pressure, gauge", "Pa", "pressure", "input", ("P",),
+        "p", "inflation pressure, gauge", "Pa", "pressure", "controlled", ("P",),
         ("pressure", "inflation_pressure", "tire_pressure", "tyre_pressure"), (0.0, 5e6), 3e3,
-        "in Pa (83 kPa is 83e3)", controlled=True, stream=5,
+        "in Pa (83 kPa is 83e3)", stream=5,
     ),
     Channel(
-        "V", "speed of the wheel center", "m/s", "speed", "input", ("V",),
+        "V", "speed of the wheel center", "m/s", "speed", "controlled", ("V",),
         ("speed", "velocity", "road_speed", "belt_speed"), (-150.0, 150.0), 0.5,
-        "in m/s (in km/h? 36 km/h is 10)", ("km/h", "in km/h"), (), True, (0.0, 60.0), 6,
+        "in m/s (in km/h? 36 km/h is 10)", ("km/h", "in km/h"), (), (0.0, 60.0), 6,
     ),
     Channel(
         "T", "temperature at the tread's center", "deg C", "temperature", "input", ("TSTC",),
@@ -118,8 +123,8 @@ _DECLARATIONS = (
         _KELVIN, ("deg C", "in deg C"), usual=(253.15, 353.15), stream=15,
     ),
     Channel(
-        "phit", "turn slip", "1/m", "curvature", "input", (), ("turn_slip",), tolerance=0.01,
-        reversed_in=("mirror",), controlled=True, usual=(-0.2, 0.2), stream=8,
+        "phit", "turn slip", "1/m", "curvature", "controlled", (), ("turn_slip",), tolerance=0.01,
+        reversed_in=("mirror",), usual=(-0.2, 0.2), stream=8,
     ),
     Channel(
         "Fx", "longitudinal force", "N", "force", "output", ("FX",), ("longitudinal_force", "tractive_force"), stream=9
@@ -142,10 +147,10 @@ _DECLARATIONS = (
     ),
 )  # fmt: skip
 CHANNELS: dict[str, Channel] = {declared.name: declared for declared in _DECLARATIONS}
-INPUTS: tuple[str, ...] = tuple(declared.name for declared in _DECLARATIONS if declared.role == "input")
+INPUTS: tuple[str, ...] = tuple(declared.name for declared in _DECLARATIONS if declared.role != "output")
 OUTPUTS: tuple[str, ...] = tuple(declared.name for declared in _DECLARATIONS if declared.role == "output")
 #: The inputs that a bench controls. Time and temperatures are not controlled.
-CONTROLLED_INPUTS: tuple[str, ...] = tuple(name for name in INPUTS if CHANNELS[name].controlled)
+CONTROLLED_INPUTS: tuple[str, ...] = tuple(name for name in INPUTS if CHANNELS[name].role == "controlled")
 
 
 def reversed_by(change: str) -> frozenset[str]:
