@@ -10,10 +10,9 @@ from scipy.stats import norm
 import tirefmu
 from tirefmu.diagnosis import diagnose
 from tirefmu.diagnosis.explanations import OneOf, final_fits
-from tirefmu.diagnosis.explanations.effect_evidence import _stretches, effect_evidence, joint_z
+from tirefmu.diagnosis.explanations.effect_evidence import STRETCHES, _stretches, effect_evidence, joint_z
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.signals import Simulator
-from tirefmu.diagnosis.thresholds import STRETCHES
 from tirefmu.diagnosis.verdict import (
     Adequacy,
     DeliveredResiduals,
