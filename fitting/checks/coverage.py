@@ -140,15 +140,15 @@ def _influences(residuals: Residuals, channel: str) -> Iterator[ChannelCoverage]
     """Yield the influences of load, camber and pressure on a channel."""
     low, high = residuals.range_of("Fz", channel)
     varied = high - low >= ONE_LOAD * high
-    one = f"one load, {0.5 * (low + high):.0f} N"
-    reason = one if high - low <= SAME_LOAD * high else f"loads from {low:.0f} to {high:.0f} N only"
+    single = f"one load, {0.5 * (low + high):.0f} N"
+    reason = single if high - low <= SAME_LOAD * high else f"loads from {low:.0f} to {high:.0f} N only"
     yield ChannelCoverage("influence of load", channel, varied, "" if varied else reason)
     if "gamma" in residuals.tire.inputs:
         low, high = residuals.range_of("gamma", channel)
         varied = high - low >= NO_INCLINATION
-        one = f"one inclination, {degrees(0.5 * (low + high)) + 0.0:.2g} deg"
+        single = f"one inclination, {degrees(0.5 * (low + high)) + 0.0:.2g} deg"
         several = f"inclinations from {degrees(low) + 0.0:.2g} to {degrees(high) + 0.0:.2g} deg only"
-        reason = one if high - low <= SAME_INCLINATION else several
+        reason = single if high - low <= SAME_INCLINATION else several
         yield ChannelCoverage("influence of camber", channel, varied, "" if varied else reason)
     if "p" in residuals.tire.inputs:
         low, high = residuals.range_of("p", channel)
