@@ -12,7 +12,6 @@ from rich.table import Table
 from ...boundary.escaping import shortened
 from ...boundary.terminal_table import plain_table
 from ...numerics.ties import graded
-from ...tires.summary import idle_effects, idle_notes
 
 if TYPE_CHECKING:
     from ..results.fitted import Fitted
@@ -43,7 +42,7 @@ def short_fit_lines(result: Fitted, verdict: Verdict) -> Iterator[Table | str]:
     for finding in shown:
         short = replace(finding, text=shortened(finding.text, LONGEST_REASON))  # the command remains whole
         yield f"{'warning' if finding.serious else 'note'}: {short}"
-    requested = [note for note in result.notes if note in idle_notes(idle_effects(result.tire))]
+    requested = [note for note in result.notes if "does nothing" in str(note)][:FEW]
     yield from (f"note: {note}" for note in requested)
     yield _short_channels(result)
     determined = sum(c.determined and not c.at_bound for c in result.coefficients)
