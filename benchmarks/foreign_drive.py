@@ -3,10 +3,10 @@
     python benchmarks/foreign_drive.py [--drives N] [--seed N] [--shifts]
 
 The car is the BMW 320i of commonroad-vehicle-models (extra foreign-car): 29 states with suspension and compliance, its
-own tires. Its program gives both shifts of Fy the sign of the camber: the forces jump by up to 9 % of the load with the
-sign of the roll, as those of no tire do. The shifts are 0, but for --shifts. In the first drive, peak friction of the
-given tire file is 25 % too high, its cornering stiffness 20 % too low. Further drives have another speed and steering,
-drawn at random as are the errors of the tire file; one of three has none.
+own tires. Its program gives both shifts of Fy the sign of the camber: the forces jump by 4 % of the load and more with
+the sign of the roll, as those of no tire do. The shifts are 0, but for --shifts. In the first drive, peak friction of
+the given tire file is 25 % too high, its cornering stiffness 20 % too low. Further drives have another speed and
+steering, drawn at random as are the errors of the tire file; one of three has none.
 """
 
 from __future__ import annotations

@@ -44,6 +44,7 @@ def test_the_improved_tire_predicts_its_temperature(predicted, table, tmp_path):
     assert simulated["after"]["rmse"]["Fy"] < 0.8 * simulated["before"]["rmse"]["Fy"]
 
 
+@pytest.mark.slow
 def test_a_recorded_temperature_is_used(table):
     result = diagnosed(table)
     assert [one.effect for one in result.found] == ["temp_friction"]

@@ -41,7 +41,7 @@ def fitted(data_folder):
     return fit(few, MODEL, screening=False, iterations=30, signs=recordings[0].signs).tire
 
 
-@pytest.fixture(params=["golden", "fitted"])
+@pytest.fixture(params=["golden", pytest.param("fitted", marks=pytest.mark.slow)])
 def tire(request, tire_of):
     """Return a tire of a property file, and one fitted to measured recordings."""
     if request.param == "golden":

@@ -104,7 +104,7 @@ def test_backward_the_forces_are_mirrored(wheel_of, model, inputs):
         np.testing.assert_allclose(turned[:n], [-Fx, -Fy, Mz][:n], **near, err_msg=f"{V_x, V_y, slip}")
 
 
-@pytest.mark.parametrize("inputs", KINDS[1:])
+@pytest.mark.parametrize("inputs", slow_but(["hub"], KINDS[1:]))
 @pytest.mark.parametrize("model", [name for name, model in MODELS.items() if not model.motion.reverses])
 def test_shifts_are_mirrored_too_if_the_model_is_that_of_forward_rolling(wheel_of, model, inputs):
     """Above the speeds at which both directions are interpolated; other models have signs of their own."""
