@@ -1,6 +1,6 @@
-"""The settings of the diagnosis: unit, meaning, and reason for the value.
+"""The settings of the diagnosis that several modules share, and those of its priors: meaning, and reason for the value.
 
-There are three kinds of reasons:
+Others are beside their use. There are three kinds of reasons:
 
 - *Derived*: the value follows from the method or from physics, as stated.
 - *Convention*: other values are equally suitable.
@@ -23,49 +23,26 @@ from ..measurements.virtual_bench.bench_errors import MAX_SKEW as MAX_SKEW
 
 # ------------------------------------------------------------------ the recording
 
-#: Minimum number of rows under load. Derived from `MIN_BLOCKS`: a block then has about 16 rows.
-MIN_ROWS = 200
 #: Maximum number of compared rows; of longer recordings every n-th row is compared. Convention: computing time.
 MAX_ROWS = 6000
-#: In time steps: a longer step is a gap in time, which separates segments of smoothing. Not recorded.
-TIME_GAP = 5.0
 #: Length of a time block, s; longer than the modelled correlation (`MAX_CORRELATION_TIME`). Not recorded.
 BLOCK_LENGTH = 2.5
-#: Number of blocks. A jackknife covariance of k responses requires more than k + 1 blocks; many blocks cost computing
-#: time. Convention.
-MIN_BLOCKS, MAX_BLOCKS = 12, 60
-#: Minimum number of blocks with measured outputs; with fewer, their scatter has too few degrees of freedom. Convention.
-MIN_MEASURED_BLOCKS = 8
+#: Largest number of blocks. Convention: computing time.
+MAX_BLOCKS = 60
 #: Every n-th block is in the hold-out set, which no fit uses. Convention.
 HOLDOUT_EVERY = 8
 #: Prior standard deviation of what is practically free: an offset in noise standard deviations, an effect in the linear
 #: test in probe sizes. Convention.
 FREE_PRIOR = 20.0
-#: Prior standard deviation of drift, in noise standard deviations. Not recorded.
-DRIFT_PRIOR = 1.0
-#: Drift that may explain structure: largest number of half waves, and prior standard deviation of the k-th one times k,
-#: in noise standard deviations. The quotient is derived: a random walk has it. The size and the number are conventions.
-FAST_DRIFT_WAVES, FAST_DRIFT_PRIOR = 12, 2.0
-#: Prior standard deviation of the relative error of the load that follows the direction of slip: benches hold the load
-#: within 1 %. More is attributed to the tire. Convention.
-LOAD_ERROR_PRIOR = 0.005
 #: Minimum range of an input that identifies an effect: 1, rad, rad and share of nominal load or speed. Below this load
 #: the tire is lifted; with less slip Fx has no curve. Not recorded, except the last one, a convention: a bench holds a
 #: constant speed within 1 %.
 MIN_VARIATION: Mapping[str, float] = {"kappa": 0.01, "alpha": 0.01, "gamma": 0.005, "Fz": 0.02, "V": 0.05}
-#: The same in standard deviations of the input's noise. Not recorded.
-MIN_VARIATION_IN_NOISE = 4.0
 #: Slip at which a smooth sign of it has three quarters of its size, 1 or rad. Convention.
 SIDE = 0.02
 
 # ------------------------------------------------------------------ the baseline fit and the probes
 
-#: Outliers exceed twice this number of robust standard deviations of the short-range residual. Not recorded.
-OUTLIER = 7.0
-#: Rows over which the short-range residual is centred. Not recorded.
-LOCAL_ROWS = 15
-#: Longest lag of the noise covariance in the test, s; the block jackknife covers longer correlations. Not recorded.
-MAX_CORRELATION_TIME = 1.0
 #: Minimum number of rows of a block, or half the median of all blocks if that is smaller. Not recorded; the half is
 #: derived: blocks are intervals of time, and a recording with few rows per second has no blocks of 20 rows.
 MIN_ROWS_OF_BLOCK = 20
@@ -75,8 +52,6 @@ MIN_INDEPENDENT_SHARE = 1.0 / FREE_PRIOR
 #: Correlation from which two explanations are confounded, and from which the other one is reported. Pairs that are
 #: confounded by design had 0.80 to 1 in an independent study; the lower value is not recorded.
 CONFOUNDED, REPORTED = 0.8, 0.7
-#: Share of an effect's norm from which the response of a single coefficient is compared as well. Not recorded.
-MIN_SHARE = 0.4
 
 # ------------------------------------------------------------------ the comparison of explanations
 
@@ -104,15 +79,11 @@ FOLDS = 5
 #: Largest number of effects that are refitted in place of one with which they are confounded. Logarithm of the evidence
 #: relative to the best explanation from which an addition is refitted: a twentieth. Conventions: computing time.
 RIVALS, REFIT_MARGIN = 3, -3.0
-#: Maximum number of rows of the comparison; iterations of the final fit. Conventions: computing time.
-SEARCH_ROWS, FINAL_ITERATIONS = 3000, 6
+#: Iterations of the final fits. Convention: computing time.
+FINAL_ITERATIONS = 6
 
 # ------------------------------------------------------------------ the proposal of an unknown component
 
-#: Number of features whose evidence is computed. Convention: computing time.
-SHORTLIST = 60
-#: Bounds of a formula's coefficient as multiples of its estimate. Convention.
-COEFFICIENT_BOUND_FACTOR = 10.0
 
 # ------------------------------------------------------------------ the delivered tire and the verdict
 
@@ -120,26 +91,12 @@ COEFFICIENT_BOUND_FACTOR = 10.0
 #: diagnosis.
 INADEQUATE = 1.5
 
-#: Ratio of root mean square residuals, whitened to equal weights, above which the whitened fit is not used. Convention:
-#: the agreement that is required of reported residuals.
-MAX_WHITENED_MISFIT = 1.02
 
 # ------------------------------------------------------------------ the report
 
-#: p-value under coloured noise, with Bonferroni correction, at which the detection limit of an effect is stated.
-#: Convention.
-EFFECT_P = 1e-3
-#: Number of long stretches in which an effect is judged. Convention.
-STRETCHES = 8
 
 #: A channel is reported for an effect from this share of the largest channel's power. Convention.
 CHANNEL_SHARE = 0.02
-#: Share of the evidence in the reported stretches of time. Convention.
-REPORTED_EVIDENCE = 0.67
-#: Distance outside an input's range at which an effect is evaluated, as a share of the range and of the distance to the
-#: limit of the physical range, and the change of its part of a force, relative to the force, that is reported as
-#: doubtful. Convention.
-EXTRAPOLATED_SHARE, MAX_CHANGE = 0.5, 0.15
 #: Minimum number of rows of a cell whose mean is shown in a residual map. Derived: its standard error is then a third
 #: of the noise.
 MIN_ROWS_OF_CELL = 10

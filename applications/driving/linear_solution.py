@@ -89,8 +89,8 @@ class Factor:
     def schur(self) -> FloatArray:
         """The precision of the unknowns, their prior included."""
         rows = self._J[:, :, 2 * self.n :].swapaxes(0, 1)
-        own = sum((by_z.T @ by_z for by_z in rows), np.eye(rows.shape[2]))
-        return np.asarray(own - self._border.T @ self.solved_border)
+        inner = sum((by_z.T @ by_z for by_z in rows), np.eye(rows.shape[2]))
+        return np.asarray(inner - self._border.T @ self.solved_border)
 
     def slope(self, more: FloatArray) -> FloatArray:
         """Return the derivatives of the cost by the unknowns, for the best states, and `more`."""

@@ -32,9 +32,13 @@ FloatArray = npt.NDArray[np.float64]
 #: A move: yields the table after each refit, returns the last one.
 Move = Generator[Table, None, Table]
 
-#: Number of estimates of the noise, and of extended explanations for each; growth of the variance of the noise after
-#: which it is estimated again. Conventions: computing time.
-ESTIMATES, COMPARED, GROWTH = 5, 12, 1.5
+#: Number of estimates of the noise, of those under which all that nearly leads is compared, and of explanations that
+#: are extended under each of these; growth of the variance of the noise after which it is estimated again. Conventions:
+#: computing time.
+ESTIMATES, SETTLED, COMPARED, GROWTH = 5, 2, 12, 1.5
+#: Score, relative to the most probable one, below which an explanation is not tried again under another noise: three
+#: margins. Convention: computing time.
+FAR = 3.0 * REFIT_MARGIN
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,18 +76,22 @@ def compared(
     few = few.over(few.simulator.driven_at(baseline.parameters))
     at_few = few.at(baseline.parameters, baseline.free)
     linear = Linearization(Explanation(), few, at_few, dict(sorted(candidates.items())))
-    latest, stopped = list[Table](), ""
+    latest, settled, stopped = list[Table](), list[dict[Parts, FloatArray]](), ""
     try:
-        for table in _tables(linear, few, baseline, budget):
+        for table in _tables(linear, few, baseline, budget, settled):
             same = bool(latest) and latest[-1].shared is table.shared
             latest[:] = [*latest[: len(latest) - same][-1:], table]
-        evidences = fold_evidences(latest[-1])
     except Ended:
         stopped = budget.ended
         # A table that was stopped at its beginning has compared less than the one before.
         latest = [max(latest, key=lambda table: len(table.scores))]
-        evidences = {parts: np.array([score]) for parts, score in latest[-1].divided().items()}
     table = latest[-1]
+    settled = settled or [{parts: np.array([score]) for parts, score in table.divided().items()}]
+    absent = [np.full_like(next(iter(evidences.values())), -np.inf) for evidences in settled]
+    evidences = {
+        parts: np.concatenate([scores.get(parts, missing) for scores, missing in zip(settled, absent, strict=True)])
+        for parts in dict.fromkeys(parts for scores in settled for parts in scores)
+    }
     answer = answer_of(evidences, candidates)
     return ComparedExplanations(answer, _simplest(table, answer), table.shared, stopped)
 
@@ -94,7 +102,8 @@ def _simplest(table: Table, answer: Answer) -> Refitted:
     The simplest one has the fewest states, then the fewest coefficients.
     """
     leader, model = table.leader, table.shared.problem.simulator.symbolic_model
-    probability = {explanation.parts: explanation.probability for explanation in answer.explanations}
+    probability = dict.fromkeys(table.refits, 0.0)
+    probability |= {explanation.parts: explanation.probability for explanation in answer.explanations}
     states = {effect.name: len(effect.states) for effect in model.added}
 
     def size(refit: Refitted) -> tuple[int, int, float]:
@@ -115,18 +124,37 @@ def _simplest(table: Table, answer: Answer) -> Refitted:
     return leader
 
 
-def _tables(linear: Linearization, few: LeastSquares, baseline: Solution, budget: Budget) -> Generator[Table]:
-    """Compare explanations under the noise of each leading one in turn."""
-    seen, explained = set[Parts](), 0.0
+def _tables(
+    linear: Linearization, few: LeastSquares, baseline: Solution, budget: Budget,
+    settled: list[dict[Parts, FloatArray]],
+) -> Generator[Table]:  # fmt: skip
+    """Compare explanations under the noise of each leading one in turn.
+
+    All that nearly lead are compared under the noise of an explanation that explains nearly as much. `settled`: their
+    scores are added. Nobody knows the noise, and an explanation leads easily under its own: all of them count equally.
+    """
+    seen, far, explained = set[Parts](), frozenset[Parts](), 0.0
     for remaining in reversed(range(ESTIMATES)):
-        table = yield from _climbed(_empty(linear, baseline, explained, budget), linear)
+        empty = replace(_empty(linear, baseline, explained, budget), far=far)
+        table = yield from _climbed(empty, linear)
         seen.add(linear.explanation.parts)
-        # Two explanations may lead in turn, each under the noise of the other one: then the smaller one is the leader.
-        if table.leads_again(seen, linear.explanation) or not remaining:
+        first = bool(table.leader.explanation.parts) and not linear.explanation.parts
+        if not (first or _grown(table)) or not remaining:
             table = yield from _settled(table)
-            if table.leads_again(seen, linear.explanation):
+            # Two explanations may lead in turn, each under the noise of the other one: then the smaller one leads.
+            last = not remaining or len(settled) + 1 == SETTLED
+            if last or table.leads_again(seen, linear.explanation):
+                table = yield from _with_formulas(table)
+            settled.append(fold_evidences(table))
+            if last or table.leads_again(seen, linear.explanation):
                 break
+            far |= table.behind(FAR)
         explained, linear = table.explained, _with_own_noise(table.leader, few)
+
+
+def _grown(table: Table) -> bool:
+    """Return whether the noise is to be estimated again before more is compared."""
+    return inflation(table.explained) > GROWTH * inflation(table.shared.explained)
 
 
 def _empty(linear: Linearization, baseline: Solution, explained: float, budget: Budget) -> Table:
@@ -163,24 +191,20 @@ def _climbed(table: Table, linear: Linearization) -> Move:
         start = linear.solution.parameters
         table = table.with_refit(refitted(table.shared, linear.explanation, [start], linear.simulator))
         yield table
-    before, limit = None, GROWTH * inflation(table.shared.explained)
-    while before is not table.leader and inflation(table.explained) < limit:
+    before = None
+    while before is not table.leader and not _grown(table):
         before = table.leader
         table = yield from extended(table, before)
     return table
 
 
 def _settled(table: Table) -> Move:
-    """Extend, reduce and exchange all explanations that nearly lead, formulas among them, until none is left."""
-    settled, proposed = set[Parts](), set[Parts]()
+    """Extend, reduce and exchange all explanations that nearly lead, until none is left."""
+    settled = set[Parts]()
     while len(settled) < COMPARED:
         remaining = [parts for parts in table.near() if parts not in settled]
         if not remaining:
-            before = table.leader
-            table = yield from _with_formulas(table, proposed)
-            if table.leader is before:
-                break
-            continue
+            break
         refit = table.refits[remaining[0]]
         settled.add(remaining[0])
         table = yield from reduced(table, refit)
@@ -234,7 +258,7 @@ def extended_boldly(table: Table, refit: Refitted) -> Move:
     scored = gains(projected(refit.linear, possible, exactly=True), possible)
     best = {name: _best(forms) for name, forms in scored.items()}
     for name in sorted(best, key=lambda part: -graded(best[part].gain))[:RIVALS]:
-        if best[name].gain > 0.0 and _with_gain(table, refit, best[name]).parts not in table.refits:
+        if best[name].gain > 0.0 and not table.compared(_with_gain(table, refit, best[name])):
             table.report(f"comparing {', '.join(refit.explanation.parts)} with {name}")
             table = table.with_refit(_with_effect(table, refit, best[name], ()))
             yield table
@@ -251,7 +275,7 @@ def exchanged(table: Table, refit: Refitted) -> Move:
         table, possible = table.possible(less.linear)
         others = [addition for addition in possible if addition.name != part]
         for name, best in rivals_of(in_place_of(part, refit.linear, others), others).items():
-            if name in refit.explanation.effects or _with_gain(table, less, best).parts in table.refits:
+            if name in refit.explanation.effects or table.compared(_with_gain(table, less, best)):
                 continue
             table.report(f"comparing {part} with {name}")
             table = table.with_refit(_with_effect(table, less, best, [table.without(refit, less.explanation)]))
@@ -259,11 +283,11 @@ def exchanged(table: Table, refit: Refitted) -> Move:
     return table
 
 
-def _with_formulas(table: Table, proposed: set[Parts]) -> Move:
+def _with_formulas(table: Table) -> Move:
     """Compare formulas for what the leading explanation, those with one part less, and none of them explain.
 
     Those with less lack one of the `RIVALS` parts that are missed least: a formula may be in its place. The smallest
-    explanation is the first one. `proposed`: those with a formula that was searched for; more are added.
+    explanation is the first one. Where another one leads then, the noise is to be estimated again.
     """
     leader = table.leader
     if UNKNOWN in leader.explanation.parts:
@@ -271,15 +295,12 @@ def _with_formulas(table: Table, proposed: set[Parts]) -> Move:
     less = [leader.explanation.without(part).parts for part in leader.explanation.effects]
     less = sorted(less, key=lambda parts: -graded(table.scores.get(parts, -np.inf)))[:RIVALS]
     for parts in dict.fromkeys([(), *less, leader.explanation.parts]):
-        if table.leader is not leader or parts not in table.refits or parts in proposed:
-            continue
-        proposed.add(parts)
-        table.report(f"searching for a formula in addition to {', '.join(parts) or 'the baseline model'}")
-        table, formula = _formula(table, table.refits[parts])
-        if formula is not None:
-            table = table.with_refit(formula)
-        yield table
-    return table
+        if table.leader is leader and parts in table.refits:
+            table.report(f"searching for a formula in addition to {', '.join(parts) or 'the baseline model'}")
+            table, formula = _formula(table, table.refits[parts])
+            table = table if formula is None else table.with_refit(formula)
+            yield table
+    return table if table.leader is leader else (yield from _settled(table))
 
 
 def _formula(table: Table, refit: Refitted) -> tuple[Table, Refitted | None]:

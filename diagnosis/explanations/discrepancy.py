@@ -19,10 +19,17 @@ from ...measurements.virtual_bench.bench_errors import half_waves
 from ..signals.disturbances import LAGS, load_error_responses, passed
 from ..signals.signals import Signals
 from ..signals.simulation import Simulator
-from ..thresholds import BLOCK_LENGTH, DRIFT_WAVES, FAST_DRIFT_PRIOR, FAST_DRIFT_WAVES, LOAD_ERROR_PRIOR, MAX_SKEW
+from ..thresholds import BLOCK_LENGTH, DRIFT_WAVES, MAX_SKEW
 from ..unexplained.features import CORE_INPUTS
 
 FloatArray = npt.NDArray[np.float64]
+
+#: Drift that may explain structure: largest number of half waves, and prior standard deviation of the k-th one times k,
+#: in noise standard deviations. The quotient is derived: a random walk has it. The size and the number are conventions.
+FAST_DRIFT_WAVES, FAST_DRIFT_PRIOR = 12, 2.0
+#: Prior standard deviation of the relative error of the load that follows the direction of slip: benches hold the load
+#: within 1 %. More is attributed to the tire. Convention.
+LOAD_ERROR_PRIOR = 0.005
 
 #: Features of each channel: of the model, and of an effect. Convention: computing time.
 MODEL_FEATURES, EFFECT_FEATURES = 30, 30

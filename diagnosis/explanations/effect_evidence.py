@@ -12,10 +12,13 @@ from scipy.special import chdtrc, ndtri
 
 from ...numerics.block_regression import error_of_sum
 from ..probing.effect_probing import Screen
-from ..thresholds import FINAL_ITERATIONS, STRETCHES
+from ..thresholds import FINAL_ITERATIONS
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
+
+#: Number of long stretches in which an effect is judged. Convention.
+STRETCHES = 8
 
 #: Probability below which the estimate over its standard error is used as it is: quantiles end at 1e-308.
 MIN_P = 1e-260

@@ -14,9 +14,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
-from ..thresholds import COARSENED_ROWS, FORM_ERROR, INEXACT_SHARE
+from ..signals.signals import Signals
+from ..thresholds import COARSENED_ROWS, FOLDS, FORM_ERROR, INEXACT_SHARE
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
 
 #: Added to the diagonal of scaled matrices, whose diagonal is 1: columns may be equal.
 RIDGE = 1e-11
@@ -52,6 +54,14 @@ def caution(explained: float) -> float:
     (1.0, True)
     """
     return (1.0 + FORM_ERROR**2 * max(explained, 0.0)) / inflation(explained)
+
+
+def folds_of(signals: Signals) -> IntArray:
+    """Return the fold, 0 to `FOLDS` - 1, of each compared row: a random part of the blocks of time."""
+    blocks = np.unique(signals.block)
+    return np.asarray(
+        (np.random.default_rng(0).permutation(len(blocks)) % FOLDS)[np.searchsorted(blocks, signals.block)]
+    )
 
 
 @dataclass(frozen=True, eq=False)

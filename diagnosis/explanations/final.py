@@ -19,7 +19,7 @@ from ...symbolic.detection import Form
 from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 from ..probing.effect_probing import Screen
-from ..thresholds import FINAL_ITERATIONS, MAX_WHITENED_MISFIT
+from ..thresholds import FINAL_ITERATIONS
 from ..unexplained.formula_proposal import (
     AddedFormula,
     UnexplainedStructure,
@@ -36,6 +36,10 @@ from .form import Form as FormCorrection
 from .form import form_of
 
 FloatArray = npt.NDArray[np.float64]
+
+#: Ratio of root mean square residuals, whitened to equal weights, above which the whitened fit is not used. Convention:
+#: the agreement that is required of reported residuals.
+MAX_WHITENED_MISFIT = 1.02
 
 #: Number of times that the channels are weighted by their residuals and fitted.
 BALANCING = 2

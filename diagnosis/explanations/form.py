@@ -23,16 +23,15 @@ from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 from ..signals.signals import Signals
 from ..signals.simulation import Simulator
-from ..thresholds import DISCREPANCIES, FINAL_ITERATIONS
+from ..thresholds import DISCREPANCIES, FINAL_ITERATIONS, FOLDS
 from .discrepancy import model_discrepancy
-from .evidence import likelihood_power
+from .evidence import folds_of, likelihood_power
 
 FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
 
 #: The name of the effect, and how the names of its shares of bumps begin.
 FORM, PREFIX = "form", "FORM_"
-#: Root mean square residual over short-range noise from which a form is corrected: a third of its power. Convention.
-MIN_MISFIT = 1.25
 #: Numbers of bumps over load and slip, and the half width of a bump in distances of two. Conventions.
 LOADS, SLIPS, HALF_WIDTH = 4, 3, 1.25
 #: Smallest ranges of Fz/FNOMIN and slip that have a form. Convention.
@@ -65,18 +64,21 @@ class Form:
 def form_of(problem: LeastSquares, solution: Solution, start: Tire) -> Form | None:
     """Return a correction of the form; None if nothing is to be corrected, or the hold-out set not predicted better.
 
-    `problem`: weighted by the short-range noise: where the residual is not far above it, nothing is corrected.
+    It is fitted if a smooth function of slips and load predicts left-out blocks of time better, by more than twice the
+    standard error over blocks.
+
     `start`: the model with all effects. For the fit, the noise of a channel is its residual, and the likelihood is
     raised to the power of the comparison.
     """
     used, signals = problem.inverse_noise > 0.0, problem.simulator.signals
     size = np.sqrt(np.sum((problem.inverse_noise * solution.residual) ** 2, axis=1) / np.maximum(used.sum(axis=1), 1))
     geometry = _geometry(signals, start)
-    if geometry is None or FORM in start.has or size.max() < MIN_MISFIT:
+    if geometry is None or FORM in start.has:
         return None
     power = likelihood_power(int(used.any(axis=0).sum()))
     weights = problem.inverse_noise * (np.sqrt(power) / np.where(size > 0.0, size, 1.0))[:, None]
-    if not _predicts_better(problem, solution.residual, _smoothed(problem, solution, weights)):
+    gains = _gains(signals, solution.residual, _smoothed(problem, solution, weights), used, used)
+    if not gains.sum() > 2.0 * error_of_sum(gains):
         return None
     roles = _roles(start.symbolic_model, signals.channels)
     try:
@@ -94,40 +96,49 @@ def form_of(problem: LeastSquares, solution: Solution, start: Tire) -> Form | No
     best = wider.solve(parameters, free, iterations=FINAL_ITERATIONS)
     wider = wider.over(wider.simulator.driven_at(best.parameters))
     best = wider.at(best.parameters, free)
-    if not _predicts_better(problem, solution.residual, best.residual):
+    held = signals.present & signals.holdout
+    if not _gains(signals, solution.residual, best.residual, used, held).sum() > 0.0:
         return None
     change = np.where(signals.present, solution.residual - best.residual, 0.0)
     return Form(tire, replace(wider, inverse_noise=problem.inverse_noise), best, change)
 
 
 def _smoothed(problem: LeastSquares, solution: Solution, weights: FloatArray) -> FloatArray:
-    """Return the residual without the posterior mean of the discrepancy of the model: a form without its equations."""
-    columns = model_discrepancy(problem.simulator.signals, problem.simulator.forces(solution.parameters))
-    flat = (weights[:, :, None] * columns).reshape(-1, columns.shape[-1])
-    matrix = flat.T @ flat + np.eye(flat.shape[1]) / max(DISCREPANCIES) ** 2
-    return np.asarray(
-        solution.residual - columns @ np.linalg.solve(matrix, flat.T @ (weights * solution.residual).ravel())
-    )
+    """Return the residual without the posterior mean of the discrepancy of the model: a form without its equations.
 
-
-def _predicts_better(problem: LeastSquares, before: FloatArray, after: FloatArray) -> bool:
-    """Return whether the density of the hold-out set is larger, by more than twice its standard error over blocks.
-
-    `before`, `after`: residuals, shape (n_channels, n).
+    The mean at a block of time is that of the recording without a fold of blocks, the block among them.
     """
-    signals, gains = problem.simulator.signals, np.zeros(len(problem.simulator.signals.rows))
-    used, held = problem.inverse_noise > 0.0, signals.present & signals.holdout
+    signals = problem.simulator.signals
+    columns = model_discrepancy(signals, problem.simulator.forces(solution.parameters))
+    fold, rest = folds_of(signals), solution.residual.copy()
+    rows = (weights[:, :, None] * columns, weights * solution.residual)
+    parts = [[part[:, fold == k] for part in rows] for k in range(FOLDS)]
+    matrices = np.array([np.einsum("cni,cnj->ij", x, x, optimize=True) for x, _ in parts])
+    targets = np.array([np.einsum("cni,cn->i", x, y, optimize=True) for x, y in parts])
+    prior = np.eye(columns.shape[-1]) / max(DISCREPANCIES) ** 2
+    for k in range(FOLDS):
+        mean = np.linalg.solve(matrices.sum(axis=0) - matrices[k] + prior, targets.sum(axis=0) - targets[k])
+        rest[:, fold == k] -= columns[:, fold == k] @ mean
+    return rest
+
+
+def _gains(signals: Signals, before: FloatArray, after: FloatArray, fitted: BoolArray, judged: BoolArray) -> FloatArray:
+    """Return by how much the logarithm of the density of each block of time with judged rows is larger.
+
+    `before`, `after`: residuals, shape (n_channels, n). `fitted`, `judged`, of the same shape: rows that determine the
+    variances, and rows that are compared.
+    """
+    gains = np.zeros(len(signals.rows))
     for i in range(len(signals.channels)):
-        if used[i].any() and held[i].any():
+        if fitted[i].any() and judged[i].any():
             densities = [
                 -0.5 * (np.log(variance) + residual[i] ** 2 / variance)
                 for residual in (before, after)
-                for variance in [float(np.mean(residual[i][used[i]] ** 2))]
+                for variance in [max(float(np.mean(residual[i][fitted[i]] ** 2)), 1e-300)]
             ]
-            gains += np.where(held[i], densities[1] - densities[0], 0.0)
-    blocks = signals.block[signals.holdout]
-    by_block = np.array([np.sum(gains, where=signals.block == block) for block in np.unique(blocks)])
-    return len(by_block) > 1 and bool(by_block.sum() > 2.0 * error_of_sum(by_block))
+            gains += np.where(judged[i], densities[1] - densities[0], 0.0)
+    blocks = signals.block[judged.any(axis=0)]
+    return np.array([np.sum(gains, where=signals.block == block) for block in np.unique(blocks)])
 
 
 def _geometry(signals: Signals, tire: Tire) -> dict[str, float] | None:

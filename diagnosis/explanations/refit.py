@@ -16,7 +16,7 @@ from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..signals.disturbances import Disturbances
 from ..signals.simulation import Simulator
-from ..thresholds import DISCREPANCIES, MAX_SKEW, SEARCH_ROWS
+from ..thresholds import DISCREPANCIES, MAX_ROWS, MAX_SKEW
 from .budget import Budget
 from .discrepancy import fast_drift, input_noise_responses, model_discrepancy
 from .evidence import NormalEquations, inflation, likelihood_power
@@ -115,8 +115,8 @@ def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArr
 
 
 def some_rows(simulator: Simulator) -> slice:
-    """Return every n-th compared row, at most `SEARCH_ROWS`."""
-    return slice(None, None, -(-len(simulator.signals.rows) // SEARCH_ROWS))
+    """Return every n-th compared row, at most half of `MAX_ROWS`."""
+    return slice(None, None, -(-len(simulator.signals.rows) // (MAX_ROWS // 2)))
 
 
 @lru_cache(maxsize=8)  # explanations with the same terms share one problem

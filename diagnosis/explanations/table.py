@@ -16,7 +16,7 @@ import numpy.typing as npt
 from ...numerics.ties import graded
 from ..thresholds import EFFECT_ODDS, FOLDS, REFIT_MARGIN
 from .answer import percent
-from .evidence import caution, inflation
+from .evidence import caution, folds_of, inflation
 from .explanation import Explanation
 from .linearization import Addition, Linearization
 from .refit import Refitted, Shared
@@ -32,6 +32,7 @@ class Table:
     - `absent`, shape (n_parameters,): of the baseline model.
     - `additions`: by name, to the first explanation that lacks the part. Their columns serve for all explanations.
     - `refits`: those that were refitted; there is at least the one without parts.
+    - `far`: those that were refitted under another noise and were far behind.
     - `linear`: logarithms of evidence and prior odds of others, from the linear problem next to them.
     """
 
@@ -40,6 +41,7 @@ class Table:
     additions: Mapping[str, list[Addition]]
     refits: Mapping[Parts, Refitted] = field(default_factory=dict)
     linear: Mapping[Parts, tuple[float, float]] = field(default_factory=dict)
+    far: frozenset[Parts] = frozenset()
 
     def with_refit(self, refit: Refitted) -> Table:
         """Return the table with a refit if it is the best one of its explanation.
@@ -114,6 +116,16 @@ class Table:
         }
         return list(dict.fromkeys([leader, *(parts for parts in order if behind[parts] > REFIT_MARGIN)]))
 
+    def behind(self, score: float) -> frozenset[Parts]:
+        """Return the refits whose divided scores are less than the largest one by more than this (negative) score."""
+        divided = self.divided()
+        best = max(divided.values())
+        return frozenset(parts for parts in self.refits if divided[parts] < best + score)
+
+    def compared(self, explanation: Explanation) -> bool:
+        """Return whether an explanation was refitted, or under another noise and was far behind."""
+        return explanation.parts in self.refits or explanation.parts in self.far
+
     def leads_again(self, seen: Collection[Parts], explanation: Explanation) -> bool:
         """Return whether the leader is one of those seen, and not larger than the explanation of the noise."""
         parts = self.leader.explanation.parts
@@ -166,9 +178,7 @@ def without_folds(linear: Linearization) -> FloatArray:
 
     The rows that remain count as often as makes them as many as all.
     """
-    signals, equations = linear.simulator.signals, linear.equations()
-    blocks = np.unique(signals.block)
-    fold = (np.random.default_rng(0).permutation(len(blocks)) % FOLDS)[np.searchsorted(blocks, signals.block)]
+    equations, fold = linear.equations(), folds_of(linear.simulator.signals)
     parts = [linear.products(np.flatnonzero(fold == k)) for k in range(FOLDS)]
     whole, times = np.sum(parts, axis=0), FOLDS / (FOLDS - 1.0)
     evidences = []

@@ -12,7 +12,10 @@ from ...symbolic.detection import Detection, Form
 from ...symbolic.model import Model
 from ...tires.tire import Tire
 from ..signals.signals import Signals
-from ..thresholds import MAX_BLOCKS, MIN_VARIATION, MIN_VARIATION_IN_NOISE
+from ..thresholds import MAX_BLOCKS, MIN_VARIATION
+
+#: The same in standard deviations of the input's noise. Not recorded.
+MIN_VARIATION_IN_NOISE = 4.0
 
 #: Inputs whose common deviation from zero an effect of two of them requires.
 SLIPS = ("kappa", "alpha", "gamma", "phit")

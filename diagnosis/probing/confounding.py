@@ -9,10 +9,13 @@ import numpy.typing as npt
 
 from ...symbolic.detection import Detection
 from ..signals.skew import delay_response
-from ..thresholds import MIN_SHARE, SIDE
+from ..thresholds import SIDE
 from .effect_probing import Screen
 
 FloatArray = npt.NDArray[np.float64]
+
+#: Share of an effect's norm from which the response of a single coefficient is compared as well. Not recorded.
+MIN_SHARE = 0.4
 
 #: Sensor errors that are confounded with effects: the input and its error, rad, rad and 1.
 ALIASES: Mapping[str, Mapping[str, float]] = {

@@ -14,12 +14,15 @@ from ...numerics.block_regression import BlockSums, autocovariance, block_sums, 
 from ...symbolic.detection import Form, Probe
 from ..least_squares import LeastSquares, Solution
 from ..signals.simulation import Simulator
-from ..thresholds import FREE_PRIOR, MAX_CORRELATION_TIME, MIN_INDEPENDENT_SHARE, MIN_ROWS_OF_BLOCK
+from ..thresholds import FREE_PRIOR, MIN_INDEPENDENT_SHARE, MIN_ROWS_OF_BLOCK
 from .baseline_fit import readable
 from .candidates import Candidate, counts_from_neutral, is_testable
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
+
+#: Longest lag of the noise covariance in the test, s; the block jackknife covers longer correlations. Not recorded.
+MAX_CORRELATION_TIME = 1.0
 
 
 @dataclass(frozen=True, eq=False)

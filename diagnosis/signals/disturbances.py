@@ -18,11 +18,14 @@ import numpy.typing as npt
 from ...measurements.virtual_bench.bench_errors import cross_talk, half_waves
 from ...numerics.periodic_lines import PeriodicLine
 from ...tires.states.transient import followed
-from ..thresholds import CROSS_TALK_PRIOR_SHARE, DRIFT_PRIOR, DRIFT_WAVES, FREE_PRIOR, MAX_CROSS_TALK
+from ..thresholds import CROSS_TALK_PRIOR_SHARE, DRIFT_WAVES, FREE_PRIOR, MAX_CROSS_TALK
 from .signals import Signals
 from .simulation import Simulator
 
 FloatArray = npt.NDArray[np.float64]
+
+#: Prior standard deviation of drift, in noise standard deviations. Not recorded.
+DRIFT_PRIOR = 1.0
 
 #: How the names of cross-talk begin, before Fx_in_Fy.
 CROSS_TALK = "cross_talk_"

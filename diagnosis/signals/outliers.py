@@ -6,10 +6,13 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 
-from ..thresholds import LOCAL_ROWS, OUTLIER
-
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
+
+#: Outliers exceed twice this number of robust standard deviations of the short-range residual. Not recorded.
+OUTLIER = 7.0
+#: Rows over which the short-range residual is centred. Not recorded.
+LOCAL_ROWS = 15
 
 
 def short_range(residual: FloatArray, used: BoolArray) -> tuple[FloatArray, BoolArray]:

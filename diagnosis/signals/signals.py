@@ -25,16 +25,21 @@ from ..thresholds import (
     HOLDOUT_EVERY,
     MAX_BLOCKS,
     MAX_ROWS,
-    MIN_BLOCKS,
-    MIN_MEASURED_BLOCKS,
-    MIN_ROWS,
     MIN_ROWS_OF_BLOCK,
     MIN_VARIATION,
-    TIME_GAP,
 )
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
+
+#: Minimum number of rows under load. Derived from `MIN_BLOCKS`: a block then has about 16 rows.
+MIN_ROWS = 200
+#: In time steps: a longer step is a gap in time, which separates segments of smoothing. Not recorded.
+TIME_GAP = 5.0
+#: Least number of blocks. A jackknife covariance of k responses requires more than k + 1 blocks. Convention.
+MIN_BLOCKS = 12
+#: Minimum number of blocks with measured outputs; with fewer, their scatter has too few degrees of freedom. Convention.
+MIN_MEASURED_BLOCKS = 8
 
 #: The sign convention of the computation: that of the coefficients' bounds and initial values.
 FORMULA_SIGNS = "adapted-sae"

@@ -21,7 +21,6 @@ from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 from ..probing.effect_probing import Screen
 from ..signals.simulation import Simulator
-from ..thresholds import COEFFICIENT_BOUND_FACTOR, SHORTLIST
 from .features import Feature, Location, determined, directions, features, locations_of
 from .past import STATES
 
@@ -200,6 +199,11 @@ def _bracketed(term: Feature) -> str:
 
 
 FloatArray = npt.NDArray[np.float64]
+
+#: Number of features whose evidence is computed. Convention: computing time.
+SHORTLIST = 60
+#: Bounds of a formula's coefficient as multiples of its estimate. Convention.
+COEFFICIENT_BOUND_FACTOR = 10.0
 
 #: Rows from which features are shortlisted. Convention: computing time.
 SHORTLIST_ROWS = 1500

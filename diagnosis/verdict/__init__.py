@@ -9,7 +9,7 @@ from ...boundary.on_demand import on_demand
 if TYPE_CHECKING:
     from .adequacy import Adequacy, adequacies
     from .delivery import density_gain, reasons_against
-    from .extrapolation import Extrapolation, extrapolations, outside
+    from .extrapolation import MAX_CHANGE, Extrapolation, extrapolations, outside
     from .findings import CoefficientInterval, FoundEffect
     from .fit_error import DeliveredResiduals, delivered_residuals, fit_errors, floors_of
     from .improved_tire import tire_of

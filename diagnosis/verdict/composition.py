@@ -27,7 +27,7 @@ from ..probing.effect_probing import Screen, Tried, tried
 from ..signals.disturbances import reported_disturbances
 from ..signals.measurement_artefacts import recording_errors
 from ..signals.signals import FORMULA_SIGNS, Signals
-from ..thresholds import CHANNEL_SHARE, REPORTED, REPORTED_EVIDENCE
+from ..thresholds import CHANNEL_SHARE, REPORTED
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy, adequacies
 from .delivery import reasons_against
@@ -39,8 +39,8 @@ from .fit_error import (
     FitErrors,
     delivered_residuals,
     fit_errors,
+    fitted_residuals,
     floors_of,
-    preprocessed,
     without_skew,
 )
 from .improved_tire import tire_of
@@ -50,6 +50,9 @@ from .result import Diagnosis
 from .verdict import verdict_sentences
 
 FloatArray = npt.NDArray[np.float64]
+
+#: Share of the evidence in the reported stretches of time. Convention.
+REPORTED_EVIDENCE = 0.67
 
 #: The reason why a formula that improves the hold-out set is not in the delivered tire.
 NOT_DELIVERED = "the improved tire is not delivered"
@@ -172,15 +175,13 @@ def _delivery(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -
     tire = tire_of(fits.start, after.problem, after.solution, (*added, *((FORM,) if fits.form else ())))
     # The equations of all effects are compiled already; those of the delivered tires alone would take seconds.
     complete = tuple(replace(either, added=fits.start.added) for either in (base_tire, tire))
-    screens, rows = (before, after), outcome.signals.table_rows
     recording = without_skew(outcome.recording, outcome.signals)
-    residuals = judged = delivered_residuals(complete, recording, screens, rows)
+    residuals = judged = delivered_residuals(complete, recording, (before, after), outcome.signals.table_rows)
     floors = floors_of(recording, residuals, outcome.signals.channels)
     errors = compared = fit_errors(before, after, residuals, floors)
     if set(tire.states) - set(base_tire.states) and outcome.signals.timed:
-        without_noise = preprocessed(outcome.recording, outcome.signals)
-        judged = delivered_residuals(complete, without_noise, screens, rows)
-        compared = fit_errors(*screens, judged, floors)
+        judged = fitted_residuals(before, after)
+        compared = fit_errors(before, after, judged, floors)
     against: tuple[str, ...] = ()
     if added or fits.refinements or fits.form:
         against = reasons_against(compared, judged)
@@ -246,7 +247,7 @@ def _extrapolations(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ..
 def _inputs_of(outcome: DiagnosisOutcome, effect: str) -> tuple[str, ...]:
     """Return the inputs that an effect depends on."""
     added = [part for part in outcome.final.start.added if part.name == effect]
-    read = {symbol.name for part in added for act in part.acts for symbol in act.expression.free_symbols}
+    read = frozenset[str]().union(*(act.reads for part in added for act in part.acts))
     required = outcome.candidates[effect].requires if effect in outcome.candidates else ()
     return tuple(name for name in outcome.signals.names if name in read or name in required)
 

@@ -12,7 +12,11 @@ from ...symbolic.detection import LARGEST_IN_SIZES
 from ...tires.tire import Tire
 from ..probing.candidates import CHANNELS, Candidate, excited, rows_per_second, varies
 from ..probing.effect_probing import Screen, Tried
-from ..thresholds import EFFECT_P, MIN_INDEPENDENT_SHARE
+from ..thresholds import MIN_INDEPENDENT_SHARE
+
+#: p-value under coloured noise, with Bonferroni correction, at which the detection limit of an effect is stated.
+#: Convention.
+EFFECT_P = 1e-3
 
 
 def detectable_sizes(

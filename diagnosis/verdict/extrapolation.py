@@ -13,9 +13,13 @@ from ...numerics.ties import graded
 from ...symbolic.declarations import Quantity
 from ..least_squares import LeastSquares, Solution
 from ..signals.range_text import range_text
-from ..thresholds import EXTRAPOLATED_SHARE, MAX_CHANGE
 
 FloatArray = npt.NDArray[np.float64]
+
+#: Distance outside an input's range at which an effect is evaluated, as a share of the range and of the distance to the
+#: limit of the physical range, and the change of its part of a force, relative to the force, that is reported as
+#: doubtful. Convention.
+EXTRAPOLATED_SHARE, MAX_CHANGE = 0.5, 0.15
 
 #: Number of rows at which the model is evaluated.
 ROWS = 300

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
-import pandas as pd
 
 from ...measurements import Recording
 from ...measurements.state_starts import with_fitted_starts
@@ -79,23 +78,17 @@ def delivered_residuals(
     return DeliveredResiduals(rows, first, last, used, holdout, compared, block)
 
 
-def preprocessed(recording: Recording, signals: Signals) -> Recording:
-    """Return a recording with the inputs of the computation, without noise and skew.
+def fitted_residuals(before: Screen, after: Screen) -> DeliveredResiduals:
+    """Return the residuals of both solutions as the fits computed them, from inputs without noise.
 
     A state that follows the direction of slip follows noise of the slip, too. Whether a tire with states is better is
     therefore decided with these inputs.
-
-    `recording`: with time. `signals`: of this recording.
     """
-    table, t = recording.table, recording.table["t"].to_numpy(dtype=np.float64)
-    if (np.diff(t) < 0.0).any():
-        return recording
-    inputs = {
-        name: np.interp(t, signals.t, values)
-        for name, values in zip(signals.names, signals.inputs, strict=True)
-        if name in table
-    }
-    return replace(recording, table=table.assign(**convert_signs(pd.DataFrame(inputs), FORMULA_SIGNS, recording.signs)))
+    signals, compared = after.signals, np.arange(len(after.signals.rows))
+    return DeliveredResiduals(
+        signals.table_rows, before.solution.residual, after.solution.residual, signals.present, signals.holdout,
+        compared, signals.block,
+    )  # fmt: skip
 
 
 def without_skew(recording: Recording, signals: Signals) -> Recording:

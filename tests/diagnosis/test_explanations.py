@@ -3,6 +3,7 @@
 import itertools
 import signal
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -30,6 +31,7 @@ from tirefmu.diagnosis.explanations import (
     unknown_terms,
     without_folds,
 )
+from tirefmu.diagnosis.explanations.compare import _simplest
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
 from tirefmu.diagnosis.signals import between_rows, signals_of
 from tirefmu.diagnosis.thresholds import EFFECT_ODDS, INEXACT_SHARE
@@ -146,6 +148,27 @@ def test_a_class_has_exactly_one_missing_effect():
     assert answer.one_of("a") == ()
     assert answer.one_of("d") == ()  # nothing takes its place
     assert answer_of({("b",): 0.0, ("c",): 0.0, (): 0.0}, list("bc")).one_of("b") == ()
+
+
+def test_the_simplest_of_equal_effects_is_delivered():
+    """Fewest states first; an explanation that is much less probable than the leader is not taken."""
+
+    def refit(effects, free):
+        explanation = Explanation(tuple((name, Form((), ())) for name in effects))
+        linear = SimpleNamespace(solution=SimpleNamespace(free=tuple(range(free))))
+        return SimpleNamespace(explanation=explanation, linear=linear)
+
+    sets = {("history", "lag"): (0.0, 5), ("lag", "temperature"): (-0.3, 6), ("lag", "pressure"): (-4.0, 2)}
+    refits = {parts: refit(parts, free) for parts, (_, free) in sets.items()}
+    model = SimpleNamespace(added=[SimpleNamespace(name="history", states=("s",))])
+    shared = SimpleNamespace(problem=SimpleNamespace(simulator=SimpleNamespace(symbolic_model=model)))
+    table = SimpleNamespace(refits=refits, leader=refits["history", "lag"], shared=shared)
+    answer = answer_of(
+        {parts: score for parts, (score, _) in sets.items()}, ["history", "lag", "temperature", "pressure"]
+    )
+    assert _simplest(table, answer).explanation.effects == ("lag", "temperature")
+    alone = answer_of({("history", "lag"): 0.0}, ["history", "lag", "temperature"])
+    assert _simplest(table, alone) is table.leader
 
 
 def test_the_reported_explanations_have_nearly_all_of_the_probability():

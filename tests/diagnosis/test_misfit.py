@@ -7,9 +7,9 @@ import pytest
 
 from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.diagnosis.probing import reweighted
-from tirefmu.diagnosis.signals import quantisation, ripple
-from tirefmu.diagnosis.thresholds import MAX_CHANGE, OUTLIER
+from tirefmu.diagnosis.signals import OUTLIER, quantisation, ripple
 from tirefmu.diagnosis.verdict import (
+    MAX_CHANGE,
     delivered_residuals,
     extrapolations,
     fit_errors,
