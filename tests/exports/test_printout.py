@@ -68,7 +68,7 @@ def test_a_printout_is_ascii_with_header_and_self_test(trento, language):
     assert any("selftest" in name for name in files)
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("language", slow_but(["c", "modelica", "latex"], LANGUAGES))
 def test_hostile_texts_change_comments_only(wet, language):
     """The lines of code are those of a tire with harmless texts."""
     texts = []

@@ -115,7 +115,7 @@ def test_shifts_are_mirrored_too_if_the_model_is_that_of_forward_rolling(wheel_o
         np.testing.assert_allclose(backward, [-Fx, Fy, -Mz], rtol=1e-9, atol=1e-9, err_msg=f"{V_x, V_y, slip}")
 
 
-@pytest.mark.parametrize("inputs", KINDS)
+@pytest.mark.parametrize("inputs", slow_but(["slip", "hub"], KINDS))
 @pytest.mark.parametrize("model", slow_relatives(MODELS))
 def test_sliding_dissipates(wheel_of, model, inputs):
     wheel, draw = wheel_of(model, inputs), np.random.default_rng(5).uniform

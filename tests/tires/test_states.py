@@ -98,6 +98,7 @@ def test_held_inputs_require_no_step_size(name, lags):
     assert np.abs(steady["Fy"] - once["Fy"]).max() > 30.0  # the effect has an influence
 
 
+@pytest.mark.slow
 def test_a_step_with_strong_feedback_is_halved():
     """Friction falls so much with heat that an iteration over a long step finds no values."""
     tire = tire_with("heat_friction", lags=False, HMU=2.0, HTAU=1.0, HLOAD=0.0, HCOOL=0.0)
