@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from .applications.exports.convert import convert
     from .applications.exports.lint import lint
     from .applications.planning.plan import plan
-    from .boundary.errors import TirefmuError, TirefmuWarning
+    from .boundary.errors import TirefmuError
     from .diagnosis import Diagnosis, diagnose
     from .fitting import FitResult, fit
     from .fmu import CheckResult, ProofResult, add_proof, check, export, repeat_proof
@@ -43,7 +43,6 @@ __all__ = [
     "Recording",
     "Tire",
     "TirefmuError",
-    "TirefmuWarning",
     "VirtualBench",
     "add_proof",
     "bootstrap",

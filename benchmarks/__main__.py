@@ -35,7 +35,7 @@ def command_of(line: str, arguments: Sequence[str], environment: Mapping[str, st
 
 
 def run(study: Mapping[str, Any], arguments: Sequence[str]) -> int:
-    """Install what a study needs and run its lines until one fails; return its exit code."""
+    """Install what a study needs and run its lines until one fails; return its exit code. Slow tests run."""
     installed = list(study.get("install", []))
     if "extras" in study:
         installed.append(f".[{','.join(study['extras'])}]")
@@ -44,7 +44,8 @@ def run(study: Mapping[str, Any], arguments: Sequence[str]) -> int:
     environment = {"OMP_NUM_THREADS": "1", **os.environ, **study.get("environment", {})}
     *lines, last = study["run"]
     for line, given in (*((line, ()) for line in lines), (last, arguments)):
-        status = subprocess.run(command_of(line, given, environment), cwd=ROOT, env=environment, check=False).returncode
+        command, slow = command_of(line, given, environment), {"TIREFMU_SLOW": "1"} if line.startswith("pytest") else {}
+        status = subprocess.run(command, cwd=ROOT, env=environment | slow, check=False).returncode
         if status:
             return status
     return 0

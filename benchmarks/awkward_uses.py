@@ -194,6 +194,11 @@ def uses() -> dict[str, Use]:
         "tire: radius in mm": command("in mm", "info", "a.tir", files=tir(radius=300)),
         "tire: E above 1": command("wrong sign|E_y  ", "info", "a.tir", files=tir("PEY1 = 4\n")),
         "tire: a weighting function above 1": command("G_xa", "info", "a.tir", files=tir("RHX1 = 0.05\n")),
+        "tire: forces beyond the friction ellipse": command(
+            "ellipse", "info", "a.tir", files=tir("RBX1 = 0.5\nRCX1 = 1\nRBY1 = 0.5\nRCY1 = 1\n")
+        ),
+        "tire: USE_MODE 3": command("USE_MODE", "export", "a.tir", "--kind", "ssv", "-o", "a.ssv", files=tir(
+            "[MODEL]\nUSE_MODE = 3\n")),
         "tire: FITTYP 51": command("FITTYP", "info", "a.tir", files=tir(fittyp=51)),
         "tire: FITTYP 97": command("FITTYP", "info", "a.tir", files=tir(fittyp=97)),
         "fit: data that never reach the peak": fit(words, sweep(2.0)),

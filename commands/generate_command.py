@@ -48,8 +48,9 @@ def generate(
     """
     check_output_paths(json_file, folder=output)
     if tire is None:
-        if language:
-            raise TirefmuError("--language needs a TIRE: a .tir file, a published tire or a model")
+        if language or only or values:
+            given = "--language" if language else "--only" if only else "--values"
+            raise TirefmuError(f"{given} needs a TIRE: a .tir file, a published tire or a model")
         if only_check and output:
             raise TirefmuError("--check is for generated/ of a checkout: it takes no -o")
         return _checked(quiet, json_file) if only_check else _written(output, quiet, json_file)

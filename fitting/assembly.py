@@ -23,7 +23,7 @@ from .results.records import FittedCoefficient
 from .results.stages import FitRecord
 from .setup import Setup
 from .solvers.interruption import Interruption
-from .state import FitState
+from .stage import FitState
 from .uncertainty.sandwich import Uncertainty, uncertainty_of_stages
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +15,6 @@ from .problem.recipe import FreeCoefficient, Stage
 from .problem.rows import Rows
 from .problem.weighted_residuals import coefficients_by_output
 from .setup import Setup
-from .state import FitState
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,15 +81,15 @@ class PreparedStage:
         present = chosen[list(self.channels)].notna().any(axis=1)
         return chosen if present.all() else chosen[present]
 
-    def guesses(self, state: FitState) -> Mapping[str, float]:
-        """Return the guesses of the recipe, or generic values of coefficients that no stage has determined yet."""
+    def guesses(self, determined: Set[str]) -> Mapping[str, float]:
+        """Return the guesses of the recipe, or generic values of coefficients that no stage has `determined` yet."""
         plan, declared = self.setup.plan, self.setup.plan.symbolic_model.coefficients
         if self.recipe.free:
             given = {name: freed for name, freed in self.recipe.free.items() if name not in plan.options.fixed}
             return {name: min(max(freed.guess, freed.lower), freed.upper) for name, freed in given.items()}
         if plan.start is not None:  # generic values do not replace those of a start tire
             return {}
-        new = [name for name in self.names if name not in state.determined]
+        new = [name for name in self.names if name not in determined]
         return {name: self.setup.read.get(name, generic(declared[name])) for name in new}
 
     def bounds(self, tire: Tire) -> dict[str, FreeCoefficient]:

@@ -8,10 +8,11 @@ so that all rows are needed for the last ones only.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
+import pandas as pd
 
 from ..numerics.arrays import FloatArray, IntArray
 from ..tires.code import fastest_code
@@ -22,6 +23,7 @@ from .prepared import PreparedStage, prepared_stages
 from .problem.influence import influence, typical_size
 from .problem.recipe import FreeCoefficient
 from .problem.rows import Rows
+from .problem.slope_targets import SlopeTarget
 from .problem.weighted_residuals import Problem
 from .problem.weights import effective_weights, equal_weights, limits_of, noise_weights
 from .results.stages import StageResult
@@ -31,7 +33,6 @@ from .solvers.interruption import Interruption
 from .solvers.ipopt import Progress, SolverResult
 from .solvers.restarts import best_end, best_root
 from .solvers.selection import Solver
-from .state import FitState
 from .stiffness_targets import add_targets, read_targets, solve_with_targets
 
 #: Upper limit of the rounds in which points that violate a constraint are added.
@@ -45,6 +46,43 @@ RIDGE = {"equal": 1e-8, "noise": 1e-5}
 #: How often a stage is solved again with states that its own result has driven. States change forces by some percent
 #: and forces drive states, so that each round reduces the change by a factor of ten or more.
 STATE_ROUNDS = 2
+
+
+@dataclass(frozen=True, eq=False)
+class FitState:
+    """What a fit has found so far, in adapted SAE. `solve_stage` makes the next state from it.
+
+    - `tire`: with the present values.
+    - `table`: the fitted rows, with the states of effects as they were simulated last.
+    - `free`: the coefficients that stages have freed: first guess, last bounds.
+    - `stages`: the results of the stages that were solved.
+    - `violated`, shape (n_inputs, n_points): points that the verification of constraints has added.
+    - `targets`: the slip stiffnesses that are read from the data; None before a stage uses them.
+    - `notes`: notes for the user.
+    - `completed`: number of completed stages of the recipe.
+    """
+
+    tire: Tire
+    table: pd.DataFrame
+    free: Mapping[str, FreeCoefficient] = field(default_factory=dict)
+    stages: tuple[StageResult, ...] = ()
+    violated: tuple[ConstraintPoints, ...] = ()
+    targets: tuple[SlopeTarget, ...] | None = None
+    notes: tuple[str, ...] = ()
+    completed: int = 0
+
+    @property
+    def determined(self) -> frozenset[str]:
+        """The coefficients that a stage has determined."""
+        return frozenset(name for name, freed in self.free.items() if freed.determined)
+
+    def with_values(self, values: Mapping[str, float]) -> FitState:
+        """Return the state with other values of some coefficients."""
+        return replace(self, tire=replace(self.tire, values={**self.tire.values, **values}))
+
+    def with_note(self, note: str) -> FitState:
+        """Return the state with one more note."""
+        return replace(self, notes=(*self.notes, note))
 
 
 def solve_stages(setup: Setup, interruption: Interruption) -> FitState:
@@ -77,7 +115,7 @@ def solve_stage(stage: PreparedStage, state: FitState, interruption: Interruptio
     if not len(rows):
         return state.with_note(f"stage {name!r} skipped: no row of {wanted} meets its conditions")
     rows, numbers = _sampled(stage, rows, numbers)
-    state, free = _determined(stage, state.with_values(stage.guesses(state)), rows)
+    state, free = _determined(stage, state.with_values(stage.guesses(state.determined)), rows)
     if not free:
         return state.with_note(f"stage {name!r} skipped: its rows determine none of its coefficients")
     before = state.stages

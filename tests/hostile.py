@@ -5,6 +5,8 @@ from __future__ import annotations
 import unicodedata
 from html.parser import HTMLParser
 
+from .relatives import slow_but
+
 HOSTILE = (
     "\x1b[2J\x1b[31mred\x07\x9b0m",
     "\x1b]8;;http://example.com\x1b\\link\x1b]8;;\x1b\\",
@@ -19,6 +21,8 @@ HOSTILE = (
     "=1+1 -- \udc80\ud800 \U0001f525 e\u0301\u0336",
     "x" * 5000,
 )
+#: Where drawing a text takes long: those with a meaning in a page and in a terminal or a plot.
+EACH_PAGE = slow_but(HOSTILE[:1] + HOSTILE[6:7] + HOSTILE[8:9], HOSTILE)
 
 
 def is_plain(text: str) -> bool:

@@ -16,6 +16,7 @@ from .evaluation import quantities
 from .implausible import implausible
 from .property_file.names import MAX_SEARCHED, OWN_SECTIONS, near_miss, not_given, not_measured, unit_of
 from .property_file.text import number_and_rest
+from .property_file.use import transient_notes
 from .summary import idle_effects, idle_notes
 
 #: Sections without information about the tire, or with information reported elsewhere.
@@ -96,12 +97,12 @@ def _characteristics(tire: Tire) -> list[dict[str, float]]:
 
 
 def limits_of(tire: TireDefinition) -> list[str]:
-    """Return a sentence on each effect beyond those of its model that does nothing, and on what was not measured.
+    """Return sentences on effects that do nothing, on slips that do not lag, and on what was not measured.
 
-    The effects of a model do nothing in most tires; further ones were asked for.
+    The effects of a model do nothing in most tires; only further ones, which were asked for, are named.
     """
     idle = (name for name in idle_effects(tire) if name not in tire.symbolic_model.default_effects)
-    return [*idle_notes(idle), *not_measured(tire).values()]
+    return [*idle_notes(idle), *transient_notes(tire), *not_measured(tire).values()]
 
 
 def _is_property(declared: Coefficient, value: float) -> bool:

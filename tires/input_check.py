@@ -69,8 +69,6 @@ class SignedTable(Protocol):
 #: Loads above this multiple of a tire's largest load are refused. Judgement: an impact reaches several times the static
 #: load, and the polynomials of the load change the sign of the friction within this multiple.
 FAR_LOAD = 5.0
-#: Share of a tire's largest load. If no load is above it, the loads are probably in kN.
-KILONEWTON = 1e-3
 #: The largest load of a tire without a stated range, as a multiple of its nominal load: the Trento tire has 220 N for
 #: loads up to 1220 N.
 NOMINAL_SHARE = 5.0
@@ -83,13 +81,9 @@ def load_limit(tire: TireDefinition) -> float:
     >>> load_limit(published("trento_hoosier"))
     6100.0
     """
-    return FAR_LOAD * _largest_load(tire)
-
-
-def _largest_load(tire: TireDefinition) -> float:
     nominal = tire.values["FNOMIN"]
     _, highest = tire.ranges.get("Fz", (0.0, NOMINAL_SHARE * nominal))
-    return max(highest, nominal)
+    return FAR_LOAD * max(highest, nominal)
 
 
 def possible_range(tire: TireDefinition, name: str) -> tuple[float, float]:
@@ -110,7 +104,7 @@ def checked_inputs(tire: TireDefinition, inputs: Mapping[str, Any]) -> dict[str,
 
     Raises `UnknownName` for an input that is none of the public tables, `WrongType` for one that is not numeric, and
     `TirefmuError` for values in another unit or sign, loads far beyond the range of the tire, and shapes that do not
-    broadcast. Warns (`TirefmuWarning`) of slips that are probably in percent, and of loads in kN.
+    broadcast. Warns (`TirefmuWarning`) of slips that are probably in percent.
 
     >>> from tirefmu.tires import published
     >>> checked_inputs(published("trento_hoosier"), {"V": [10.0, 200.0]})
@@ -125,7 +119,7 @@ def checked_inputs(tire: TireDefinition, inputs: Mapping[str, Any]) -> dict[str,
         arrays[name] = _numbers(name, given)
         if problem := _problem(name, arrays[name]):
             raise TirefmuError(problem)
-        _warn_of_unit(tire, name, arrays[name])
+        _warn_of_percent(name, arrays[name])
     if problem := _far_load(tire, arrays.get("Fz")):
         raise TirefmuError(problem)
     try:
@@ -165,7 +159,7 @@ def checked_table(
             raise DataError(f"{source}: the recording is in {written} signs, not {signs} (with_signs converts it)")
     else:
         raise WrongType("table", table, "a DataFrame or a Recording (tirefmu.evaluate takes a path)")
-    _check_headers(rows, source, tire.inputs)
+    _check_headers(rows, source, {*tire.inputs, "t"})
     given = convert_signs(
         rows[[name for name, channel in CHANNELS.items() if channel.hint and name in rows]], written, "iso"
     )
@@ -176,7 +170,7 @@ def checked_table(
         if name not in declared:
             problem = problem or _problem(name, np.abs(values) if name == "Fz" else values)
             if not problem and (rows is table or "Fx" not in rows):  # with Fx, the reader judges the slips of a file
-                _warn_of_unit(tire, name, values)
+                _warn_of_percent(name, values)
         if name == "Fz" and not limited:
             problem = problem or _far_load(tire, values)
         if problem:
@@ -190,9 +184,12 @@ def _check_headers(rows: pd.DataFrame, source: str, read: Collection[str]) -> No
         if name in TABLE_INPUTS:
             raise DataError(f"{source}: column {name!r} occurs more than once")
     for column in map(str, rows.columns):
+        if column in TABLE_INPUTS:
+            continue
         head = _HEAD.match(column)
         written = head[1] if head else column
-        meant = _BENCH_NAMES.get(written) or _ALIASES.get(written.casefold().replace(" ", "_"))
+        other = _BENCH_NAMES.get(written) or _ALIASES.get(written.casefold().replace(" ", "_"))
+        meant = written if written in TABLE_INPUTS else other
         if meant in read and meant not in rows:
             raise DataError(
                 f"{source}: column {quoted(column)} is not {meant}: the columns are in SI units and have plain names "
@@ -231,17 +228,10 @@ def _problem(name: str, values: FloatArray) -> str:
     return ""
 
 
-def _warn_of_unit(tire: TireDefinition, name: str, values: FloatArray) -> None:
-    """Warn if most slips are those of a wheel that spins or turns backwards, or all loads are nearly nothing."""
+def _warn_of_percent(name: str, values: FloatArray) -> None:
+    """Warn of slips of which most are those of a wheel that spins or turns backwards."""
     if name == "kappa" and values.size and np.mean(np.abs(values) >= FAR_SLIP) > MAX_FAR_SLIPS:
         sentence = f"kappa {_extent(values)} is that of a wheel that spins: it is {CHANNELS[name].hint}"
-        warnings.warn(sentence, TirefmuWarning, stacklevel=4)
-    if (
-        name == "Fz"
-        and values.size
-        and 0.0 < np.nanmax(np.abs(values), initial=0.0) <= KILONEWTON * _largest_load(tire)
-    ):
-        sentence = f"Fz {_extent(values)} is nearly no load for this tire: it is in N (in kN? 1 kN is 1000)"
         warnings.warn(sentence, TirefmuWarning, stacklevel=4)
 
 

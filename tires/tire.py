@@ -130,8 +130,7 @@ class Tire(TireDefinition):
         Warns
         -----
         TirefmuWarning
-            If |kappa| of most values is 2 or more: right for a wheel that spins, and probable for slip in percent. If
-            no load is above a thousandth of the tire's largest: right for a lifted wheel, and probable for kN.
+            If |kappa| of most values is 2 or more: right for a wheel that spins, and probable for slip in percent.
         """
         return forces(self, checked_inputs(self, inputs), code)
 

@@ -10,9 +10,11 @@ import numpy as np
 import pandas as pd
 
 from ...boundary.escaping import visible
+from ...boundary.json_schema import json_value
 from ...boundary.named_options import named
 from ...measurements import Recording, TableLike, exclude_rows, recordings_from
 from ...tires import Tire, TireLike, tire_from
+from ...tires.input_check import load_limit
 from ...tires.property_file.names import is_measured, unmeasured_coefficients
 from ...tires.tire_argument import tire_label
 
@@ -102,7 +104,7 @@ class Comparison:
     - `names`: different ones.
     - `effects`: effects of the first tire that the second lacks, and the reverse.
     - `differences`: those of effects that a tire lacks are among them; those that no data determined are last.
-    - `characteristics`: at the nominal load of the first tire.
+    - `characteristics`: at the nominal load of the first tire, or the nearest one within the range of the second.
     """
 
     tires: tuple[Tire, Tire]
@@ -113,7 +115,7 @@ class Comparison:
     errors: tuple[ComparedChannel, ...]
 
     def __repr__(self) -> str:
-        """Return the verdict and the characteristics at the nominal load of the first tire."""
+        """Return the verdict and the characteristics at one load."""
         shown = (
             f"  {c.remark} at {c.load:g} N: {c.first:.4g} and {c.second:.4g} {'' if c.unit == '1' else c.unit}".rstrip()
             for c in self.characteristics
@@ -128,7 +130,12 @@ class Comparison:
             if not changes:
                 return self.counted
             load = self.characteristics[0].load
-            return f"at {load:g} N, {self.names[1]} against {self.names[0]}: {', '.join(changes)}"
+            outside = [
+                f", outside the range of {name}"
+                for name, tire in zip(self.names, self.tires, strict=True)
+                if "Fz" in tire.ranges and not tire.ranges["Fz"][0] <= load <= tire.ranges["Fz"][1]
+            ]
+            return f"at {load:g} N{''.join(outside)}, {self.names[1]} against {self.names[0]}: {', '.join(changes)}"
         closer: dict[str, list[str]] = {}
         for channel in dict.fromkeys(error.channel for error in self.errors):
             closer.setdefault(self._closer(channel), []).append(channel)
@@ -151,18 +158,16 @@ class Comparison:
 
     def to_json(self) -> dict[str, Any]:
         """Return the comparison as JSON values."""
-        return {
+        content = {
             "ok": True,
             "verdict": self.verdict,
             "tires": [{"name": n, "model": t.model} for n, t in zip(self.names, self.tires, strict=True)],
-            "effects_of_one": [list(names) for names in self.effects],
-            "coefficients": [vars(difference) for difference in self.differences],
-            "characteristics": [vars(characteristic) for characteristic in self.characteristics],
-            "channels": [
-                {**vars(error), "r2": [value if np.isfinite(value) else None for value in error.r2]}
-                for error in self.errors
-            ],
+            "effects_of_one": self.effects,
+            "coefficients": self.differences,
+            "characteristics": self.characteristics,
+            "channels": self.errors,
         }
+        return dict(json_value(content))
 
 
 @named()
@@ -219,7 +224,7 @@ def compare(
 
 def _characteristics(tires: tuple[Tire, Tire], given: tuple[str, str]) -> Iterator[ComparedCharacteristic]:
     first, second = tires
-    load = first.values["FNOMIN"]
+    load = _common_load(first, second)
     tables = [tire.evaluate(pd.DataFrame({"Fz": [load]}), signs="iso", steady=True) for tire in tires]
     for role, title in ROLES.items():
         names = [tire.symbolic_model.quantity(role) for tire in (first, second)]
@@ -233,6 +238,14 @@ def _characteristics(tires: tuple[Tire, Tire], given: tuple[str, str]) -> Iterat
                 values[1],
                 tuple(name for name, tire in zip(given, tires, strict=True) if not is_measured(tire, role)),
             )
+
+
+def _common_load(first: Tire, second: Tire) -> float:
+    """Return the nominal load of the first tire, or the nearest one of the second's range, if the first reaches it."""
+    nominal = first.values["FNOMIN"]
+    low, high = second.ranges.get("Fz", (0.0, load_limit(second)))
+    nearest = max(low, min(nominal, high))
+    return nearest if 0.0 < nearest <= load_limit(first) else nominal
 
 
 def _differences(tires: tuple[Tire, Tire], names: tuple[str, str]) -> list[Difference]:

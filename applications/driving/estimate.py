@@ -203,10 +203,11 @@ def estimated(
             resized = abs(np.log(new / size))
             z[len(z) - n_rest :] *= size / new
             size = new
+        at = tried
         if longest > NEAR or round_ % SLOPE_ROUNDS == 0:
-            held = forces(grid, tried.states, z)
-        added = curved(grid, interval, acting(grid, tried.states, z, held), tried.states, z)
-        at = _solved(grid, interval, added, tried.states, z, tried.deviations, weights)
+            held = forces(grid, at.states, z)
+        added = curved(grid, interval, acting(grid, at.states, z, held), at.states, z)
+        at = _solved(grid, interval, added, at.states, z, at.deviations, weights)
     return grid, _estimate(at, interval, added, z, size, converged)
 
 
@@ -229,18 +230,22 @@ def _moved(
 def _estimate(
     at: _Point, interval: Interval, added: AddedForces, z: FloatArray, size: float, converged: bool
 ) -> Estimate:
-    """Return the estimate at a point; a residual that is correlated over time has the information of fewer ones."""
+    """Return the estimate at a point, which this uses up.
+
+    A residual that is correlated over time has the information of fewer ones.
+    """
     grid, n_balance = at.grid, len(BALANCE)
     lengths = [correlation_length(at.linear.values[:, i], grid.segment) for i in range(-n_balance, 0)]
     scale = np.concatenate([np.ones(len(at.deviations) - n_balance), np.sqrt(lengths)])
-    linear = at.linear.weighted(np.tile(1.0 / scale, (len(grid.t), 1)))
-    factor = Factor(grid, linear, at.states.shape[1], 1e-9)
-    outputs = evaluated(interval.output_chunk, grid, at.states, added.tires(z), interval_data(grid))
+    evidence = -at.criterion - np.linalg.slogdet(at.factor.schur)[1] / 2
+    at.linear.weigh(np.tile(1.0 / scale, (len(grid.t), 1)))
+    factor = Factor(grid, at.linear, at.states.shape[1], 1e-9)
+    data = interval_data(grid)
+    outputs = evaluated(interval.output_chunk, grid, at.states, added.tires(z), data, further=added.further)
     weights = (at.weights / at.deviations / scale)[:, -n_balance:]
-    parts, evidence = vars(posterior_of(grid, factor)), -at.criterion - np.linalg.slogdet(at.factor.schur)[1] / 2
-    return Estimate(**parts, states=at.states, z=z, deviations=at.deviations, residuals=linear,
-                    outputs=outputs.with_columns(added.further), weights=weights, evidence=float(evidence),
-                    size=size, converged=converged)  # fmt: skip
+    return Estimate(**vars(posterior_of(grid, factor)), states=at.states, z=z, deviations=at.deviations,
+                    residuals=at.linear, outputs=outputs, weights=weights, evidence=float(evidence), size=size,
+                    converged=converged)  # fmt: skip
 
 
 def _part(part: float, last: FloatArray, step: FloatArray) -> float:
@@ -299,9 +304,10 @@ def _solved(
     data, n, of_tires = interval_data(grid), states.shape[1], added.tires(z)
 
     def at(states: FloatArray) -> Linear:
-        linear = evaluated(interval.residual_chunk, grid, states, of_tires, data)
-        ends = states[grid.left], states[grid.right]
-        return added.residuals(linear, z, *ends).weighted(weights / deviations)
+        linear = evaluated(interval.residual_chunk, grid, states, of_tires, data, further=added.further)
+        added.act(linear, z, states[grid.left], states[grid.right])
+        linear.weigh(weights / deviations)
+        return linear
 
     linear, damping = at(states), 1e-9
     for _ in range(MAX_STEPS):

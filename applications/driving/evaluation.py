@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -58,37 +59,41 @@ def curvature_of(grid: Grid, states: FloatArray) -> FloatArray:
 
 
 def evaluated(
-    function: Any, grid: Grid, states: FloatArray, z: FloatArray, data: FloatArray, more: FloatArray | None = None
-) -> Linear:
+    function: Any, grid: Grid, states: FloatArray, z: FloatArray, data: FloatArray, more: FloatArray | None = None,
+    further: int = 0,
+) -> Linear:  # fmt: skip
     """Return a function of `Interval` at all intervals.
 
     `states`: of the nodes, shape (n_nodes, n_states), or of both ends of the intervals, shape (2, n, n_states).
-    `more`, shape (n, n_more): its last argument.
+    `more`, shape (n, n_more): its last argument. `further`: number of unknowns after z, on which it does not depend.
     """
-    m, width = function.size1_out(0), 2 * states.shape[-1] + len(z)
-    values, jacobian = _columns(function, grid, states, z, data, (m, m * width), more)
-    return Linear(values, jacobian.reshape(len(grid.t), width, m).transpose(0, 2, 1))
+    n, m, width = len(grid.t), function.size1_out(0), 2 * states.shape[-1] + len(z)
+    linear = Linear(np.empty((n, m)), np.zeros((n, m, width + further)))
+    for rows, (values, by) in _chunks(function, grid, states, z, data, (m, m * width), more):
+        linear.values[rows] = values
+        linear.jacobian[rows, :, :width] = by.reshape(-1, width, m).transpose(0, 2, 1)
+    return linear
 
 
 def values_of(interval: Interval, grid: Grid, states: FloatArray, z: FloatArray, data: FloatArray) -> FloatArray:
     """Return the residuals at all intervals, shape (n, n_residuals); see `evaluated`."""
-    return _columns(interval.value_chunk, grid, states, z, data, (len(interval.residuals),))[0]
+    chunks = _chunks(interval.value_chunk, grid, states, z, data, (len(interval.residuals),))
+    return np.concatenate([values.copy() for _, (values,) in chunks])
 
 
-def _columns(
+def _chunks(
     function: Any, grid: Grid, states: FloatArray, z: FloatArray, data: FloatArray, sizes: tuple[int, ...],
     more: FloatArray | None = None,
-) -> list[FloatArray]:  # fmt: skip
-    """Return the results of a function at all intervals, of the given sizes, shape (n, size) each."""
+) -> Iterator[tuple[slice, list[FloatArray]]]:  # fmt: skip
+    """Go through the intervals: which they are and the results of a function, of the given sizes, until the next."""
     left, right = states if states.ndim == 3 else (states[grid.left], states[grid.right])
     n, constant = len(grid.t), np.tile(np.concatenate([z, grid.used]), (CHUNK, 1))
-    stored = [np.empty((-(-n // CHUNK) * CHUNK, size)) for size in sizes]
+    results = [np.empty((CHUNK, size)) for size in sizes]
     for first in range(0, n, CHUNK):
         rows = np.minimum(np.arange(first, first + CHUNK), n - 1)  # the last interval fills the last chunk
         last = [] if more is None else [more[rows]]
-        results = [part[first : first + CHUNK] for part in stored]
         _call(function, [left[rows], right[rows], data.T[rows], constant, *last], results)
-    return [part[:n] for part in stored]
+        yield slice(first, min(first + CHUNK, n)), [part[: n - first] for part in results]
 
 
 def _call(function: Any, arguments: list[FloatArray], results: list[FloatArray]) -> None:

@@ -338,13 +338,10 @@ class Linear:
     values: FloatArray
     jacobian: FloatArray
 
-    def weighted(self, weights: FloatArray) -> Linear:
-        """Return the functions times weights, shape (n, n_functions)."""
-        return Linear(self.values * weights, self.jacobian * weights[:, :, None])
-
-    def with_columns(self, n: int) -> Linear:
-        """Return the functions with n further unknowns, on which they do not depend."""
-        return Linear(self.values, np.concatenate([self.jacobian, np.zeros((*self.values.shape, n))], axis=2))
+    def weigh(self, weights: FloatArray) -> None:
+        """Multiply the functions by weights, shape (n, n_functions)."""
+        self.values[:] *= weights
+        self.jacobian[:] *= weights[:, :, None]
 
     def cost(self, z: FloatArray) -> float:
         """Return half the sum of squares, priors included."""
@@ -375,9 +372,9 @@ class AddedForces:
         both = np.concatenate([self.columns, columns], axis=2)
         return replace(self, columns=both, further=self.further + columns.shape[2])
 
-    def residuals(self, of_tires: Linear, z: FloatArray, left: FloatArray, right: FloatArray) -> Linear:
-        """Return residuals, per static load, with these forces, from those without them."""
-        linear, n, last, moving = of_tires.with_columns(self.further), left.shape[1], self.columns.shape[2], len(MOTION)
+    def act(self, linear: Linear, z: FloatArray, left: FloatArray, right: FloatArray) -> None:
+        """Add these forces to the residuals of tires and car, per static load."""
+        n, last, moving = left.shape[1], self.columns.shape[2], len(MOTION)
         middle = (left + right)[:, :moving] / 2
         linear.values[:] += self.correction
         forces = self.offset + self.columns @ z[len(z) - last :] + np.einsum("kim,km->ki", self.slopes, middle)
@@ -386,4 +383,3 @@ class AddedForces:
         linear.jacobian[:, balance, linear.jacobian.shape[2] - last :] -= self.columns
         for first in (0, n):
             linear.jacobian[:, balance, first : first + moving] -= self.slopes / 2
-        return linear

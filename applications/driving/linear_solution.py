@@ -35,11 +35,13 @@ class Posterior:
     def variances(self, J: FloatArray) -> FloatArray:
         """Return the variances of functions with the Jacobian J, shape (n, n_functions, 2 n_states + n_z)."""
         n = self.pairs.shape[1]
-        by_z = J[:, :, n:] + J[:, :, :n] @ self.slopes
-        return np.asarray(
-            np.einsum("kri,kij,krj->kr", J[:, :, :n], self.pairs, J[:, :, :n], optimize=True)
-            + np.einsum("kri,ij,krj->kr", by_z, self.covariance, by_z, optimize=True)
-        )
+        columns = []
+        for row in J.swapaxes(0, 1):  # one function at a time: a long log has large arrays
+            of_nodes = row[:, :n]
+            by_z = row[:, n:] + np.einsum("ki,kij->kj", of_nodes, self.slopes)
+            given_z = np.einsum("ki,kij,kj->k", of_nodes, self.pairs, of_nodes)
+            columns.append(given_z + np.sum(by_z @ self.covariance * by_z, axis=1))
+        return np.stack(columns, axis=1)
 
 
 class Factor:
@@ -86,8 +88,9 @@ class Factor:
     @cached_property
     def schur(self) -> FloatArray:
         """The precision of the unknowns, their prior included."""
-        by_z = self._J[:, :, 2 * self.n :].reshape(-1, self._border.shape[1])
-        return np.asarray(by_z.T @ by_z + np.eye(by_z.shape[1]) - self._border.T @ self.solved_border)
+        rows = self._J[:, :, 2 * self.n :].swapaxes(0, 1)
+        inner = sum((by_z.T @ by_z for by_z in rows), np.eye(rows.shape[2]))
+        return np.asarray(inner - self._border.T @ self.solved_border)
 
     def slope(self, more: FloatArray) -> FloatArray:
         """Return the derivatives of the cost by the unknowns, for the best states, and `more`."""

@@ -41,6 +41,8 @@ FURTHER = 0.5
 #: Effects whose coefficients are estimated, rounds of that, and a change of a standardized coefficient that ends them.
 #: Convention: computing time.
 COMPARED, FITTED, SMALL_CHANGE = 4, 4, 0.1
+#: Probability from which an effect is reported. Coefficients are estimated if twice the gain before that can reach it.
+LIKELY = 0.05
 #: Error of the form of a tire over its side force. Judgement: a Magic Formula differs from bench data by about 1 %, of
 #: which its factors and the car take the larger part.
 FORM_ERROR = 0.003
@@ -101,11 +103,7 @@ def _integrated(
 
 def evidence_of(information: FloatArray, score: FloatArray, spread: FloatArray) -> float:
     """Return the logarithm of the evidence for a prior with standard deviations `spread`, up to a constant."""
-    free = np.flatnonzero(spread)
-    spread = spread[free]
-    scaled = np.eye(len(free)) + spread[:, None] * information[np.ix_(free, free)] * spread[None, :]
-    whole = spread * score[free]
-    return float(whole @ np.linalg.solve(scaled, whole) - np.linalg.slogdet(scaled)[1]) / 2
+    return _integrated(information, score, spread, np.zeros(0, dtype=np.intp))[0]
 
 
 @dataclass(frozen=True)
@@ -140,7 +138,7 @@ def rivals_of(base: DriveExplanation, unknowns: Unknowns, car: Car, tires: dict[
     residuals = base.estimate.residuals.values[:, -len(BALANCE) :].T
     length = np.mean([correlation_length(row, base.grid.segment) for row in residuals])
     factors, motion = factor_values(unknowns, base.estimate.z), motion_of(base.grid, base.estimate, unknowns, car)
-    for missing, u, power in _shortlist(base, motion, tires, factors):
+    for missing, u, power in _shortlist(base, motion, tires, factors, float(length)):
         evidence, u, agrees = _fitted(base, motion, unknowns, missing, u, factors)
         rivals.append(Rival(missing, u, agrees=agrees))
         logs.append(float((evidence - without) * power / length) + _log_prior(missing))
@@ -230,9 +228,12 @@ def forces_of(rival: Rival, unknowns: Unknowns, car: Car, base: DriveExplanation
 
 
 def _shortlist(
-    base: DriveExplanation, motion: Motion, tires: dict[str, Tire], factors: Mapping[str, Mapping[str, float]]
-) -> list[tuple[Missing, FloatArray, float]]:
+    base: DriveExplanation, motion: Motion, tires: dict[str, Tire], factors: Mapping[str, Mapping[str, float]],
+    length: float,
+) -> list[tuple[Missing, FloatArray, float]]:  # fmt: skip
     """Return the effects that raise the evidence of the linearized estimate most, if any do, in their best form.
+
+    `length`: residuals that count as one.
 
     With each its coefficients and the power of its likelihood: no formula is exact, and the information of a log on an
     error of the form grows with its length (Miller and Dunson, Robust Bayesian inference via coarsening, JASA 114,
@@ -254,7 +255,8 @@ def _shortlist(
     for i, (missing, u, _) in enumerate(columns):
         spread = np.concatenate([np.ones(n), np.arange(len(columns)) == i])
         gain = powers[i] * (evidence_of(information, score, spread) - without)
-        if gain > gains.get(missing.name, (0.0,))[0]:
+        likely = 2.0 * gain / length + _log_prior(missing) > np.log(LIKELY / (1.0 - LIKELY))
+        if likely and gain > gains.get(missing.name, (0.0,))[0]:
             gains[missing.name] = gain, missing, u, powers[i]
     ranked = sorted(gains.values(), key=lambda entry: -entry[0])[:COMPARED]
     return [(missing, u, power) for _, missing, u, power in ranked]

@@ -17,14 +17,12 @@ from .inputs.car_entries import ENTRIES
 from .inputs.grid import Grid
 from .inputs.unknowns import AXLES, Unknowns
 from .interval import OUTPUTS
-from .rivals import DriveExplanation, Rival, lacking
+from .rivals import LIKELY, DriveExplanation, Rival, lacking
 from .trust.contradiction import Contradiction, chances_of_entries, contradiction_of
 from .trust.left_out import LeftOut
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Probability from which an effect is reported.
-LIKELY = 0.05
 #: Deviation of the balance of forces, per load, beyond which the tires do not explain the drive. The lateral force of a
 #: repeated bench measurement scatters by 1 to 2 %.
 UNEXPLAINED = 0.03
@@ -124,7 +122,7 @@ def verdict_on(
         and wrong[name] > CERTAIN
         and chances[name] < 1.0 - CERTAIN
         and abs(z) > WIDTH * deviation
-        and not contradiction_of(estimate, unknowns, name).certain
+        and contradiction_of(estimate, unknowns, name).p > 1.0 - CERTAIN
     )
     if contradiction.certain and not of_car and lacking(ranked) > CERTAIN:  # other tires explain more than another car
         contradiction = replace(contradiction, explained=False)

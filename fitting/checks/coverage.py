@@ -37,6 +37,8 @@ SWEPT, LARGER = 0.25, 1.2
 ABSENT = {"Mz": "neither moment nor pneumatic trail was measured"}
 #: Range of load and of pressure, as a share of the largest value, that counts as none.
 ONE_LOAD, ONE_PRESSURE = 0.1, 0.03
+#: Ranges below them are the scatter of one load, as a share of it, and of one inclination, rad.
+SAME_LOAD, SAME_INCLINATION = 0.025, 0.002
 
 
 @dataclass(frozen=True)
@@ -138,14 +140,16 @@ def _influences(residuals: Residuals, channel: str) -> Iterator[ChannelCoverage]
     """Yield the influences of load, camber and pressure on a channel."""
     low, high = residuals.range_of("Fz", channel)
     varied = high - low >= ONE_LOAD * high
-    yield ChannelCoverage(
-        "influence of load", channel, varied, "" if varied else f"one load, {0.5 * (low + high):.0f} N"
-    )
+    single = f"one load, {0.5 * (low + high):.0f} N"
+    reason = single if high - low <= SAME_LOAD * high else f"loads from {low:.0f} to {high:.0f} N only"
+    yield ChannelCoverage("influence of load", channel, varied, "" if varied else reason)
     if "gamma" in residuals.tire.inputs:
         low, high = residuals.range_of("gamma", channel)
         varied = high - low >= NO_INCLINATION
-        reason = "" if varied else f"one inclination, {degrees(0.5 * (low + high)) + 0.0:.2g} deg"
-        yield ChannelCoverage("influence of camber", channel, varied, reason)
+        single = f"one inclination, {degrees(0.5 * (low + high)) + 0.0:.2g} deg"
+        several = f"inclinations from {degrees(low) + 0.0:.2g} to {degrees(high) + 0.0:.2g} deg only"
+        reason = single if high - low <= SAME_INCLINATION else several
+        yield ChannelCoverage("influence of camber", channel, varied, "" if varied else reason)
     if "p" in residuals.tire.inputs:
         low, high = residuals.range_of("p", channel)
         varied = high - low >= ONE_PRESSURE * high

@@ -42,6 +42,8 @@ def short_fit_lines(result: Fitted, verdict: Verdict) -> Iterator[Table | str]:
     for finding in shown:
         short = replace(finding, text=shortened(finding.text, LONGEST_REASON))  # the command remains whole
         yield f"{'warning' if finding.serious else 'note'}: {short}"
+    requested = [note for note in result.notes if "does nothing" in str(note)][:FEW]
+    yield from (f"note: {note}" for note in requested)
     yield _short_channels(result)
     determined = sum(c.determined and not c.at_bound for c in result.coefficients)
     yield f"{determined} of {len(result.coefficients)} coefficients are determined and not at a bound"
@@ -52,7 +54,7 @@ def short_fit_lines(result: Fitted, verdict: Verdict) -> Iterator[Table | str]:
         yield result.temperature.text()
     yield f"fit {result.status} ({result.run.method}), {result.run.seconds:.1f} s"
     left_out = [finding.serious for finding in findings if finding not in shown]
-    notes = left_out.count(False) + len(result.excluded_rows) + len(result.notes)
+    notes = left_out.count(False) + len(result.excluded_rows) + len(result.notes) - len(requested)
     counts = {
         "reasons": len(reasons[FEW:]), "warnings": left_out.count(True),
         "channels": len(result.channels[MOST_CHANNELS:]), "notes": notes,

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import isfinite, isnan
-from typing import Any
+from typing import Any, ClassVar
 
 import pandas as pd
 
 from ...boundary.escaping import visible
+from ...boundary.json_schema import json_value
 from ...drawing.labels import drawn_unit, per_si
 
 #: Largest |FMU - direct| / (1 + |direct|) between the FMU and direct evaluation of its tire.
@@ -71,6 +71,8 @@ class CheckedChannel:
         The row with the largest error.
     """
 
+    JSON_KEYS: ClassVar = ("unit", "measured", "rmse", "relative_rmse", "r2", "r2_uncentred", "worst")
+
     name: str
     unit: str
     measured: int
@@ -84,6 +86,12 @@ class CheckedChannel:
 @dataclass(frozen=True, repr=False)
 class Compared:
     """What a check computed; its fields are described in `CheckResult`."""
+
+    signs: ClassVar[str] = "iso"
+    JSON_KEYS: ClassVar = (
+        "fmu", "source", "fmi_version", "signs", "rows", "segments", "ok", "statements", "tolerance", "problems",
+        "evaluation_difference", "by_name as channels",
+    )  # fmt: skip
 
     fmu: str
     source: str
@@ -148,24 +156,19 @@ class Compared:
         text += f"; the tire was not fitted to {', '.join(self.not_fitted)}" if judged and self.not_fitted else ""
         return Statement(grade, text)
 
+    @property
+    def statements(self) -> dict[str, Statement]:
+        """Both statements, by what they are about."""
+        return {"fmu": self.of_fmu, "tire": self.of_tire}
+
+    @property
+    def by_name(self) -> dict[str, CheckedChannel]:
+        """The channels by name."""
+        return {channel.name: channel for channel in self.channels}
+
     def to_json(self) -> dict[str, Any]:
         """Return the result as plain values for json.dump; NaN and infinity become None."""
-        return {
-            "fmu": self.fmu,
-            "source": self.source,
-            "fmi_version": self.fmi_version,
-            "signs": "iso",
-            "rows": self.rows,
-            "segments": self.segments,
-            "ok": self.ok,
-            "statements": {"fmu": vars(self.of_fmu), "tire": vars(self.of_tire)},
-            "tolerance": self.tolerance,
-            "problems": list(self.problems),
-            "evaluation_difference": self.evaluation_difference
-            if isfinite(self.evaluation_difference or 0.0)
-            else None,
-            "channels": {channel.name: _channel_json(channel) for channel in self.channels},
-        }
+        return dict(json_value(self))
 
     def __repr__(self) -> str:
         """Return the comparison as a short table."""
@@ -195,21 +198,3 @@ def _drawn(name: str, value: float) -> str:
     """Return a value with the unit in which it is drawn: degrees, kPa."""
     unit = drawn_unit(name)
     return f"{name} {value * per_si(name):.4g}{'' if unit == '-' else f' {unit}'}"
-
-
-def _channel_json(channel: CheckedChannel) -> dict[str, Any]:
-    """Return a channel as plain values for JSON."""
-    numbers = {name: getattr(channel, name) for name in ("rmse", "relative_rmse", "r2", "r2_uncentred")}
-    worst = channel.worst
-    return {
-        "unit": channel.unit,
-        "measured": channel.measured,
-        **{name: None if isnan(value) else value for name, value in numbers.items()},
-        "worst": {
-            "row": worst.row,
-            "t": worst.t,
-            "condition": dict(worst.condition),
-            "measured": worst.measured,
-            "simulated": None if isnan(worst.simulated) else worst.simulated,
-        },
-    }

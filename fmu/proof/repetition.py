@@ -8,7 +8,7 @@ import os
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pandas as pd
@@ -16,6 +16,7 @@ import pandas as pd
 from ...boundary.bounded_file import read_bounded
 from ...boundary.errors import FmuError, path_from
 from ...boundary.escaping import excerpt, visible
+from ...boundary.json_schema import json_value
 from ...boundary.named_options import named
 from ..comparison.check import largest_difference
 from ..comparison.compared import EVALUATION_TOLERANCE
@@ -51,6 +52,11 @@ class ProofResult:
         Problems found by fmpy's validation.
     """
 
+    tolerance: ClassVar[float] = EVALUATION_TOLERANCE
+    JSON_KEYS: ClassVar = (
+        "ok", "fmu", "reference", "digest", "rows", "changed", "difference", "tolerance", "problems",
+    )  # fmt: skip
+
     fmu: str
     reference: str
     digest: str
@@ -67,12 +73,7 @@ class ProofResult:
 
     def to_json(self) -> dict[str, Any]:
         """Return the result as plain values for json.dump; a difference that is not finite becomes None."""
-        finite = self.difference is not None and np.isfinite(self.difference)
-        return {
-            "ok": self.ok, "fmu": self.fmu, "reference": self.reference, "digest": self.digest, "rows": self.rows,
-            "changed": list(self.changed), "difference": self.difference if finite else None,
-            "tolerance": EVALUATION_TOLERANCE, "problems": list(self.problems),
-        }  # fmt: skip
+        return dict(json_value(self))
 
     def __str__(self) -> str:
         lines = [f"verdict: proof {'repeated' if self.ok else 'failed'}"]

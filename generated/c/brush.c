@@ -221,7 +221,7 @@ void brush_quantities(const double inputs[], const double parameters[], double r
     const double SIGNS = parameters[BRUSH_SIGNS];
 
     /* Inputs */
-    const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
+    const double alpha_folded = (fabs(alpha) > 1.5707963 ? (fabs(alpha) > -1.5707963 + PI ? -alpha + PI*sgn(alpha) : 1.5707963*sgn(alpha)) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
 
     /* Contact patch with bristles */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
@@ -282,7 +282,7 @@ void brush_forces(const double inputs[], const double parameters[], double resul
     const double SIGNS = parameters[BRUSH_SIGNS];
 
     /* Two calls of a function that do not depend on each other are computed at a time */
-    const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
+    const double alpha_folded = (fabs(alpha) > 1.5707963 ? (fabs(alpha) > -1.5707963 + PI ? -alpha + PI*sgn(alpha) : 1.5707963*sgn(alpha)) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
     const double side = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sign of Fy at a positive slip angle: -1 in ISO */
     const double rolling = (fabs(1.0 + kappa) < 1e-06 ? 1e-06 : fabs(1.0 + kappa)); /* [3.2.3] rolling velocity per forward velocity, limited to positive values */

@@ -12,91 +12,93 @@ enum {
 /* Slots: inputs, parameters, the speed at which a wheel turns, constants, results of operations. */
 
 #define BRUSH_N_LEAVES 15
-#define BRUSH_N_CONSTANTS 13
-#define BRUSH_N_OPERATIONS 87
+#define BRUSH_N_CONSTANTS 14
+#define BRUSH_N_OPERATIONS 90
 
-#define BRUSH_N_SLOTS 115
+#define BRUSH_N_SLOTS 119
 
 #define BRUSH_ROLLING_RADIUS 3
 
 #define BRUSH_CONSTANTS { \
-    1.5707963267948966, 3.141592653589793, 1e-06, 0.5, 1.0, -1.0, 0.3333333333333333, 1e-100, 0.0, 3.0, 2.0, 9.0, 4.0 \
+    1.5707963, 1.5707963535897933, 3.141592653589793, 1e-06, 0.5, 1.0, -1.0, 0.3333333333333333, 1e-100, 0.0, 3.0, \
+    2.0, 9.0, 4.0 \
 }
 
 #define BRUSH_FORCE_SLOTS { \
-    99, 102, 114 \
+    103, 106, 118 \
 }
 
 #define BRUSH_QUANTITY_SLOTS { \
-    39, 40, 43, 45, 47, 53, 54, 71, 103, 112 \
+    43, 44, 47, 49, 51, 57, 58, 75, 107, 116 \
 }
 
 #define BRUSH_OPERATIONS { \
     /* [tirefmu] alpha_folded */ \
-    {ABSOLUTE,1}, {LESS,15,28}, {SGN,1}, {MULTIPLY,16,30}, {SUBTRACT,31,1}, {CHOOSE,29,32,1}, \
+    {ABSOLUTE,1}, {LESS,15,29}, {LESS,16,29}, {SGN,1}, {MULTIPLY,17,32}, {SUBTRACT,33,1}, {MULTIPLY,15,32}, \
+    {CHOOSE,31,34,35}, {CHOOSE,30,36,1}, \
     /* [tirefmu] F_z */ \
-    {AT_MOST,2,17}, {CHOOSE,34,17,2}, \
+    {AT_MOST,2,18}, {CHOOSE,38,18,2}, \
     /* [tirefmu] load_ratio */ \
-    {DIVIDE,35,4}, \
+    {DIVIDE,39,4}, \
     /* [tirefmu] stiffness_ratio */ \
-    {POWER,36,10}, \
+    {POWER,40,10}, \
     /* [tirefmu] friction_ratio */ \
-    {POWER,36,11}, \
+    {POWER,40,11}, \
     /* [tirefmu] mu_x */ \
-    {MULTIPLY,7,38}, \
+    {MULTIPLY,7,42}, \
     /* [tirefmu] mu_y */ \
-    {MULTIPLY,8,38}, \
+    {MULTIPLY,8,42}, \
     /* [tirefmu] side */ \
-    {LESS,18,13}, {CHOOSE,41,19,20}, \
+    {LESS,19,13}, {CHOOSE,45,20,21}, \
     /* [3.2.2] K_xkappa */ \
-    {MULTIPLY,5,37}, \
+    {MULTIPLY,5,41}, \
     /* [3.2.1] K_yalpha */ \
-    {MULTIPLY,6,42}, {MULTIPLY,37,44}, \
+    {MULTIPLY,6,46}, {MULTIPLY,41,48}, \
     /* [tirefmu] a */ \
-    {POWER,36,12}, {MULTIPLY,9,46}, \
+    {POWER,40,12}, {MULTIPLY,9,50}, \
     /* [3.2.3] tan_alpha */ \
-    {TAN,33}, \
+    {TAN,37}, \
     /* [3.2.3] rolling */ \
-    {ADD,19,0}, {ABSOLUTE,49}, {LESS,50,17}, {CHOOSE,51,17,50}, \
+    {ADD,20,0}, {ABSOLUTE,53}, {LESS,54,18}, {CHOOSE,55,18,54}, \
     /* [3.2.3] slip_x */ \
-    {DIVIDE,0,52}, \
+    {DIVIDE,0,56}, \
     /* [3.2.3] slip_y */ \
-    {DIVIDE,48,52}, \
+    {DIVIDE,52,56}, \
     /* [3.2.3] reach_x */ \
-    {MULTIPLY,21,43}, {MULTIPLY,53,55}, {MULTIPLY,35,39}, {DIVIDE,56,57}, \
+    {MULTIPLY,22,47}, {MULTIPLY,57,59}, {MULTIPLY,39,43}, {DIVIDE,60,61}, \
     /* [3.2.3] reach_y */ \
-    {MULTIPLY,21,45}, {MULTIPLY,54,59}, {MULTIPLY,35,40}, {DIVIDE,60,61}, \
+    {MULTIPLY,22,49}, {MULTIPLY,58,63}, {MULTIPLY,39,44}, {DIVIDE,64,65}, \
     /* [3.2.3] psi_squared */ \
-    {MULTIPLY,58,58}, {MULTIPLY,62,62}, {ADD,63,64}, \
+    {MULTIPLY,62,62}, {MULTIPLY,66,66}, {ADD,67,68}, \
     /* [3.2.3] psi_bounded */ \
-    {AT_MOST,19,65}, {CHOOSE,66,19,65}, \
+    {AT_MOST,20,69}, {CHOOSE,70,20,69}, \
     /* [3.2.3] psi */ \
-    {AT_MOST,67,22}, {CHOOSE,68,19,67}, {ROOT,69}, {CHOOSE,68,23,70}, \
+    {AT_MOST,71,23}, {CHOOSE,72,20,71}, {ROOT,73}, {CHOOSE,72,24,74}, \
     /* [tirefmu] sliding_squared */ \
-    {MULTIPLY,0,0}, {MULTIPLY,39,39}, {MULTIPLY,72,73}, {MULTIPLY,40,40}, {MULTIPLY,48,48}, {MULTIPLY,75,76}, \
-    {ADD,74,77}, \
+    {MULTIPLY,0,0}, {MULTIPLY,43,43}, {MULTIPLY,76,77}, {MULTIPLY,44,44}, {MULTIPLY,52,52}, {MULTIPLY,79,80}, \
+    {ADD,78,81}, \
     /* [tirefmu] sliding */ \
-    {AT_MOST,78,22}, {MULTIPLY,71,71}, {MULTIPLY,25,71}, {SUBTRACT,24,81}, {MULTIPLY,35,80}, {MULTIPLY,82,83}, \
-    {CHOOSE,79,19,78}, {ROOT,85}, {DIVIDE,84,86}, {CHOOSE,79,23,87}, \
+    {AT_MOST,82,23}, {MULTIPLY,75,75}, {MULTIPLY,26,75}, {SUBTRACT,25,85}, {MULTIPLY,39,84}, {MULTIPLY,86,87}, \
+    {CHOOSE,83,20,82}, {ROOT,89}, {DIVIDE,88,90}, {CHOOSE,83,24,91}, \
     /* [3.2.3] sticking */ \
-    {SUBTRACT,19,71}, {MULTIPLY,89,89}, {DIVIDE,90,52}, \
+    {SUBTRACT,20,75}, {MULTIPLY,93,93}, {DIVIDE,94,56}, \
     /* [3.2.3] F_y_sticking */ \
-    {MULTIPLY,45,91}, \
+    {MULTIPLY,49,95}, \
     /* [3.2.3] F_y_sliding */ \
-    {MULTIPLY,42,88}, {MULTIPLY,75,93}, \
+    {MULTIPLY,46,92}, {MULTIPLY,79,97}, \
     /* [3.2.3] Fx */ \
-    {MULTIPLY,43,91}, {MULTIPLY,73,88}, {ADD,95,96}, {MULTIPLY,0,97}, {CHOOSE,34,23,98}, \
+    {MULTIPLY,47,95}, {MULTIPLY,77,92}, {ADD,99,100}, {MULTIPLY,0,101}, {CHOOSE,38,24,102}, \
     /* [3.2.3] Fy */ \
-    {ADD,92,94}, {MULTIPLY,48,100}, {CHOOSE,34,23,101}, \
+    {ADD,96,98}, {MULTIPLY,52,104}, {CHOOSE,38,24,105}, \
     /* [3.2.1] D_t */ \
-    {MULTIPLY,21,47}, \
+    {MULTIPLY,22,51}, \
     /* [3.2.1] arm_sliding */ \
-    {MULTIPLY,26,90}, {DIVIDE,104,82}, \
+    {MULTIPLY,27,94}, {DIVIDE,108,86}, \
     /* [3.2.1] trail */ \
-    {MULTIPLY,94,105}, {MULTIPLY,27,71}, {SUBTRACT,19,107}, {MULTIPLY,92,108}, {ADD,106,109}, {MULTIPLY,103,110}, \
-    {DIVIDE,111,100}, \
+    {MULTIPLY,98,109}, {MULTIPLY,28,75}, {SUBTRACT,20,111}, {MULTIPLY,96,112}, {ADD,110,113}, {MULTIPLY,107,114}, \
+    {DIVIDE,115,104}, \
     /* [3.2.1] Mz */ \
-    {MULTIPLY,102,112}, {SUBTRACT,23,113}, \
+    {MULTIPLY,106,116}, {SUBTRACT,24,117}, \
 }
 
 #endif

@@ -185,7 +185,7 @@ void fiala_quantities(const double inputs[], const double parameters[], double r
     const double SIGNS = parameters[FIALA_SIGNS];
 
     /* Inputs */
-    const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
+    const double alpha_folded = (fabs(alpha) > 1.5707963 ? (fabs(alpha) > -1.5707963 + PI ? -alpha + PI*sgn(alpha) : 1.5707963*sgn(alpha)) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
 
     /* Fiala tire */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
@@ -248,7 +248,7 @@ void fiala_forces(const double inputs[], const double parameters[], double resul
     const double SIGNS = parameters[FIALA_SIGNS];
 
     /* Two calls of a function that do not depend on each other are computed at a time */
-    const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
+    const double alpha_folded = (fabs(alpha) > 1.5707963 ? (fabs(alpha) > -1.5707963 + PI ? -alpha + PI*sgn(alpha) : 1.5707963*sgn(alpha)) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
     const double sense = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE */
     const double mu_x_fall = UMAX - UMIN; /* [Adams] what mu_x loses up to comprehensive slip 1 */

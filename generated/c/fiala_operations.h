@@ -12,75 +12,77 @@ enum {
 /* Slots: inputs, parameters, the speed at which a wheel turns, constants, results of operations. */
 
 #define FIALA_N_LEAVES 19
-#define FIALA_N_CONSTANTS 12
-#define FIALA_N_OPERATIONS 79
+#define FIALA_N_CONSTANTS 13
+#define FIALA_N_OPERATIONS 82
 
-#define FIALA_N_SLOTS 110
+#define FIALA_N_SLOTS 114
 
 #define FIALA_ROLLING_RADIUS 4
 
 #define FIALA_CONSTANTS { \
-    1.5707963267948966, 3.141592653589793, 1e-06, 0.5, 1.0, -1.0, 1e-100, 0.0, 0.25, 3.0, 0.3333333333333333, -3.0 \
+    1.5707963, 1.5707963535897933, 3.141592653589793, 1e-06, 0.5, 1.0, -1.0, 1e-100, 0.0, 0.25, 3.0, \
+    0.3333333333333333, -3.0 \
 }
 
 #define FIALA_FORCE_SLOTS { \
-    69, 90, 99, 104 \
+    73, 94, 103, 108 \
 }
 
 #define FIALA_QUANTITY_SLOTS { \
-    50, 51, 53, 53, 53, 51, 9, 58, 70, 75, 91, 15, 16, 106, 109, 8, 11 \
+    54, 55, 57, 57, 57, 55, 9, 62, 74, 79, 95, 15, 16, 110, 113, 8, 11 \
 }
 
 #define FIALA_OPERATIONS { \
     /* [tirefmu] alpha_folded */ \
-    {ABSOLUTE,1}, {LESS,19,31}, {SGN,1}, {MULTIPLY,20,33}, {SUBTRACT,34,1}, {CHOOSE,32,35,1}, \
+    {ABSOLUTE,1}, {LESS,19,32}, {LESS,20,32}, {SGN,1}, {MULTIPLY,21,35}, {SUBTRACT,36,1}, {MULTIPLY,19,35}, \
+    {CHOOSE,34,37,38}, {CHOOSE,33,39,1}, \
     /* [tirefmu] F_z */ \
-    {AT_MOST,2,21}, {CHOOSE,37,21,2}, \
+    {AT_MOST,2,22}, {CHOOSE,41,22,2}, \
     /* [tirefmu] sense */ \
-    {LESS,22,17}, {CHOOSE,39,23,24}, \
+    {LESS,23,17}, {CHOOSE,43,24,25}, \
     /* [tirefmu] tan_alpha */ \
-    {TAN,36}, \
+    {TAN,40}, \
     /* [Adams] S_square */ \
-    {MULTIPLY,0,0}, {MULTIPLY,41,41}, {ADD,42,43}, \
+    {MULTIPLY,0,0}, {MULTIPLY,45,45}, {ADD,46,47}, \
     /* [tirefmu] S_square_inside */ \
-    {AT_MOST,23,44}, {CHOOSE,45,23,44}, \
+    {AT_MOST,24,48}, {CHOOSE,49,24,48}, \
     /* [Adams] S_s_alpha */ \
-    {AT_MOST,46,25}, {CHOOSE,47,23,46}, {ROOT,48}, {CHOOSE,47,26,49}, \
+    {AT_MOST,50,26}, {CHOOSE,51,24,50}, {ROOT,52}, {CHOOSE,51,27,53}, \
     /* [Adams] mu_x_fall */ \
     {SUBTRACT,13,12}, \
     /* [Adams] U */ \
-    {MULTIPLY,50,51}, {SUBTRACT,13,52}, \
+    {MULTIPLY,54,55}, {SUBTRACT,13,56}, \
     /* [Adams] F_x_limit */ \
-    {MULTIPLY,38,53}, \
+    {MULTIPLY,42,57}, \
     /* [Adams] F_x_linear */ \
     {MULTIPLY,0,9}, \
     /* [Adams] kappa_crit */ \
-    {MULTIPLY,22,54}, {DIVIDE,56,9}, {ABSOLUTE,57}, \
+    {MULTIPLY,23,58}, {DIVIDE,60,9}, {ABSOLUTE,61}, \
     /* [Adams] Fx */ \
-    {ABSOLUTE,55}, {AT_MOST,59,56}, {SGN,55}, {MULTIPLY,54,61}, {MULTIPLY,54,54}, {MULTIPLY,27,63}, {CHOOSE,60,23,55}, \
-    {DIVIDE,64,65}, {SUBTRACT,62,66}, {CHOOSE,60,55,67}, {CHOOSE,37,26,68}, \
+    {ABSOLUTE,59}, {AT_MOST,63,60}, {SGN,59}, {MULTIPLY,58,65}, {MULTIPLY,58,58}, {MULTIPLY,28,67}, {CHOOSE,64,24,59}, \
+    {DIVIDE,68,69}, {SUBTRACT,66,70}, {CHOOSE,64,59,71}, {CHOOSE,41,27,72}, \
     /* [Adams] K_yalpha */ \
-    {MULTIPLY,10,40}, \
+    {MULTIPLY,10,44}, \
     /* [Adams] F_y_linear */ \
-    {MULTIPLY,41,70}, \
+    {MULTIPLY,45,74}, \
     /* [Adams] alpha_crit */ \
-    {MULTIPLY,28,54}, {DIVIDE,72,70}, {ABSOLUTE,73}, {ATAN,74}, \
+    {MULTIPLY,29,58}, {DIVIDE,76,74}, {ABSOLUTE,77}, {ATAN,78}, \
     /* [Adams] sliding_y */ \
-    {ABSOLUTE,71}, {AT_MOST,72,76}, {SGN,71}, {MULTIPLY,29,71}, {CHOOSE,77,23,54}, {DIVIDE,79,80}, {CHOOSE,77,78,81}, \
+    {ABSOLUTE,75}, {AT_MOST,76,80}, {SGN,75}, {MULTIPLY,30,75}, {CHOOSE,81,24,58}, {DIVIDE,83,84}, {CHOOSE,81,82,85}, \
     /* [Adams] Fy */ \
-    {MULTIPLY,82,82}, {ADD,28,83}, {ABSOLUTE,82}, {MULTIPLY,28,85}, {SUBTRACT,84,86}, {MULTIPLY,54,82}, \
-    {MULTIPLY,87,88}, {CHOOSE,37,26,89}, \
+    {MULTIPLY,86,86}, {ADD,29,87}, {ABSOLUTE,86}, {MULTIPLY,29,89}, {SUBTRACT,88,90}, {MULTIPLY,58,86}, \
+    {MULTIPLY,91,92}, {CHOOSE,41,27,93}, \
     /* [Adams] t_0 */ \
-    {MULTIPLY,29,5}, \
+    {MULTIPLY,30,5}, \
     /* [Adams] Mz */ \
-    {SUBTRACT,23,85}, {MULTIPLY,92,92}, {MULTIPLY,92,93}, {MULTIPLY,30,54}, {MULTIPLY,82,95}, {MULTIPLY,91,96}, \
-    {MULTIPLY,94,97}, {CHOOSE,37,26,98}, \
+    {SUBTRACT,24,89}, {MULTIPLY,96,96}, {MULTIPLY,96,97}, {MULTIPLY,31,58}, {MULTIPLY,86,99}, {MULTIPLY,95,100}, \
+    {MULTIPLY,98,101}, {CHOOSE,41,27,102}, \
     /* [Adams] My */ \
-    {SGN,3}, {MULTIPLY,14,38}, {MULTIPLY,40,101}, {MULTIPLY,100,102}, {CHOOSE,37,26,103}, \
+    {SGN,3}, {MULTIPLY,14,42}, {MULTIPLY,44,105}, {MULTIPLY,104,106}, {CHOOSE,41,27,107}, \
     /* [Adams] rho */ \
-    {DIVIDE,38,7}, {CHOOSE,37,26,105}, \
+    {DIVIDE,42,7}, {CHOOSE,41,27,109}, \
     /* [Adams] R_l */ \
-    {LESS,106,4}, {SUBTRACT,4,106}, {CHOOSE,107,108,26}, \
+    {LESS,110,4}, {SUBTRACT,4,110}, {CHOOSE,111,112,27}, \
 }
 
 #endif

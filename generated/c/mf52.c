@@ -460,7 +460,7 @@ void mf52_quantities(const double inputs[], const double parameters[], double re
     const double SIGNS = parameters[MF52_SIGNS];
 
     /* Inputs */
-    const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
+    const double alpha_folded = (fabs(alpha) > 1.5707963 ? (fabs(alpha) > -1.5707963 + PI ? -alpha + PI*sgn(alpha) : 1.5707963*sgn(alpha)) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
     const double V_xlow = (VXLOW <= 0.0 ? 1e-06 : VXLOW); /* [tirefmu] speed below which slips fade out, above 0 */
     const double fade = (LIMITS > 0.5 ? (V_xlow >= fabs(V) ? fabs(V)/(V_xlow >= fabs(V) ? V_xlow : 1.0) : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
     const double fade_smooth = (LIMITS > 0.5 ? (V_xlow >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/(V_xlow >= fabs(V) ? V_xlow : 1.0)) : 1.0) : 1.0); /* [MFeval] reduction of the shifts, the trail and the residual moment at low speed */
@@ -954,7 +954,7 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double SIGNS = parameters[MF52_SIGNS];
 
     /* Inputs */
-    const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
+    const double alpha_folded = (fabs(alpha) > 1.5707963 ? (fabs(alpha) > -1.5707963 + PI ? -alpha + PI*sgn(alpha) : 1.5707963*sgn(alpha)) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
     const double V_xlow = (VXLOW <= 0.0 ? 1e-06 : VXLOW); /* [tirefmu] speed below which slips fade out, above 0 */
     const double fade = (LIMITS > 0.5 ? (V_xlow >= fabs(V) ? fabs(V)/(V_xlow >= fabs(V) ? V_xlow : 1.0) : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
     const double fade_smooth = (LIMITS > 0.5 ? (V_xlow >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/(V_xlow >= fabs(V) ? V_xlow : 1.0)) : 1.0) : 1.0); /* [MFeval] reduction of the shifts, the trail and the residual moment at low speed */
@@ -1353,7 +1353,7 @@ void mf52_forces_plain(const double inputs[], const double parameters[], double 
     const double SSZ4 = parameters[MF52_SSZ4];
 
     /* Two calls of a function that do not depend on each other are computed at a time */
-    const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
+    const double alpha_folded = (fabs(alpha) > 1.5707963 ? (fabs(alpha) > -1.5707963 + PI ? -alpha + PI*sgn(alpha) : 1.5707963*sgn(alpha)) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
     const double V_xlow = (VXLOW <= 0.0 ? 1e-06 : VXLOW); /* [tirefmu] speed below which slips fade out, above 0 */
     const double F_z = (Fz < 1e-06 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */

@@ -329,7 +329,7 @@ void mf96_quantities(const double inputs[], const double parameters[], double re
     const double SSZ4 = parameters[MF96_SSZ4];
 
     /* Inputs */
-    const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
+    const double alpha_folded = (fabs(alpha) > 1.5707963 ? (fabs(alpha) > -1.5707963 + PI ? -alpha + PI*sgn(alpha) : 1.5707963*sgn(alpha)) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
 
     /* Normalized inputs */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
@@ -573,7 +573,7 @@ void mf96_forces(const double inputs[], const double parameters[], double result
     const double SSZ4 = parameters[MF96_SSZ4];
 
     /* Two calls of a function that do not depend on each other are computed at a time */
-    const double alpha_folded = (fabs(alpha) > 0.5*PI ? -alpha + PI*sgn(alpha) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
+    const double alpha_folded = (fabs(alpha) > 1.5707963 ? (fabs(alpha) > -1.5707963 + PI ? -alpha + PI*sgn(alpha) : 1.5707963*sgn(alpha)) : alpha); /* [tirefmu] slip angle, beyond 90 deg its supplement */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
     const double F_z01 = FNOMIN*LFZ0; /* [4.E1] nominal load, scaled */
     const double gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */

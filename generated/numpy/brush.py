@@ -49,7 +49,7 @@ def quantities(inputs, parameters, xp=np):
     ) = parameters
 
     # Inputs
-    alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
+    alpha_folded = xp.where(xp.abs(alpha) > 1.5707963, xp.where(xp.abs(alpha) > -1.5707963 + xp.pi, -alpha + xp.pi*xp.sign(alpha), 1.5707963*xp.sign(alpha)), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
 
     # Contact patch with bristles
     F_z = xp.where(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, limited to positive values
@@ -102,7 +102,7 @@ def forces(inputs, parameters, xp=np):
     ) = parameters
 
     # Inputs
-    alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
+    alpha_folded = xp.where(xp.abs(alpha) > 1.5707963, xp.where(xp.abs(alpha) > -1.5707963 + xp.pi, -alpha + xp.pi*xp.sign(alpha), 1.5707963*xp.sign(alpha)), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
 
     # Contact patch with bristles
     F_z = xp.where(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, limited to positive values

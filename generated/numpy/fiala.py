@@ -54,7 +54,7 @@ def quantities(inputs, parameters, xp=np):
     ) = parameters
 
     # Inputs
-    alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
+    alpha_folded = xp.where(xp.abs(alpha) > 1.5707963, xp.where(xp.abs(alpha) > -1.5707963 + xp.pi, -alpha + xp.pi*xp.sign(alpha), 1.5707963*xp.sign(alpha)), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
 
     # Fiala tire
     F_z = xp.where(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, limited to positive values
@@ -112,7 +112,7 @@ def forces(inputs, parameters, xp=np):
     ) = parameters
 
     # Inputs
-    alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
+    alpha_folded = xp.where(xp.abs(alpha) > 1.5707963, xp.where(xp.abs(alpha) > -1.5707963 + xp.pi, -alpha + xp.pi*xp.sign(alpha), 1.5707963*xp.sign(alpha)), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
 
     # Fiala tire
     F_z = xp.where(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, limited to positive values

@@ -139,7 +139,7 @@ def quantities(inputs, parameters, xp=np):
     ) = parameters
 
     # Inputs
-    alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
+    alpha_folded = xp.where(xp.abs(alpha) > 1.5707963, xp.where(xp.abs(alpha) > -1.5707963 + xp.pi, -alpha + xp.pi*xp.sign(alpha), 1.5707963*xp.sign(alpha)), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
     V_xlow = xp.where(VXLOW <= 0, 1e-06, VXLOW)  # [tirefmu] speed below which slips fade out, above 0
     fade = xp.where(LIMITS > 0.5, xp.where(V_xlow >= xp.abs(V), xp.abs(V)/xp.where(V_xlow >= xp.abs(V), V_xlow, 1), 1), 1)  # [MFeval] reduction of kappa and phit at low speed
     fade_smooth = xp.where(LIMITS > 0.5, xp.where(V_xlow >= xp.abs(V), 0.5 - 0.5*xp.cos(xp.pi*V/xp.where(V_xlow >= xp.abs(V), V_xlow, 1)), 1), 1)  # [MFeval] reduction of the shifts, the trail and the residual moment at low speed
@@ -568,7 +568,7 @@ def forces(inputs, parameters, xp=np):
     ) = parameters
 
     # Inputs
-    alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
+    alpha_folded = xp.where(xp.abs(alpha) > 1.5707963, xp.where(xp.abs(alpha) > -1.5707963 + xp.pi, -alpha + xp.pi*xp.sign(alpha), 1.5707963*xp.sign(alpha)), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
     V_xlow = xp.where(VXLOW <= 0, 1e-06, VXLOW)  # [tirefmu] speed below which slips fade out, above 0
     fade = xp.where(LIMITS > 0.5, xp.where(V_xlow >= xp.abs(V), xp.abs(V)/xp.where(V_xlow >= xp.abs(V), V_xlow, 1), 1), 1)  # [MFeval] reduction of kappa and phit at low speed
     fade_smooth = xp.where(LIMITS > 0.5, xp.where(V_xlow >= xp.abs(V), 0.5 - 0.5*xp.cos(xp.pi*V/xp.where(V_xlow >= xp.abs(V), V_xlow, 1)), 1), 1)  # [MFeval] reduction of the shifts, the trail and the residual moment at low speed
@@ -822,7 +822,7 @@ def relaxation(inputs, parameters, xp=np):
     ) = parameters
 
     # Inputs
-    alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
+    alpha_folded = xp.where(xp.abs(alpha) > 1.5707963, xp.where(xp.abs(alpha) > -1.5707963 + xp.pi, -alpha + xp.pi*xp.sign(alpha), 1.5707963*xp.sign(alpha)), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
     V_xlow = xp.where(VXLOW <= 0, 1e-06, VXLOW)  # [tirefmu] speed below which slips fade out, above 0
     fade = xp.where(LIMITS > 0.5, xp.where(V_xlow >= xp.abs(V), xp.abs(V)/xp.where(V_xlow >= xp.abs(V), V_xlow, 1), 1), 1)  # [MFeval] reduction of kappa and phit at low speed
     phit_in = xp.where(LIMITS > 0.5, fade*phit*xp.where(V < 0, -1, 1)*xp.cos(alpha_folded), phit)  # [MFeval] turn slip, within limits
@@ -913,7 +913,7 @@ def forces_plain(inputs, parameters, xp=np):
     ) = parameters
 
     # Inputs
-    alpha_folded = xp.where(xp.abs(alpha) > 0.5*xp.pi, -alpha + xp.pi*xp.sign(alpha), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
+    alpha_folded = xp.where(xp.abs(alpha) > 1.5707963, xp.where(xp.abs(alpha) > -1.5707963 + xp.pi, -alpha + xp.pi*xp.sign(alpha), 1.5707963*xp.sign(alpha)), alpha)  # [tirefmu] slip angle, beyond 90 deg its supplement
     V_xlow = xp.where(VXLOW <= 0, 1e-06, VXLOW)  # [tirefmu] speed below which slips fade out, above 0
     F_z = xp.where(Fz < 1e-06, 0, Fz)  # [MFeval] load, 0 off the ground
 

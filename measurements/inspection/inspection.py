@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from math import isnan
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from ...boundary.escaping import excerpt, visible
+from ...boundary.json_schema import json_value
 from ...boundary.named_options import named
 from ...numerics.arrays import BoolArray, FloatArray, IndexArray
 from ...symbolic.channels import CHANNELS
@@ -116,7 +116,7 @@ class Inspection:
     def to_json(self) -> dict[str, Any]:
         """Return the contents as JSON values; a range or drift without a number is null."""
         recording = self.recording
-        return {
+        content = {
             "source": recording.source,
             "rows": len(recording),
             "signs": recording.signs,
@@ -128,17 +128,14 @@ class Inspection:
             "duration": self.duration,
             "segments": self.segments,
             "longest_gap": self.longest_gap,
-            "channels": [_without_nan(vars(channel)) for channel in self.channels],
-            "columns": [vars(meaning) for meaning in self.meanings],
-            "sweeps": [vars(sweep) for sweep in self.sweeps],
-            "conditions": [{**vars(held), "drift": _without_nan(held.drift)} for held in self.conditions],
+            "channels": self.channels,
+            "columns": self.meanings,
+            "sweeps": self.sweeps,
+            "conditions": self.conditions,
             "excluded_rows": self.exclusion.counts,
-            "excluded_held_rows": int(np.count_nonzero(self.held & ~self.exclusion.included)),
+            "excluded_held_rows": np.count_nonzero(self.held & ~self.exclusion.included),
         }
-
-
-def _without_nan(values: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: None if isinstance(value, float) and isnan(value) else value for name, value in values.items()}
+        return dict(json_value(content))
 
 
 class InspectionResult(NamedTuple):
@@ -162,7 +159,7 @@ class InspectionResult(NamedTuple):
         return {
             "ok": self.ok,
             "verdict": self.verdict,
-            "findings": [vars(finding) for finding in self.findings],
+            "findings": json_value(self.findings),
             "recordings": [inspection.to_json() for inspection in self.recordings],
         }
 

@@ -17,6 +17,9 @@ from ..quantities import ACTED_ON, ALPHA, ALPHA_FOLDED
 from .extension import acting_name
 from .lines import reaching, replaced
 
+#: The largest slip angle with seven digits below 90 deg, rad.
+STEEPEST = sp.Float("1.5707963")
+
 
 def assembled(
     model: str,
@@ -90,9 +93,11 @@ def _folded_angle() -> Equation:
     """Return the line of the slip angle that all other lines read in place of the input: their one law beyond 90 deg.
 
     The wheel then moves backwards. The lateral slip is V_y/|V_x|, so that the side force opposes the sliding velocity.
+    Next to 90 deg it is `STEEPEST`, whose tangent is positive in single precision, too.
     """
     eq, alpha = Chapter("Inputs"), ALPHA.symbol
-    folded = where(absolute(alpha) > sp.pi / 2, sp.pi * sgn(alpha) - alpha, alpha)
+    beyond = where(absolute(alpha) > sp.pi - STEEPEST, sp.pi * sgn(alpha) - alpha, STEEPEST * sgn(alpha))
+    folded = where(absolute(alpha) > STEEPEST, beyond, alpha)
     eq("tirefmu", ALPHA_FOLDED.name, folded, ALPHA_FOLDED.unit, ALPHA_FOLDED.description, named=False)
     return eq.equations[0]
 

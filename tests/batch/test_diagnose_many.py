@@ -45,6 +45,7 @@ def diagnosed(recordings, tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_each_recording_has_a_folder_and_a_row(diagnosed):
     table = pd.read_csv(diagnosed / "summary.csv").set_index("name")
     assert table["status"].to_dict() == {"run7": "diagnosed", "run8": "failed"}
@@ -61,6 +62,7 @@ def test_each_recording_has_a_folder_and_a_row(diagnosed):
     assert not json.loads((diagnosed / "all.json").read_text(encoding="utf-8"))["ok"]
 
 
+@pytest.mark.slow
 def test_resuming_computes_only_what_is_missing_or_changed(recordings, diagnosed, tmp_path):
     options = {**OPTIONS, "resume": True, "workers": 1, "time_limit": 300.0, "form": True}  # defaults of the command
     kept = diagnose_many(recordings, diagnosed, progress=lambda *_: pytest.fail("computed again"), **options)

@@ -65,6 +65,7 @@ def batch(jobs, tmp_path_factory):
     return found
 
 
+@pytest.mark.slow
 def test_the_tires_are_those_of_single_fits(jobs, batch):
     """In another process: this one compiles without optimization, which changes the last digits."""
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as other:
@@ -190,6 +191,7 @@ def test_a_batch_in_the_background_is_not_interrupted(jobs, tmp_path):
     assert pd.read_csv(tmp_path / "summary.csv")["status"].tolist().count("failed") == 2  # as without the signal
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="no process groups with SIGINT")
 def test_an_interrupted_batch_keeps_what_is_written(jobs, tmp_path):
     """Nothing is printed but one line."""

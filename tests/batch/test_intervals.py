@@ -37,6 +37,7 @@ def test_the_intervals_are_those_of_any_number_and_kind_of_workers(table, cluste
     assert local.bootstrap == other.bootstrap
 
 
+@pytest.mark.slow
 def test_the_command_shows_the_intervals_next_to_the_linear_ones(table, tmp_path, capsys):
     status = main([
         "fit", str(table), "--model", "mf96", "--effects", ",".join(EFFECTS), "--recipe", "joint", "--nominal",

@@ -22,7 +22,7 @@ from tirefmu.tires.drawing import files
 from tirefmu.tires.drawing import tire_figures as drawing
 from tirefmu.tires.drawing.surface_figure import surfaces
 
-from ..hostile import HOSTILE
+from ..hostile import EACH_PAGE
 
 SIZE = {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.25}
 
@@ -172,7 +172,7 @@ def test_the_command_draws_a_file_and_reports_it_as_json(command, published_tir,
     assert sorted(reported["figures"]) == sorted(str(path) for path in (tmp_path / "figures").iterdir())
 
 
-@pytest.mark.parametrize("text", HOSTILE)
+@pytest.mark.parametrize("text", EACH_PAGE)
 def test_a_tires_name_is_drawn_literally(text, tmp_path):
     """The SVG is well-formed and contains no script and no external resource."""
     tire = Tire("mf96", {**SIZE, "PDY1": 1.0, "PKY1": 10.0, "PCY1": 1.3}, effects=(), name=text)

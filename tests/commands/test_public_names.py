@@ -137,12 +137,14 @@ def test_importing_and_errors_load_no_large_library(tmp_path, monkeypatch):
     assert loaded_by(NO_COMMAND, LOADED_LATER) == []
 
 
+@pytest.mark.slow
 def test_a_tire_is_evaluated_fitted_and_exported_without_its_equations(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     printed_folder(MODELS["fiala"])  # a clone prints the Jacobians at their first use
     assert loaded_by(NO_EQUATIONS, ("sympy",)) == []
 
 
+@pytest.mark.slow
 def test_a_diagnosis_needs_no_equations():
     printed_folder(MODELS["fiala"])
     printed_folder(model_named("fiala", whole_library(MODELS["fiala"])))

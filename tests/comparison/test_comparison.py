@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.hostile import HOSTILE, Skeleton
+from tests.hostile import EACH_PAGE, Skeleton
 from tirefmu import compare
 from tirefmu.applications.comparison.figures import comparison_figures, write_comparison
 from tirefmu.applications.comparison.sweeps import sweeps
@@ -37,6 +37,21 @@ def bench(old):
     """Return a recording without noise, in adapted SAE, at two loads, with and without camber and the other slip."""
     alpha = alpha_sweeps(LOADS, [0.0, radians(3.0)], sample_rate=8.0)
     return VirtualBench(old, Noise.none()).run(concatenate([alpha, kappa_sweeps(LOADS, [0.0, 0.05], sample_rate=8.0)]))
+
+
+@pytest.mark.parametrize(
+    ("ranges", "begin"),
+    [
+        ((100.0, 1000.0), "at 220 N, new against old"),
+        ((60.0, 160.0), "at 160 N, new against old"),
+        ((300.0, 9000.0), "at 300 N, new against old"),
+        ((60.0, 90.0), "at 90 N, outside the range of old, new against old"),
+        ((8000.0, 9000.0), "at 220 N, outside the range of new, new against old"),
+    ],
+)
+def test_quantities_are_compared_at_a_load_of_both_tires(old, new, ranges, begin):
+    result = compare(old, replace(new, ranges={**new.ranges, "Fz": ranges}), names=("old", "new"))
+    assert result.verdict.startswith(begin)
 
 
 def test_differences_are_those_of_the_values(old, new):
@@ -137,7 +152,7 @@ def test_one_figure_has_one_pressure_and_one_curve_for_each_load(new, bench):
     assert set().union(*(condition.rows["p"] for condition in found)) == {83e3, 83.5e3}
 
 
-@pytest.mark.parametrize("text", HOSTILE)
+@pytest.mark.parametrize("text", EACH_PAGE)
 def test_texts_do_not_change_the_page(old, new, bench, tmp_path, monkeypatch, text):
     monkeypatch.setattr("tirefmu.applications.comparison.figures.comparison_figures", lambda *_: [])
 

@@ -330,6 +330,7 @@ def test_a_lever_of_the_side_force_is_not_a_trail():
     assert diagnosis.recording["cross_talk"]["Fy_in_Mz"] == pytest.approx(0.003, rel=0.2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "number"), [("null", 1032), pytest.param("single", 381, marks=pytest.mark.slow)])
 def test_a_lever_that_a_skew_or_noise_hides_is_not_a_trail(kind, number):
     """In the first recording the lever is significant only after the skew is corrected; in the second one not at all.
@@ -341,6 +342,7 @@ def test_a_lever_that_a_skew_or_noise_hides_is_not_a_trail(kind, number):
     assert tuple(one.effect for one in diagnosis.found) == case.hidden
 
 
+@pytest.mark.slow
 def test_noise_of_kappa_in_pure_cornering_is_not_combined_slip():
     case = make_case(71, kind="cornering")
     noise = np.random.default_rng(0).normal(0.0, 2e-3, len(case.table))
@@ -354,6 +356,7 @@ def test_noise_of_kappa_in_pure_cornering_is_not_combined_slip():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rate", "sweeps"), [(4.0, 17), *(pytest.param(*each, marks=pytest.mark.slow) for each in ((4.0, 33), (50.0, 2)))]
 )

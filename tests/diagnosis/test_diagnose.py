@@ -32,7 +32,7 @@ from tirefmu.measurements import Recording
 from tirefmu.symbolic.added import library
 
 from ..declared_flags import declared_flags, flags
-from ..hostile import HOSTILE, Skeleton, is_plain
+from ..hostile import EACH_PAGE, Skeleton, is_plain
 from ..json_schemas import check_file
 from .suite import make_case
 
@@ -189,7 +189,7 @@ def plain_page(thrust):
     return page_with_text(thrust, "plain")
 
 
-@pytest.mark.parametrize("text", HOSTILE)
+@pytest.mark.parametrize("text", EACH_PAGE)
 def test_no_text_changes_the_structure_of_the_page(thrust, plain_page, text):
     pages = [plain_page, page_with_text(thrust, text)]
     # The only code is the same in both pages: it makes charts.
@@ -275,7 +275,7 @@ def test_no_panel_has_two_lines_that_coincide(thrust):
     assert counts == [1, 2]  # without memory, and with it
 
 
-@pytest.mark.parametrize("text", HOSTILE)
+@pytest.mark.parametrize("text", EACH_PAGE)
 def test_the_json_is_valid_for_any_text(thrust, text, tmp_path):
     def refuse(constant):
         raise AssertionError(f"{constant} is not JSON")

@@ -26,6 +26,7 @@ def predicted(table):
     return diagnosed(table.drop(columns="T"))
 
 
+@pytest.mark.slow
 def test_a_temperature_that_was_not_recorded_is_predicted(predicted):
     assert [one.effect for one in predicted.found] == ["temp_friction"]
     assert "heat_friction" in predicted.confounded_with["temp_friction"]  # without kelvin, nearly the same
@@ -34,6 +35,7 @@ def test_a_temperature_that_was_not_recorded_is_predicted(predicted):
     assert predicted.recording["ignored_columns"] == []
 
 
+@pytest.mark.slow
 def test_the_improved_tire_predicts_its_temperature(predicted, table, tmp_path):
     """Its FMU and its evaluation need no temperature of the tread, and its error is that of the diagnosis."""
     simulated = export_and_simulate(predicted, table.drop(columns="T"), tmp_path)
@@ -42,6 +44,7 @@ def test_the_improved_tire_predicts_its_temperature(predicted, table, tmp_path):
     assert simulated["after"]["rmse"]["Fy"] < 0.8 * simulated["before"]["rmse"]["Fy"]
 
 
+@pytest.mark.slow
 def test_a_recorded_temperature_is_used(table):
     result = diagnosed(table)
     assert [one.effect for one in result.found] == ["temp_friction"]
@@ -50,6 +53,7 @@ def test_a_recorded_temperature_is_used(table):
     assert "temperature" not in result.tire.has
 
 
+@pytest.mark.slow
 def test_no_effect_of_a_predicted_temperature_is_found_without_one():
     result = diagnosed(recording(seed=1, duration=120.0).drop(columns="T"))
     assert result.found == ()

@@ -24,9 +24,9 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 #: Pages that take longer.
 SLOW = {
     "command_line.md", "data_desk.md", "diagnosis.md", "drive.md", "effects.md", "family.md", "gallery.md",
-    "many_tires.md", "planning.md", "python.md", "quick_start.md", "report_figures.md", "temperature.md", "ttc.md",
-    "tutorials/from_a_drive.md", "tutorials/hidden_effect.md", "tutorials/small_robot_tire.md",
-    "tutorials/warm_tire.md",
+    "many_tires.md", "planning.md", "published_tires.md", "python.md", "quick_start.md", "report_figures.md",
+    "temperature.md", "ttc.md", "tutorials/from_a_drive.md", "tutorials/fsae_tire.md", "tutorials/hidden_effect.md",
+    "tutorials/small_robot_tire.md", "tutorials/warm_tire.md",
 }  # fmt: skip
 
 

@@ -69,6 +69,7 @@ def test_every_figure_of_the_documents_is_listed():
     assert campinas == ["1, 2", "3 to 5", *map(str, range(6, 11))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("figure", "command", "where"), ROWS, ids=[f"{row[1]} {row[0]}" for row in ROWS])
 def test_a_figure_is_drawn_where_the_page_states(figure, command, where, drawn):
     figures, files = drawn
@@ -94,6 +95,7 @@ def test_a_row_of_the_tables_is_read():
     assert len(ROWS) == len(re.findall(r"^\| \d", PAGE, flags=re.MULTILINE)) - 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("force", ["Gxalpha", "Gykappa"])
 def test_weighting_functions_are_drawn_over_both_slips(force, drawn):
     figures = drawn[0]["fit"]
@@ -104,6 +106,7 @@ def test_weighting_functions_are_drawn_over_both_slips(force, drawn):
     assert all(np.ptp(line.points[0]) > 5.9 for line in levels(over_alpha))  # alpha to 6 deg
 
 
+@pytest.mark.slow
 def test_side_force_over_kappa_at_three_degrees_has_a_curve_for_each_camber(drawn):
     found = panel(drawn[0]["fit"], "Forces at combined slip", "Fy per camber")
     assert "alpha = 3 deg" in plain(found.title)
@@ -111,6 +114,7 @@ def test_side_force_over_kappa_at_three_degrees_has_a_curve_for_each_camber(draw
     assert "R²" in found.title
 
 
+@pytest.mark.slow
 def test_old_and_new_parameters_are_drawn_over_each_other_with_their_difference(drawn):
     figures = drawn[0]["compare"]
     (both, difference) = panels_of(figures, "Pure slip: Fy over alpha").values()
@@ -123,6 +127,7 @@ def test_old_and_new_parameters_are_drawn_over_each_other_with_their_difference(
     assert all((line.points[1] > 0.0).all() for line in over_load.series)
 
 
+@pytest.mark.slow
 def test_the_small_tire_has_points_and_the_full_range_of_slip(drawn):
     pure, combined = (drawing for drawing in drawn[0]["draw"] if hasattr(drawing, "title"))
     surfaces = [drawing for drawing in drawn[0]["draw"] if hasattr(drawing, "axes")]
@@ -139,6 +144,7 @@ def test_the_small_tire_has_points_and_the_full_range_of_slip(drawn):
     assert [len(levels(panel)) for panel in combined.panels] == [9, 9, 9]  # -20 to 20 deg in steps of 5
 
 
+@pytest.mark.slow
 def test_levels_have_solid_lines_and_readable_names(drawn):
     for heading in ("Pure side force", "Forces at combined slip"):
         for found in panels_of(drawn[0]["fit"], heading).values():

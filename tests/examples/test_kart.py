@@ -18,6 +18,7 @@ def fmu(kart, compiler, tmp_path_factory):
     return kart.export(tmp_path_factory.mktemp("kart"))
 
 
+@pytest.mark.slow
 def test_the_error_is_of_first_order_in_the_step(kart, fmu):
     manoeuvre, times = kart.MANOEUVRES["brake-in-turn"], np.array([0.0, 1.0])
     exact = kart.monolithic(manoeuvre, times)

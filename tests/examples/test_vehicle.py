@@ -90,6 +90,7 @@ def test_the_vehicles_fmu_is_valid(fmus):
     assert validate_fmu(str(fmus[1])) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("manoeuvre", ["step-steer", "brake-in-turn"])
 def test_cosimulation_converges_at_first_order(vehicle, fmus, manoeuvre):
     controls, steps = vehicle.MANOEUVRES[manoeuvre], (0.002, 0.001)

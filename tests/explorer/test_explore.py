@@ -10,7 +10,7 @@ from hashlib import sha256
 
 import pytest
 
-from tests.hostile import HOSTILE, Skeleton
+from tests.hostile import EACH_PAGE, HOSTILE, Skeleton
 from tirefmu.applications.explorer.explore import fit_intervals, page_text
 from tirefmu.boundary.errors import TirefmuError, UnknownName
 from tirefmu.commands.cli import main
@@ -63,7 +63,7 @@ def test_a_missing_chart_library_is_an_error(monkeypatch):
         page_text("trento_hoosier", intervals={})
 
 
-@pytest.mark.parametrize("text", HOSTILE)
+@pytest.mark.parametrize("text", EACH_PAGE)
 def test_texts_of_files_do_not_change_the_page(text):
     """Elements and attributes are those of the same page with a harmless text; so is the code."""
     plain, hostile = (page_text(hostile_tire(name), intervals={}) for name in ("plain", text[:LONGEST]))

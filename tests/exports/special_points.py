@@ -33,6 +33,7 @@ def special_points(tire):
     rows += [
         {"Fz": -load}, {"Fz": 1e-6}, {"Fz": 1e-3, "alpha": 0.1}, {"Fz": 0.01 * load, "kappa": 0.1}, {"Fz": 3 * load},
         {"kappa": 1e-13}, {"alpha": 1e-7, "kappa": 1e-8}, {"kappa": 5.0, "alpha": 1.5}, {"V": -10.0}, {"V": 1e-3},
-        {"V": 0.5, "kappa": -0.5}, {"phit": 1e-7}, {"phit": 1e-200}, {"alpha": 1.5, "phit": 0.3, "gamma": 0.2},
+        {"V": 0.5, "kappa": -0.5}, {"phit": 1e-7}, {"phit": 1e-200}, {"alpha": np.pi / 2},
+        {"alpha": -np.pi / 2, "kappa": 0.1}, {"alpha": 1.5, "phit": 0.3, "gamma": 0.2},
     ]  # fmt: skip
     return np.array([[row.get(name, nominal[name]) for row in rows] for name in tire.inputs])

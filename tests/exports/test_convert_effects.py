@@ -18,11 +18,10 @@ from tirefmu.symbolic.added import library, read_effect
 from tirefmu.symbolic.models import MODELS, whole_library
 from tirefmu.tires import Tire, read_tir
 
-from ..relatives import TESTED, is_slow
 from .conftest import FIALA
 
 #: Models that take long.
-LARGE = {name for name in MODELS if name == TESTED or is_slow(name)}
+LARGE = {name for name in MODELS if name != "brush"}
 #: Few operating conditions, for the laws without a fit.
 ROWS = pd.DataFrame({"kappa": [0.0, 0.05, -0.1, 0.0], "alpha": [0.08, 0.0, 0.05, -0.15], "gamma": 0.02, "Fz": 3000.0})
 

@@ -12,7 +12,7 @@ from tirefmu.applications.exports import generate
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires.code.printed import code_file
 
-from ..relatives import slow_relatives
+from ..relatives import slow_but
 from .conftest import tool
 from .special_points import special_points, symmetric
 
@@ -58,7 +58,7 @@ def exceptions(folder, sources, calls, table, level):
 
 
 @pytest.mark.parametrize(("level", "kind"), [("-O0", "given"), ("-O2", "symmetric")])
-@pytest.mark.parametrize("model", slow_relatives(MODELS))
+@pytest.mark.parametrize("model", slow_but(["mf96", "mf61"], MODELS))
 def test_printout(tire_of, tmp_path, model, level, kind):
     tire = tire_of(model).in_signs("iso")
     tire = symmetric(tire) if kind == "symmetric" else tire
@@ -70,7 +70,7 @@ def test_printout(tire_of, tmp_path, model, level, kind):
 
 
 @pytest.mark.parametrize("level", ["-O0", "-O2"])
-@pytest.mark.parametrize("model", slow_relatives(MODELS))
+@pytest.mark.parametrize("model", slow_but(["mf96"], MODELS))
 def test_code_of_fmus(tire_of, tmp_path, model, level):
     """With every combination of options; the Jacobians at -O0 only, since they take long to compile."""
     tire = symmetric(tire_of(model).in_signs("iso"))

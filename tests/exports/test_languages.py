@@ -15,6 +15,7 @@ from tirefmu.symbolic.models import MODELS
 from tirefmu.symbolic.printers.languages import LANGUAGES
 from tirefmu.symbolic.printers.languages.program import FUNCTIONS
 
+from ..relatives import slow_but
 from .conftest import command_of, tool
 from .self_tests import COMMANDS
 
@@ -26,7 +27,12 @@ def test_every_language_has_a_command_or_a_test_of_its_own():
     assert set(COMMANDS) | {"latex"} == set(LANGUAGES)
 
 
-@pytest.fixture(params=RUN_HERE)
+def fast(languages):
+    """Parametrize a test by all languages, of which all but these are slow."""
+    return pytest.mark.parametrize("language", slow_but(languages, RUN_HERE), indirect=True)
+
+
+@pytest.fixture
 def language(request):
     """Name each language that can be run here."""
     command_of(request.param)
@@ -35,12 +41,14 @@ def language(request):
     return request.param
 
 
+@fast(RUN_HERE[::2])
 def test_values_in_the_lines(language, mf61, printout, assert_agrees):
     """MF6.1 has every function and condition that a line can have."""
     folder = printout(mf61, language, "mf61", functions=FUNCTIONS[:3:2])
     assert_agrees(command_of(language, folder), folder, FUNCTIONS[:3:2])
 
 
+@fast(RUN_HERE[1::2])
 def test_coefficients_from_a_file(language, wet, printout, assert_agrees):
     """Jacobians by the coefficients, states, and a user-defined effect with hostile texts."""
     folder = printout(wet, language, "wet", functions=FUNCTIONS, values="file", rows=15)

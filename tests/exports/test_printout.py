@@ -18,7 +18,7 @@ from tirefmu.symbolic.models import MODELS
 from tirefmu.symbolic.printers.languages import LANGUAGES, printer
 from tirefmu.symbolic.printers.languages.program import FUNCTIONS, PrintoutSelection
 
-from ..relatives import slow_relatives
+from ..relatives import slow_but
 from .conftest import HOSTILE, command_of, wet_grip
 
 PLAIN = "a plain text"
@@ -91,7 +91,9 @@ def tokens(text):
     return [line for line in lines if line and not re.match(r"\s*(//|%|#|\*|/\*|\$!)", line)]
 
 
-@pytest.mark.parametrize("language", [language for language in LANGUAGES if language != "latex"])
+@pytest.mark.parametrize(
+    "language", slow_but(["cpp", "fortran", "modelica"], [language for language in LANGUAGES if language != "latex"])
+)
 @pytest.mark.parametrize(
     ("name", "functions", "values"), [("mf61", FUNCTIONS[:4], "struct"), ("wet", FUNCTIONS[::2], "inline")]
 )
@@ -113,7 +115,7 @@ def forces_here(language, text, names, inputs):
     return module["function"]("forces")(np.stack([inputs[name] for name in module["INPUTS"]])).full()
 
 
-@pytest.mark.parametrize("kind", [*slow_relatives(MODELS), "motorcycle"])
+@pytest.mark.parametrize("kind", slow_but(["mf96", "fiala", "motorcycle"], [*MODELS, "motorcycle"]))
 def test_every_subset_of_the_outputs(tire_of, kind):
     """Small and large ones in one language in turn, with self-test; `make hosts`: each in all, of all models.
 

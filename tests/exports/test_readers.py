@@ -41,7 +41,7 @@ def fitted(data_folder):
     return fit(few, MODEL, screening=False, iterations=30, signs=recordings[0].signs).tire
 
 
-@pytest.fixture(params=["golden", "fitted"])
+@pytest.fixture(params=["golden", pytest.param("fitted", marks=pytest.mark.slow)])
 def tire(request, tire_of):
     """Return a tire of a property file, and one fitted to measured recordings."""
     if request.param == "golden":
@@ -87,6 +87,7 @@ def within(evaluated, *factors):
     return (evaluated[list(factors)] <= 1.0).all(axis=1).to_numpy()
 
 
+@pytest.mark.slow
 def test_files_of_a_fitted_tire_pass_the_check_of_each_host_and_give_its_forces(fitted, tmp_path):
     hosts = [name for name, rules in HOSTS.items() if MODEL in rules.dialects]
     lacking = max(hosts, key=lambda name: len(HOSTS[name].dialects[MODEL].lacking))

@@ -61,6 +61,16 @@ def test_gradients_and_hessians_are_finite_and_symmetric(tire, text, number, mon
             assert not len(bad), (name, bad[0], dict(zip(tire.inputs, rows[:, bad[0][-1]].tolist(), strict=True)))
 
 
+@pytest.mark.parametrize("number", [np.float64, np.float32])
+def test_the_side_force_keeps_its_sign_around_90_degrees(tire, text, number, monkeypatch):
+    """In single precision the number next to 90 deg is beyond it: its tangent is negative."""
+    right, steps = number(np.pi / 2), np.arange(-4, 5) * np.finfo(number).eps
+    rows = np.array([np.full(len(steps), tire.nominal(name), dtype=number) for name in tire.inputs])
+    rows[tire.inputs.index("alpha")] = right + 2 * right * steps.astype(number)
+    forces = module_from(text, monkeypatch)._forces_of(rows, ())[tire.outputs.index("Fy")]
+    np.testing.assert_allclose(forces, forces[0], rtol=1e-3)
+
+
 def test_no_number_is_beyond_single_precision(text):
     """But those that are chosen by the type."""
     numbers = [float(text) for text in re.findall(r"\d[\d.]*e[-+]?\d+", re.sub(r".*\b1e-13.*", "", text))]

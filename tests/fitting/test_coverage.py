@@ -12,6 +12,7 @@ import pytest
 from tirefmu import compare
 from tirefmu.applications.comparison.figures import comparison_figures
 from tirefmu.applications.explorer.tire_data import tire_data
+from tirefmu.commands.terminal import Terminal
 from tirefmu.drawing.style import DOTTED
 from tirefmu.fitting import fit
 from tirefmu.fitting.reporting import figures_of
@@ -175,7 +176,7 @@ def test_a_comparison_marks_what_was_not_measured_and_lists_it_last(cornering):
     assert titles["lateral friction"] == ()
 
 
-def test_an_effect_that_does_nothing_is_named():
+def test_an_effect_that_does_nothing_is_named(capsys):
     idle = Tire("mf61", {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.3}, effects=["relax_mf", "temp_friction"])
     assert {text.split()[2] for text in limits_of(idle)} == {"relax_mf", "temp_friction"}
     assert limits_of(idle.with_values(SIGK=1.0, TMU1=0.1)) == []
@@ -185,3 +186,5 @@ def test_an_effect_that_does_nothing_is_named():
     )  # fmt: skip
     assert any("relax_mf does nothing" in note for note in result.notes)
     assert not any("load_friction does nothing" in note for note in result.notes)
+    Terminal().fit_result(result)
+    assert "note: the effect relax_mf does nothing: its coefficients have neutral values\n" in capsys.readouterr().out

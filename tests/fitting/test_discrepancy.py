@@ -34,12 +34,14 @@ def errors(fits, group):
     return {each.channel: each for each in fits[group][1].uncertainty.discrepancies}
 
 
+@pytest.mark.slow
 def test_noise_has_no_error_of_the_form(fits):
     for each in errors(fits, "noise").values():
         assert min(each.form_chance, each.state_chance) > 0.003
     assert not [reason for reason in fits["noise"][1].verdict.reasons if "diagnose" in reason]
 
 
+@pytest.mark.slow
 def test_a_memory_depends_on_time_and_an_effect_on_the_inputs(fits):
     memory, static = errors(fits, "memory")["Fy"], errors(fits, "static effect")["Fy"]
     assert memory.state_chance < 1e-6 < memory.form_chance
@@ -52,6 +54,7 @@ def test_a_memory_depends_on_time_and_an_effect_on_the_inputs(fits):
     assert bool(reasons["memory"]) == (memory.state > FORM_OF_FORCE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("group", ["noise", "memory", "static effect"])
 def test_intervals_contain_the_truth(fits, group):
     """In one recording of each group; `make coverage` counts ten."""
@@ -59,6 +62,7 @@ def test_intervals_contain_the_truth(fits, group):
     assert np.mean([share for name, share in shares.items() if name != "coefficients"]) > 0.8
 
 
+@pytest.mark.slow
 def test_the_covariance_contains_the_error_of_the_form(fits):
     result = fits["memory"][1]
     places = [(each, each.names.index("PDY1")) for each in errors(fits, "memory").values()]

@@ -42,6 +42,7 @@ def bounds(problem):
     return write
 
 
+@pytest.mark.slow
 def test_it_recovers_known_coefficients(problem, start, bounds, known):
     solution = Evolution(1000)(problem, start, *bounds(), [])
     np.testing.assert_allclose(solution.x * problem.scale, [known.values[name] for name in FREE], rtol=1e-3)

@@ -22,6 +22,7 @@ def noisy(known, make):
     return make.fit(make.sideways(known, noise=Noise()))
 
 
+@pytest.mark.slow
 def test_the_error_is_the_spread_over_random_coefficients(noisy):
     """Tires with random coefficients from the covariance scatter by the standard error, without errors of the form."""
     alone = replace(noisy, uncertainty=replace(noisy.uncertainty, discrepancies=()))
@@ -74,6 +75,7 @@ def test_bad_requests(noisy):
         noisy.interval("Fy", TABLE, level=95)
 
 
+@pytest.mark.slow
 def test_true_curves_are_covered(known, make):
     """Of six benches. `benchmarks/recovery.py` measures the coverage over 100, with white and with correlated noise."""
     inside = []

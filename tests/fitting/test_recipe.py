@@ -240,6 +240,7 @@ def test_files_that_cannot_be_read(tmp_path):
 # --- The recipe and the program of the Trento report, on the virtual Hoosier; test_demo.py: the recipe joint is closer
 
 
+@pytest.mark.slow
 def test_the_report_recipe_reproduces_the_properties_of_the_report():
     truth = bench_tire()
     recording = VirtualBench(truth, Noise(), seed=SEED).run(trento_program())

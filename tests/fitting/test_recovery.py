@@ -49,6 +49,7 @@ def test_intervals_contain_the_true_values(found):
     assert np.mean([abs(c.value - truth.values[c.name]) <= 0.2 * c.interval for c in known]) < 0.6  # nor far too wide
 
 
+@pytest.mark.slow
 def test_another_start_has_the_same_solution(found):
     start = moved(TRUTH, 0.6, 2)
     assert difference(start) > 5.0

@@ -19,7 +19,7 @@ from tirefmu.fitting.data import ExcludedRows
 from tirefmu.fitting.reporting import report_page, write_report
 from tirefmu.measurements.provenance import provenance, table_digest
 
-from ..hostile import HOSTILE, Skeleton, is_plain
+from ..hostile import EACH_PAGE, Skeleton, is_plain
 
 VOID = {"meta", "img", "br", "hr", "link", "input", "col"}
 
@@ -125,7 +125,7 @@ def plain_page(side_fit):
     return page_with(side_fit[0], "plain")
 
 
-@pytest.mark.parametrize("text", HOSTILE)
+@pytest.mark.parametrize("text", EACH_PAGE)
 def test_no_text_changes_the_page(side_fit, plain_page, text):
     page = page_with(side_fit[0], text)
     # The only code is the same in both pages: it draws charts.

@@ -47,7 +47,8 @@ def test_the_gradient_is_that_of_the_cost(known):
     np.testing.assert_allclose(added, problem.target_jacobian(x).T @ problem.target_jacobian(x), atol=1e-9)
 
 
-@pytest.mark.parametrize("stays", [pytest.param(0.0, marks=pytest.mark.slow), 0.9])
+@pytest.mark.slow
+@pytest.mark.parametrize("stays", [0.0, 0.9])
 def test_targets_are_no_further_information(known, stays):
     """Intervals have their nominal coverage although the rows near zero slip are fitted twice."""
     inside = []

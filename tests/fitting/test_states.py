@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from tirefmu.fitting import fit
 from tirefmu.symbolic.added import library
@@ -17,6 +18,7 @@ EFFECTS = ("heat_friction", "slip_history")
 ADDED = tuple(library()[name] for name in EFFECTS)
 
 
+@pytest.mark.slow
 def test_coefficients_of_memory_are_found():
     """The start tire heats its tread otherwise: the fit simulates the states again with its own result."""
     t = np.linspace(0.0, 16.0, 900)

@@ -54,6 +54,7 @@ def test_the_tire_predicts_the_recording_on_its_own(result, table):
     assert np.sqrt(np.mean(error**2)) < 1.5 * NOISE
 
 
+@pytest.mark.slow
 def test_coefficients_are_recovered_with_their_intervals():
     """A recording of the model itself: the true values are within 1.5 times the intervals."""
     truth = {"THCAPS": 200.0, "THCONS": 90.0, "THROLL": 0.015, "THROAD": 25.0, "THCAPC": 1300.0}

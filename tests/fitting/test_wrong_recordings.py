@@ -36,7 +36,7 @@ def test_the_right_recording_is_at_its_noise_floor(right):
 
 
 #: Of these each is of another kind.
-TESTED = ("alpha late", "two tires interleaved", "Fy clipped", "60 rows", "friction bump at one load")
+TESTED = ("alpha late", "two tires interleaved")
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from tirefmu.tires.code import code_for
 
+from ..relatives import slow_but
 from .conftest import DISCARD, ERROR, OK, TIRES
 from .test_instance import FULL_POINT
 
@@ -83,8 +84,11 @@ MOVED = {
 
 @pytest.mark.parametrize(
     ("name", "inputs"),
-    [(name, inputs) for name in ("first", "rolling") for inputs in ("slip", "wheel", "hub")]
-    + [("mf61", "slip"), ("mf62", "hub")],  # with wheel inputs their slips lag as those of the others
+    slow_but(
+        [("first", "slip"), ("rolling", "hub")],
+        [(name, inputs) for name in ("first", "rolling") for inputs in ("slip", "wheel", "hub")]
+        + [("mf61", "slip"), ("mf62", "hub")],  # with wheel inputs their slips lag as those of the others
+    ),
 )
 def test_they_are_differences_of_the_outputs(hosts, name, inputs):
     """Of all outputs, in SAE axes where they exist."""

@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 
 from tirefmu.tires.evaluation import forces
 
+from ..relatives import slow_but
 from .conftest import DISCARD, ERROR, OK, PHYSICAL, TIRES, distance
 from .solver import Solver
 
@@ -46,7 +47,7 @@ ANY_INPUTS = {
 }
 
 
-@pytest.mark.parametrize("name", [*TIRES, *PHYSICAL])
+@pytest.mark.parametrize("name", slow_but(["first", "mf61", "brush"], [*TIRES, *PHYSICAL]))
 def test_output_is_the_direct_evaluation(hosts, tires, name, fmi):
     host = hosts(name, fmi)
     host.initialize()  # until its end every tire is in steady state

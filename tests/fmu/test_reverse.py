@@ -14,7 +14,7 @@ import pytest
 from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.symbolic.models import MODELS
 
-from ..relatives import is_slow, slow_relatives
+from ..relatives import slow_but, slow_relatives
 from .conftest import OK, Host
 
 #: Effects that make a force or a moment without slip, or distinguish the signs of a slip; coefficients of other ones.
@@ -32,8 +32,11 @@ SLIPS = (-1.0, -0.1, -0.05, 0.05, 0.3, 1.5)
 MOTIONS = [(V_x, share * V_x, slip) for V_x in SPEEDS for share in ACROSS for slip in SLIPS]
 with_speed = pytest.mark.parametrize(
     ("model", "inputs"),
-    [pytest.param(name, kind, marks=pytest.mark.slow if is_slow(name) else ()) for name, model in MODELS.items()
-     for kind in KINDS if kind != "slip" or "V" in {quantity.name for quantity in model.inputs}],
+    slow_but(
+        [("mf61", "slip"), ("mf61", "hub"), ("brush", "wheel"), ("fiala", "slip")],
+        [(name, kind) for name, model in MODELS.items()
+         for kind in KINDS if kind != "slip" or "V" in {quantity.name for quantity in model.inputs}],
+    ),
 )  # fmt: skip
 
 
@@ -101,7 +104,7 @@ def test_backward_the_forces_are_mirrored(wheel_of, model, inputs):
         np.testing.assert_allclose(turned[:n], [-Fx, -Fy, Mz][:n], **near, err_msg=f"{V_x, V_y, slip}")
 
 
-@pytest.mark.parametrize("inputs", KINDS[1:])
+@pytest.mark.parametrize("inputs", slow_but(["hub"], KINDS[1:]))
 @pytest.mark.parametrize("model", [name for name, model in MODELS.items() if not model.motion.reverses])
 def test_shifts_are_mirrored_too_if_the_model_is_that_of_forward_rolling(wheel_of, model, inputs):
     """Above the speeds at which both directions are interpolated; other models have signs of their own."""

@@ -17,6 +17,7 @@ from tirefmu.fmu.packaging.model_code import model_files
 from tirefmu.tires import read_tir
 from tirefmu.tires.code.compiler import compiled_object
 
+from ..relatives import slow_but
 from .programs import linked, moving_inputs, sources_of, token_of
 
 SOURCE = Path(__file__).with_name("robust.c")
@@ -88,7 +89,7 @@ def test_random_calls_with_hub_inputs(tires, compiler, tmp_path, inputs):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="feenableexcept is glibc's")
-@pytest.mark.parametrize("inputs", ["slip", "wheel", "hub", "hub-torque"])
+@pytest.mark.parametrize("inputs", slow_but(["hub-torque"], ["slip", "wheel", "hub", "hub-torque"]))
 def test_no_step_raises_a_floating_point_exception(compiler, golden, tmp_path, inputs):
     """As in hosts that stop at the first one: the program ends by a signal if there is one."""
     tire = read_tir(golden / "MagicFormula61_Parameters.tir")

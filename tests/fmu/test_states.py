@@ -9,12 +9,15 @@ from fmpy import simulate_fmu
 
 from tirefmu.fmu import check
 
+from ..relatives import slow_but
 from .conftest import ERROR, LAGGING, OK, STATEFUL, distance
 from .solver import Solver
 
 CASES = [*((name, fmi) for name in LAGGING for fmi in (2, 3)),
          *((name, fmi) for name, (_, _, versions) in STATEFUL.items() for fmi in versions)]  # fmt: skip
-every_case = pytest.mark.parametrize(("name", "fmi"), CASES)
+#: A tire with each kind of state: of slip, of effects.
+FAST = [("rolling", 3), ("mf62", 2), ("warm", 3)]
+every_case = pytest.mark.parametrize(("name", "fmi"), slow_but(FAST, CASES))
 
 
 def recording(tire, n, seed):
@@ -67,11 +70,7 @@ def test_a_saved_state_contains_all_states(hosts, tires, name, fmi):
 
 @pytest.mark.parametrize(
     ("name", "fmi"),
-    [
-        pytest.param(*case, marks=[pytest.mark.slow] * (case[0] == "direct"))
-        for case in CASES
-        if "heated" not in case[0] and case[0] != "warm"
-    ],
+    slow_but([("rolling", 3)], [case for case in CASES if "heated" not in case[0] and case[0] != "warm"]),
 )
 def test_a_solver_agrees_with_the_exact_updates(fmus, tires, name, fmi):
     """Model Exchange with CVode, an event where a slip turns, against Co-Simulation, with inputs that jump."""

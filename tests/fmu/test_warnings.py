@@ -22,6 +22,8 @@ from tirefmu.fmu.packaging.prebuilding import every_generic
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 
+from ..relatives import slow_but
+
 COMPLETE = "TIREFMU_WARNINGS" in os.environ
 WARNINGS = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
 #: gcc looks for variables without a value when it optimizes. cppcheck knows the macros of one system. The files serve
@@ -82,7 +84,7 @@ def assert_no_warning(program, sources, names, folder):
 
 
 @pytest.mark.skipif(not shutil.which("gcc"), reason="gcc is not installed")
-@pytest.mark.parametrize("kind", [*INPUTS, "sti"])
+@pytest.mark.parametrize("kind", slow_but(["hub-torque"], [*INPUTS, "sti"]))
 def test_gcc_has_no_warning(exported, tmp_path, kind):
     """The wrapper's files around the smallest model."""
     if kind == "sti":

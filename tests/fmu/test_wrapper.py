@@ -23,6 +23,7 @@ from tirefmu.fmu.packaging.sources import c_files, sources
 from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.tires import Tire
 
+from ..relatives import slow_but
 from .conftest import EFFECTS, VALUES
 from .programs import random_steps
 
@@ -34,7 +35,7 @@ def compile_strictly(compiler, folder, names):
     assert done.stderr == ""
 
 
-@pytest.mark.parametrize(("fmi", "inputs"), [(2, "slip"), (3, "hub-torque")])
+@pytest.mark.parametrize(("fmi", "inputs"), slow_but([(3, "hub-torque")], [(2, "slip"), (3, "hub-torque")]))
 def test_no_source_file_calls_one_that_calls_it(compiler, tmp_path, fmi, inputs):
     """The files of the wrapper have an order, in which each calls earlier ones only."""
     if not shutil.which("nm"):
@@ -72,7 +73,7 @@ def test_compiles_for_arm_without_a_warning(tires, tmp_path, target):
 @pytest.mark.skipif(sys.platform != "linux", reason="needs a linker with --wrap")
 @pytest.mark.parametrize(
     ("name", "inputs", "steps"),
-    [("second", "hub-torque", 2000), ("mf61", "hub-torque", 50_000)],
+    slow_but([("second", "hub-torque", 2000)], [("second", "hub-torque", 2000), ("mf61", "hub-torque", 50_000)]),
 )
 def test_a_step_allocates_no_memory_and_opens_no_file(compiler, tires, tmp_path, name, inputs, steps):
     """Nor is a step refused, or a load beyond all bounds: fast changes of slip make large forces."""

@@ -14,6 +14,7 @@ from tirefmu.symbolic.models import MODELS
 from tirefmu.symbolic.printers.generate import files_on_demand
 from tirefmu.tires.code.compiler import CompilerError, find_compiler
 from tirefmu.tires.code.printed import code_file
+from ..relatives import slow_but
 
 FOLDER = Path(tirefmu.generated.__file__).parent / "c"
 #: Without the rolling radius: one function of an FMU, included after the header of its model.
@@ -46,7 +47,7 @@ STANDARDS = [(source, standard) for source in sorted(NAMES) for standard in ("c9
              if standard == "c99" or not re.search("_jacobians|_batch_", source)]  # fmt: skip
 
 
-@pytest.mark.parametrize(("source", "standard"), STANDARDS)
+@pytest.mark.parametrize(("source", "standard"), slow_but([case for case in STANDARDS if "mf96" in case[0] or case == ("mf61", "c99")], STANDARDS))
 @pytest.mark.parametrize("compiler", compilers())
 def test_no_warning(compiler, source, standard, tmp_path):
     command = [*compiler, f"-std={standard}", "-O0", *STRICT, "-c", str(source_file(source))]

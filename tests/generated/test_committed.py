@@ -41,6 +41,7 @@ def made_files(folder: Path) -> set[str]:
     }
 
 
+@pytest.mark.slow
 def test_the_committed_files_are_what_the_book_prints(tmp_path):
     write(tmp_path)
     assert made_files(tmp_path) == made_files(COMMITTED), 'run "make generate"'
@@ -98,6 +99,7 @@ def test_a_file_that_is_not_made_is_detected_and_removed(copy, name):
     assert not (copy / name).exists()
 
 
+@pytest.mark.slow
 def test_the_text_does_not_depend_on_the_hash_seed():
     """Check the smallest model under two seeds; what is committed is compared in this process, with a random one."""
 

@@ -11,6 +11,8 @@ from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 from tirefmu.tires.definition import RANGES
 
+from ..relatives import slow_relatives
+
 #: Dimensions, ranges and nominal conditions. Values a tenth of the way to a bound would not describe a tire.
 BODY = ("MODEL", "DIMENSION", "OPERATING_CONDITIONS", "VERTICAL", "STRUCTURAL", "CONTACT_PATCH")
 #: Deflection of MF6.2: values of a contour of 0.2 m.
@@ -61,7 +63,7 @@ def tire(request):
     return made_tire(*request.param)
 
 
-@pytest.fixture(params=MODELS)
+@pytest.fixture(params=slow_relatives(MODELS))
 def model_tire(request):
     """Return one tire of every model, for laws of its lines that take long."""
     return made_tire(request.param, 0)

@@ -161,6 +161,7 @@ def test_a_compared_program_follows_the_schema(result):
     assert objections("plan", result.to_json()) == []
 
 
+@pytest.mark.slow
 def test_command_writes_a_program_that_the_virtual_bench_runs(tmp_path, capsys):
     assert main(["plan", "--example"]) == 0
     bench, folder = tmp_path / "bench.toml", tmp_path / "program"

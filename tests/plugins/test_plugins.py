@@ -34,6 +34,7 @@ def tirefmu(folder, *arguments, package=None):
     return subprocess.run(command, capture_output=True, text=True, cwd=folder, env=environment)
 
 
+@pytest.mark.slow
 def test_what_packages_add_is_listed_and_absent_without_them(installed, tmp_path):
     program = "from tirefmu.commands.cli import main; main(['effects']), main(['models'])"
     for package, listed in ((str(installed), True), ("", False)):
@@ -42,6 +43,7 @@ def test_what_packages_add_is_listed_and_absent_without_them(installed, tmp_path
         assert all((name in run.stdout) == listed for name in ("speed_stiffness", "arctangent")), run.stderr
 
 
+@pytest.mark.slow
 def test_a_reader_and_a_language_of_packages_are_used(installed, tmp_path):
     (tmp_path / "run.jsonl").write_text(ROWS)
     arguments = ("evaluate", "trento_hoosier", "run.jsonl", "-o", "out.csv")

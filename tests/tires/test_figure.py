@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.hostile import HOSTILE
+from tests.hostile import EACH_PAGE
 from tirefmu.drawing.chart_data import MAX_POINTS, MISSING, chart_data
 from tirefmu.drawing.figure import LINE, Cells, Figure, Panel, Series, band, in_rows
 from tirefmu.drawing.picture import picture, png
@@ -115,7 +115,7 @@ def test_a_single_panel_of_a_row_is_as_wide_as_the_others_together():
     assert in_rows([PANEL] * 3)[1] == (PANEL, None)
 
 
-@pytest.mark.parametrize("text", HOSTILE)
+@pytest.mark.parametrize("text", EACH_PAGE)
 def test_a_text_is_drawn_literally_and_stays_inside_the_element(text):
     panel = Panel(text, text, (Series("line", [0.0, 1.0], [0.0, 1.0], label=text),), text)
     shown = chart_data(figure_of(panel))

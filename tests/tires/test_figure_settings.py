@@ -36,6 +36,7 @@ def drawn(folder, settings=None):
     return {path.name: path.read_bytes() for path in (folder / "out").iterdir()}
 
 
+@pytest.mark.slow
 def test_settings_of_the_working_folder_are_not_read(tmp_path):
     plain = drawn(tmp_path / "plain")
     for name, settings in HOSTILE.items():

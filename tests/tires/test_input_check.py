@@ -7,9 +7,9 @@ import pandas as pd
 import pytest
 
 from tirefmu import draw, evaluate
-from tirefmu.boundary.errors import DataError, TirefmuError, TirefmuWarning, WrongType
+from tirefmu.boundary.errors import DataError, TirefmuError, WrongType
 from tirefmu.measurements import Recording
-from tirefmu.tires import published
+from tirefmu.tires import Tire, published
 
 TIRE = published("trento_hoosier").in_signs("iso")
 MANY = np.linspace(-1.0, 1.0, 49)
@@ -154,18 +154,21 @@ def test_the_convention_of_a_recording_is_its_own():
         TIRE.evaluate("run.csv")
 
 
-@pytest.mark.parametrize("loads", [0.9, [0.0, 0.4, 1.2], pd.Series([0.5, np.nan])])
-def test_loads_that_are_probably_in_kilonewton_are_evaluated_with_a_warning(loads):
-    """They may be those of a wheel that lifts off; a number is treated as an array."""
-    with pytest.warns(TirefmuWarning, match=r"is nearly no load for this tire: it is in N \(in kN\?"):
-        TIRE.forces(alpha=0.1, Fz=loads)
-    TIRE.forces(alpha=0.1, Fz=[0.0, 5.0])
-    TIRE.forces(alpha=0.1, Fz=0.0)
-
-
 @pytest.mark.parametrize("name", ["SA", "Alpha", "alpha_deg", "slip_angle", "Slip Angle", "alpha (deg)"])
 def test_an_input_under_another_name_is_not_ignored(name):
     with pytest.raises(DataError, match=r"is not alpha: the columns are in SI units and have plain names"):
         TIRE.evaluate(pd.DataFrame({name: [5.0], "Fz": 900.0}))
     TIRE.evaluate(pd.DataFrame({name: [5.0], "alpha": 0.1, "Fz": 900.0}))
     TIRE.evaluate(TIRE.evaluate(pd.DataFrame({"alpha": [0.1], "Fz": 900.0})))  # quantities are no inputs
+
+
+@pytest.mark.parametrize("name", ["t [ms]", "time", "ET"])
+def test_a_time_under_another_name_is_not_ignored(name):
+    with pytest.raises(DataError, match=r"is not t: "):
+        TIRE.evaluate(pd.DataFrame({name: [0.0, 1.0], "alpha": 0.1, "Fz": 900.0}))
+
+
+def test_time_is_no_temperature():
+    warm = Tire("mf96", TIRE.values, effects=TIRE.has | {"temp_friction"})
+    assert "T" in warm.inputs
+    warm.evaluate(pd.DataFrame({"t": [0.0, 1.0], "alpha": 0.1, "Fz": 900.0}))

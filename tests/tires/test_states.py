@@ -13,6 +13,8 @@ from tirefmu.tires import Tire, convert_signs, read_tir
 from tirefmu.tires.code import code_for
 from tirefmu.tires.evaluation import quantities
 
+from ..relatives import slow_but
+
 #: Values at which each effect of the library with states has an influence.
 ACTIVE = {
     "heat_friction": {"HMU": 0.2, "HTAU": 6.0, "HSLOW": 0.5, "HBODY": 20.0, "HLOAD": 0.5, "HCOOL": 0.02},
@@ -126,7 +128,11 @@ def smooth(n, end=3.0):
 
 
 @pytest.mark.parametrize(
-    "name", ["heat_friction", "slip_history", "load_lag", "break_in", "two_nodes", "carcass_2nd_order"]
+    "name",
+    slow_but(
+        ["slip_history", "carcass_2nd_order"],
+        ["heat_friction", "slip_history", "load_lag", "break_in", "two_nodes", "carcass_2nd_order"],
+    ),
 )
 def test_the_course_converges_to_the_differential_equations(name):
     """Without lagged slips, the lines state_derivative are the right sides of the differential equations."""

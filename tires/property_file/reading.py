@@ -43,7 +43,7 @@ from .other_entries import other_entries
 from .text import Entry, Row, number_and_rest, read_lines, unquoted, without_comment
 from .unit_system import unit_system
 from .units import unit_contradicts
-from .use import side_of, use_notes
+from .use import side_of, transient_notes, use_notes
 
 #: Sections with ``KEY = value`` only, in addition to those of the coefficients.
 STRICT = ("UNITS", "MODEL", *OWN_SECTIONS)
@@ -165,7 +165,7 @@ class _Reader:
             raise TirError(f"{self.path}: {error}") from error
         tire = self._without_side(tire)
         disputed = (*self.disputed, *use_notes(tire))
-        return TirReading(tire, (*self.notes, *disputed), disputed)
+        return TirReading(tire, (*self.notes, *disputed, *transient_notes(tire)), disputed)
 
     def _add_radius(self, values: dict[str, float]) -> None:
         """Add the radius that the caller gives to a file without one."""
@@ -342,7 +342,7 @@ class _Reader:
             return tire
         if differing := sided(tire):
             self.disputed.append(
-                f"TYRESIDE = 'SYMMETRIC': {', '.join(differing)} make left and right differ and are set to 0"
+                f"TYRESIDE = 'SYMMETRIC': what makes left and right differ is set to 0: {', '.join(differing)}"
             )
         return symmetric(tire)
 

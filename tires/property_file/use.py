@@ -24,6 +24,8 @@ STATED = {
     "FE_METHOD": "Chrono computes combined slip by a friction ellipse, tirefmu by the coefficients",
     "TYPE": "the formula is that of a car tire",
 }
+#: The section of factors, 1 without influence, by which other programs scale forces: LGAY in PAC2002.
+SCALES = "SCALING_COEFFICIENTS"
 #: Switches of MF-Tyre that change forces outside the fitted range.
 SAFETY = ("MFSAFE1", "MFSAFE2", "MFSAFE3")
 
@@ -49,7 +51,29 @@ def use_notes(tire: TireDefinition) -> tuple[str, ...]:
     ('USE_MODE = 3: other programs compute forces without combined slip, tirefmu all forces with combined slip',)
     """
     entries = {key.upper(): value for section, key, value in tire.other_entries if section == "MODEL"}
-    return tuple(_notes(tire, entries))
+    scales = {key: value for section, key, value in tire.other_entries if section == SCALES and key.startswith("L")}
+    ignored = [f"{key} = {excerpt(value)}" for key, value in scales.items() if number_and_rest(value)[0] != 1.0]
+    return (
+        *_notes(tire, entries),
+        *(f"{text}: other programs may scale forces by it, {tire.model} does not" for text in ignored),
+    )
+
+
+def transient_notes(tire: TireDefinition) -> list[str]:
+    """Return a sentence if other programs let the slips of a file lag, by the tens of USE_MODE, and this tire does not.
+
+    >>> from tirefmu.tires import Tire
+    >>> entries = (("MODEL", "USE_MODE", "14"),)
+    >>> transient_notes(Tire("mf61", {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}, other_entries=entries))
+    ['USE_MODE = 14: other programs let the slips lag, this tire does not: it has no effect relax_*']
+    """
+    modes = [value for section, key, value in tire.other_entries if (section, key.upper()) == ("MODEL", "USE_MODE")]
+    numbers = [number for number, _ in map(number_and_rest, modes) if number == number // 1]
+    if tire.lags or not tire.symbolic_model.relaxing_effects or not any(abs(n) // 10 % 10 for n in numbers):
+        return []
+    return [
+        f"USE_MODE = {numbers[0]:g}: other programs let the slips lag, this tire does not: it has no effect relax_*"
+    ]
 
 
 def _notes(tire: TireDefinition, entries: dict[str, str]) -> Iterator[str]:

@@ -59,8 +59,8 @@ def outliers(recording: Recording) -> list[Outlier]:
     that of the segment or that of the second around the row, whichever is greater. A value is not an outlier if it
     deviates by less than a tenth of the range of the channel or less than the tolerance of a held input. Bad values
     that are consecutive for longer than half of the median's window (0.15 s) are not found. Where seven rows span more
-    than the window, an outlier has to jump from its neighbors as well, because curvature of the signal also deviates
-    from the median. Where seven rows span more than 0.5 s, no outlier is sought.
+    than the window, or there is no clock, an outlier has to jump from its neighbors as well, because curvature of the
+    signal also deviates from the median. Where seven rows span more than 0.5 s, no outlier is sought.
 
     Parameters
     ----------
@@ -84,6 +84,7 @@ def outliers(recording: Recording) -> list[Outlier]:
     series = [segment for segment in segments_of(recording) if segment.is_series]
     series = [segment for segment in series if MIN_WINDOW_ROWS * segment.interval <= LONGEST_MEDIAN_SPAN]
     far_values: list[Outlier] = []
+    has_clock = "t" in recording.table
     for name in CHANNELS:
         if name == "t" or name not in recording.table:
             continue
@@ -93,6 +94,8 @@ def outliers(recording: Recording) -> list[Outlier]:
         for segment in series:
             rows = segment.rows
             far = _far(values[rows], median[rows], segment.interval, tolerance)
+            if far.any() and not (has_clock and MIN_WINDOW_ROWS * segment.interval <= OUTLIER_WINDOW):
+                far = _jumping(far, values[rows], np.abs(values[rows] - median[rows]))
             for row in (rows.start + np.flatnonzero(far)).tolist():
                 far_values.append(Outlier(row, name, float(values[row]), float(median[row])))
     return far_values
@@ -166,7 +169,7 @@ def _far(values: FloatArray, median: FloatArray, step: float, tolerance: float) 
         far &= deviation > OUTLIER_SIGMAS * SIGMA_PER_DEVIATION * median_filter(
             _interpolated(deviation), size=size, mode="mirror"
         )
-    return _jumping(far, values, deviation) if MIN_WINDOW_ROWS * step > OUTLIER_WINDOW else np.asarray(far)
+    return np.asarray(far)
 
 
 def _width(values: FloatArray) -> float:

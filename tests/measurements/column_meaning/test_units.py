@@ -7,6 +7,8 @@ import pytest
 from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.measurements import POUND, Interpretation, Recording, check_columns, column_notes, recording_from
 
+from ...relatives import slow_but
+
 DEGREE = np.pi / 180.0
 
 
@@ -51,7 +53,7 @@ def changed(factors, declared=()) -> Recording:
     return Recording(made.assign(**{name: factor * made[name] for name, factor in factors.items()}), "iso", "a", about)
 
 
-@pytest.mark.parametrize("case", UNITS)
+@pytest.mark.parametrize("case", slow_but(list(UNITS)[::3], UNITS))
 def test_a_wrong_unit_is_refused_and_its_option_gives_the_right_table(case):
     factors, declared, option = UNITS[case]
     wrong = changed(factors, declared)

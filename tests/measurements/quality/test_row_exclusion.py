@@ -131,6 +131,17 @@ def test_sweeps_of_few_samples_have_neither_steps_nor_outliers(rate):
     assert kinds <= {"sweep", "points"}
 
 
+@pytest.mark.parametrize("rows", [80, 120, 200])
+def test_the_peak_of_a_trail_is_no_outlier_without_a_clock(rows):
+    """At an assumed rate the running median would span a third of the sweep."""
+    alpha = 0.25 * np.sin(np.linspace(0.0, 2.0 * np.pi, rows))
+    moment = np.sin(1.2 * np.arctan(9.0 * alpha)) * np.cos(1.1 * np.arctan(8.0 * alpha))
+    table = pd.DataFrame({"alpha": alpha, "Fz": 3000.0, "Mz": 60.0 * moment})
+    assert outliers(Recording(table, "iso", "a.csv")) == []
+    table.loc[rows // 3, "Mz"] = 300.0
+    assert [outlier.row for outlier in outliers(Recording(table, "iso", "a.csv"))] == [rows // 3]
+
+
 # -------------- A value far from the running median of its channel is found in any row; a clean signal has no outliers
 
 
