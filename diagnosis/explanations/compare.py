@@ -23,7 +23,7 @@ from .answer import UNSURE, Answer, answer_of
 from .budget import Budget, Ended
 from .evidence import Projected, inflation
 from .explanation import UNKNOWN, Explanation
-from .linearization import Addition, Linearization
+from .linearization import Addition, Linearization, forget_columns
 from .refit import Refitted, Shared, refitted, shared_problem, some_rows, with_terms
 from .table import Parts, Table, fold_evidences
 from .terms import form_errors
@@ -93,6 +93,8 @@ def compared(
         for parts in dict.fromkeys(parts for scores in settled for parts in scores)
     }
     answer = answer_of(evidences, candidates)
+    forget_columns()
+    with_terms.cache_clear()
     return ComparedExplanations(answer, _simplest(table, answer), table.shared, stopped)
 
 

@@ -358,3 +358,8 @@ def _columns_and_equations(linear: Linearization) -> tuple[WeightedColumns, Norm
     equations = NormalEquations(matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations)
     number = len(linear.explanation.forms)
     return columns, equations, sum(part.shape[-1] for part in parts[len(parts) - number :])
+
+
+def forget_columns() -> None:
+    """Free the memory of stored columns; they are computed again when they are needed."""
+    _columns_and_equations.cache_clear()
