@@ -14,6 +14,9 @@ from ...numerics.ties import graded
 from ..signals.range_text import range_text
 from ..thresholds import INADEQUATE
 
+#: Parts of a residual above this share of its noise floor are named. Convention.
+SHOWN = 0.5
+
 
 @dataclass(frozen=True)
 class Adequacy:
@@ -71,7 +74,7 @@ class Adequacy:
         """
         unit = "N" if self.channel.startswith("F") else "N m"
         causes = ((self.of_inputs, "the recorded inputs"), (self.of_past, "time or the past"))
-        parts = [(size, cause) for size, cause in causes if size > 0.5 * self.floor]
+        parts = [(size, cause) for size, cause in causes if size > SHOWN * self.floor]
         follows = ", ".join(
             f"{size:.3g} {unit} {'of it follow ' if number == 0 else ''}{cause}"
             for number, (size, cause) in enumerate(parts)
@@ -107,7 +110,7 @@ def adequacies(
         floor = floors[channel]
         memory = INADEQUATE * floor.with_history < residual <= INADEQUATE * floor.floor
         of_inputs, of_past = _difference(residual, floor.floor), _difference(floor.floor, floor.with_history)
-        lacking = lacks.get(channel, "")
+        lacking = lacks.get(channel, "") if of_inputs > SHOWN * floor.with_history else ""
         rated.append(
             Adequacy(channel, residual, floor.with_history, location, over, memory, of_inputs, of_past, lacking)
         )

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...numerics.ties import graded
+from ...symbolic.channels import CHANNELS
 from ..probing.candidates import varies
 from ..probing.effect_probing import Screen
 from ..signals.range_text import range_text
@@ -69,7 +70,8 @@ def scale_errors(screen: Screen) -> dict[str, str]:
     with the largest share of that.
     """
     signals, named = screen.signals, screen.signals.named()
-    inputs = [name for name in named if varies(signals, screen.problem.simulator.tire, name)]
+    recorded = [name for name in named if name in CHANNELS and name != "t"]
+    inputs = [name for name in recorded if varies(signals, screen.problem.simulator.tire, name)]
     texts = dict.fromkeys(signals.channels, "")
     forces = screen.problem.simulator.forces(screen.solution.parameters)
     for i, channel in enumerate(signals.channels):

@@ -166,6 +166,8 @@ def test_a_residual_far_above_the_floor_is_inadequate():
     parts = fx.of_inputs**2 + fx.of_past**2 + fx.floor**2, fy.of_inputs**2 + fy.of_past**2 + fy.floor**2
     assert parts == pytest.approx((12.0**2, 20.0**2))
     assert "16.2 N time or the past; the tire gives 9 % too little Fy" in str(fy)
+    (near,) = adequacies({"Fx": 10.1}, floors, [], {"Fx": "the tire gives 79 % too much Fx"})
+    assert near.lacks == ""  # a share of a force that is nearly 0
     assert Adequacy("Fx", 10.0, 10.0, "", (), False).rating == "green"
     unknown = Adequacy("Fx", 10.0, np.nan, "", (), False)
     assert (unknown.adequate, unknown.rating) == (None, "amber")
