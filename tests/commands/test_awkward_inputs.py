@@ -52,6 +52,7 @@ def test_the_second_table_has_every_use():
     assert script.USES.format(count=len(USES)) in TEXT
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", USES)
 def test_the_answers_are_up_to_date(name):
     needed = uses.NEEDS.get(name)

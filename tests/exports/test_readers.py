@@ -24,6 +24,9 @@ from tirefmu.tires import read_tir
 
 from ..rooms import ROOT
 
+#: They need Octave, a compiler and the sources of other programs: make readers.
+pytestmark = pytest.mark.slow
+
 MODEL = "mf52"
 ROWS = 200
 #: Where Chrono's formulas are those of PAC2002: it limits B times slip to pi/2 - 0.01 and curvature factors to 1.
@@ -41,7 +44,7 @@ def fitted(data_folder):
     return fit(few, MODEL, screening=False, iterations=30, signs=recordings[0].signs).tire
 
 
-@pytest.fixture(params=["golden", pytest.param("fitted", marks=pytest.mark.slow)])
+@pytest.fixture(params=["golden", "fitted"])
 def tire(request, tire_of):
     """Return a tire of a property file, and one fitted to measured recordings."""
     if request.param == "golden":
@@ -87,7 +90,6 @@ def within(evaluated, *factors):
     return (evaluated[list(factors)] <= 1.0).all(axis=1).to_numpy()
 
 
-@pytest.mark.slow
 def test_files_of_a_fitted_tire_pass_the_check_of_each_host_and_give_its_forces(fitted, tmp_path):
     hosts = [name for name, rules in HOSTS.items() if MODEL in rules.dialects]
     lacking = max(hosts, key=lambda name: len(HOSTS[name].dialects[MODEL].lacking))

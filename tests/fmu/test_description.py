@@ -24,7 +24,11 @@ from ..relatives import slow_but
 from .conftest import OK, TIRES
 
 
-@pytest.fixture(scope="module", params=product(TIRES, (2, 3)), ids="{0[0]}-fmi{0[1]}".format)
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param((name, fmi), id=f"{name}-fmi{fmi}", marks=[pytest.mark.slow] * (fmi == 2 and name != "first"))
+            for name, fmi in product(TIRES, (2, 3))],
+)  # fmt: skip
 def described(request, fmus, tires):
     """Return tire and description as fmpy reads it, schema and all."""
     return tires[request.param[0]], read_model_description(str(fmus[request.param]), validate=True)

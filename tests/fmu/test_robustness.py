@@ -71,6 +71,7 @@ def test_nothing_else_is_reported(results):
     assert status == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("inputs", ["hub", "hub-torque"])
 def test_random_calls_with_hub_inputs(tires, compiler, tmp_path, inputs):
     """No call crashes, returns a value that is not finite, or changes the state when it is refused."""

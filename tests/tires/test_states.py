@@ -87,7 +87,7 @@ def split(table, parts):
 
 
 @pytest.mark.parametrize("lags", [True, False], ids=["lagged", "direct"])
-@pytest.mark.parametrize("name", ACTIVE)
+@pytest.mark.parametrize("name", slow_but(["slip_history", "carcass_2nd_order"], ACTIVE))
 def test_held_inputs_require_no_step_size(name, lags):
     tire, coarse = tire_with(name, lags=lags), levels(step=STEP.get(name, 0.5))
     once, often = tire.evaluate(coarse, hold=True), tire.evaluate(split(coarse, 20), hold=True).iloc[::20]
