@@ -58,8 +58,9 @@ def headline_text(
     """
     in_class = {name for alternatives in one_of for name in alternatives.effects}
     names = [finding.effect for finding in findings if finding.probability >= 0.5 and finding.effect != "UNKNOWN"]
-    missing = [name for name in names if name not in in_class] + [
-        " or ".join(alternatives.effects) for alternatives in one_of
+    missing = [name for name in names if name not in in_class]
+    missing += [
+        f"either {', '.join(others)} or {last}" for *others, last in (alternatives.effects for alternatives in one_of)
     ]
     red = [rated.channel for rated in adequacy if rated.rating == "red"]
     parts = [f"missing: {', '.join(missing)}"] if missing else []
@@ -83,14 +84,13 @@ def _missing(
     """Return the sentences on effects that are more probable than not, and on others of the improved tire."""
     missing, uncertain = list[str](), list[str]()
     in_class = {name: alternatives for alternatives in one_of for name in alternatives.effects}
+    told = set[OneOf]()
     for finding in findings:
         if finding.effect in in_class:
             alternatives = in_class[finding.effect]
-            bounds = f"; at its bound: {', '.join(finding.at_bounds)}" if finding.at_bounds else ""
-            missing.append(
-                f"{' or '.join(alternatives.effects)} (one of them: probability {percent(alternatives.probability)}; "
-                f"the improved tire has {finding.effect}, the simplest{bounds})"
-            )
+            if alternatives not in told:
+                missing.append(_one_of_text(alternatives, findings))
+            told.add(alternatives)
             continue
         certain = missing if finding.probability >= 0.5 else uncertain
         if finding.effect == "UNKNOWN":
@@ -107,6 +107,18 @@ def _missing(
         certain.append(f"{finding.effect} (probability {percent(finding.probability)}{bounds}{confounded_with})")
     headed = (("Missing", missing), ("The fit is better with, but does not identify", uncertain))
     return [f"{head}: {'; '.join(names)}" for head, names in headed if names]
+
+
+def _one_of_text(alternatives: OneOf, findings: Sequence[FoundEffect]) -> str:
+    """Return the sentence on effects of which one is missing, and which of them the improved tire has."""
+    delivered = [finding for finding in findings if finding.effect in alternatives.effects]
+    names = ", ".join(finding.effect for finding in delivered) + ", the simplest" * (len(delivered) == 1)
+    at_bounds = ", ".join(name for finding in delivered for name in finding.at_bounds)
+    bounds = f"; at its bound: {at_bounds}" if at_bounds else ""
+    share = percent(alternatives.probability)
+    return (
+        f"{' or '.join(alternatives.effects)} (one of them: probability {share}; the improved tire has {names}{bounds})"
+    )
 
 
 def _removed(waves: Sequence[Mapping[str, Any]], adequacy: Sequence[Adequacy]) -> str:

@@ -211,7 +211,13 @@ def test_effects_of_which_one_is_missing_are_one_answer():
     )
     assert "wear_drift" in tail
     assert headline_text([lag, friction, wear], (), True, False, classes) == (
-        "Missing: load_lag, slip_history or temp_friction"
+        "Missing: load_lag, either slip_history or temp_friction"
+    )
+    both = [FoundEffect(name, ("Fy",), {}, 0.0, 0.5, 0.1, 0.45) for name in classes[0].effects]
+    (head,) = verdict_sentences(both, (), {}, (), (), {}, (), nothing, one_of=classes)
+    assert head == (
+        "Missing: slip_history or temp_friction (one of them: probability over 90 %; "
+        "the improved tire has slip_history, temp_friction)"
     )
 
 
