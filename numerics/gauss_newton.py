@@ -27,6 +27,8 @@ from scipy.optimize import nnls
 from .arrays import FloatArray
 from .one_thread import one_blas_thread
 
+#: Reason of a loop that ends because no step from its point lowers the cost as predicted.
+NO_STEP = "no step is accepted"
 #: Tolerance of a satisfied row, relative to its length times the length of the step.
 ROUNDING = 1e-12
 #: Upper limit of corrections of a step that violates constraints because they are nonlinear.
@@ -169,7 +171,7 @@ def minimize(
                 cost = candidate.cost if candidate.x is not None and steps else here.cost
                 return Minimum(last, cost, taken, converged=True, predicted=candidate.predicted)
             if candidate.x is None or taken == steps or stop():
-                reason = "no step is accepted" if candidate.x is None else ""
+                reason = NO_STEP if candidate.x is None else ""
                 return Minimum(x, here.cost, taken, converged=False, predicted=candidate.predicted, reason=reason)
             x, damped = candidate.x, max(candidate.damping * damping.down, damping.least)
     raise AssertionError("the loop returns at its last step")

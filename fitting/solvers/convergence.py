@@ -6,6 +6,11 @@ fitting noise reduces the cost by n F / N. A predicted reduction of `STEP_TOLERA
 tenth of a standard error, root mean square over the coefficients. N is the effective sample size, because noise is
 correlated in time. The noise is assumed to be at least `MIN_NOISE` of the signal: below it, the cost is rounding
 error.
+
+The book's equations jump where the argument of a sign function is 0: at a side slip of exactly 0 and QHZ1 = 0, the
+trail under longitudinal slip is larger than next to it. If the cost jumps up, the derivatives do not predict it, and no
+step that leaves the jump is accepted. The optimum is then the better of two: with these coefficients held at the jump,
+and that of steps from next to it.
 """
 
 from __future__ import annotations
@@ -15,9 +20,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...numerics.arrays import FloatArray
+from ...numerics.arrays import BoolArray, FloatArray
 from ...numerics.correlation import effective_sample_size
-from ...numerics.gauss_newton import Damping, minimize, restore
+from ...numerics.gauss_newton import NO_STEP, Damping, Minimum, minimize, restore
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..problem.weighted_residuals import Problem, Ridge
 from ..problem.weights import MIN_NOISE
@@ -34,6 +39,8 @@ SAME_NOISE = 0.01
 #: Damping of the step onto violated constraints: the nearest point without damping is far away in directions that the
 #: data hardly determine, where the cost is not quadratic. With 1e-4 its cost was a hundred times that of the optimum.
 RESTORING_DAMPING = 1e-2
+#: Change of a scaled value from a jump to a point next to it.
+NEXT_TO = 1e-7
 
 
 @dataclass(frozen=True)
@@ -137,12 +144,49 @@ class GaussNewton:
         return replace(last, steps=first.steps + last.steps)
 
     def _steps(self, enough: _Criterion, damping: Damping, x: FloatArray, steps: int) -> LastSteps:
-        end = minimize(
-            self.cost, x, self.lower, self.upper, enough, damping,
-            steps=steps, constraints=self.imposed, stop=self.stop,
-        )  # fmt: skip
+        end = self._minimum(enough, damping, steps, x, self.lower, self.upper)
+        if end.reason == NO_STEP:
+            end = self._around_jumps(enough, damping, steps, end)
         reason, errors = end.reason, np.inf
         if np.isfinite(end.predicted):
             reason = f"predicted reduction {enough.share(end.predicted)}" + f", {reason}" * bool(reason)
             errors = enough.standard_errors(end.predicted)
         return LastSteps(end.x, end.steps, end.converged, reason, errors)
+
+    def _minimum(
+        self, enough: _Criterion, damping: Damping, steps: int, x: FloatArray, lower: FloatArray, upper: FloatArray
+    ) -> Minimum:
+        return minimize(
+            self.cost, x, lower, upper, enough, damping, steps=steps, constraints=self.imposed, stop=self.stop
+        )
+
+    def _around_jumps(self, enough: _Criterion, damping: Damping, steps: int, end: Minimum) -> Minimum:
+        """Return the better optimum held at the jumps of a point or beyond them; the point itself without any."""
+        x = end.x
+        changes, jumps = self._jumps(end, damping.trusted * enough(x, end.cost))
+        if not jumps.any():
+            return end
+        side = np.where(changes[0] < changes[1], NEXT_TO, -NEXT_TO)
+        starts = [(np.clip(x + side * jumps, self.lower, self.upper), self.lower, self.upper)]
+        if (changes[:, jumps] > 0.0).all():
+            starts.append((x, np.where(jumps, x, self.lower), np.where(jumps, x, self.upper)))
+        found, taken = list[Minimum](), end.steps
+        for start, lower, upper in starts:
+            near = self._minimum(enough, APPROACH, steps - end.steps, start, lower, upper)
+            last = self._minimum(enough, damping, steps - end.steps - near.steps, near.x, lower, upper)
+            found, taken = [*found, last], taken + near.steps + last.steps
+        optima = [other for other in found if other.converged and other.cost <= end.cost]
+        best = min(optima, key=lambda minimum: minimum.cost, default=end)
+        enough(best.x, best.cost)  # the result is reported relative to this cost
+        return replace(best, steps=taken)
+
+    def _jumps(self, end: Minimum, threshold: float) -> tuple[FloatArray, BoolArray]:
+        """Return the changes of the cost next to a point, shape (2, n_free), and which coefficients make it jump.
+
+        `threshold`: least deviation of a jump from the change that the derivatives predict.
+        """
+        _, gradient, matrix = self.cost.derivatives(end.x)
+        sides = np.array([NEXT_TO, -NEXT_TO])
+        changes = np.array([[self.cost.cost(end.x + e) - end.cost for e in s * np.eye(len(end.x))] for s in sides])
+        predicted = np.outer(sides, gradient) + 0.5 * np.outer(sides**2, np.diag(matrix))
+        return changes, np.asarray(np.any(np.abs(changes - predicted) > threshold, axis=0))
