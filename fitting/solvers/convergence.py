@@ -170,12 +170,12 @@ class GaussNewton:
         starts = [(np.clip(x + side * jumps, self.lower, self.upper), self.lower, self.upper)]
         if (changes[:, jumps] > 0.0).all():
             starts.append((x, np.where(jumps, x, self.lower), np.where(jumps, x, self.upper)))
-        found, taken = list[Minimum](), end.steps
+        ends, taken = list[Minimum](), end.steps
         for start, lower, upper in starts:
             near = self._minimum(enough, APPROACH, steps - end.steps, start, lower, upper)
             last = self._minimum(enough, damping, steps - end.steps - near.steps, near.x, lower, upper)
-            found, taken = [*found, last], taken + near.steps + last.steps
-        optima = [other for other in found if other.converged and other.cost <= end.cost]
+            ends, taken = [*ends, last], taken + near.steps + last.steps
+        optima = [other for other in ends if other.converged and other.cost <= end.cost]
         best = min(optima, key=lambda minimum: minimum.cost, default=end)
         enough(best.x, best.cost)  # the result is reported relative to this cost
         return replace(best, steps=taken)
