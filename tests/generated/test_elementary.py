@@ -47,7 +47,7 @@ def built(folder, flags):
     return ctypes.CDLL(str(shared_library("elementary", [source], flags=["-fvisibility=default", "-O2", *flags])))
 
 
-@pytest.fixture(scope="module", params=FLAGS, ids=["all", "native", "plain"])
+@pytest.fixture(scope="module", params=FLAGS, ids=("all", "native", "plain")[: len(FLAGS)])
 def library(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp("elementary")
     with pytest.MonkeyPatch.context() as patch:
