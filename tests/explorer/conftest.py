@@ -27,7 +27,7 @@ def tires(golden):
     return made
 
 
-@pytest.fixture(scope="package")  # its event loop excludes those of other tests
+@pytest.fixture(scope="module")  # its event loop excludes those of other tests
 def browser():
     """Return a running Chromium; skip the test without it."""
     with launched("make pages") as running:
