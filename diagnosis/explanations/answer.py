@@ -89,27 +89,30 @@ class Answer:
     def one_of(self, effects: Iterable[str]) -> tuple[OneOf, ...]:
         """Return the classes of effects of which one is missing, for each of some effects that is not certain.
 
-        Others are added to an effect while they increase the probability that exactly one is missing.
+        Others are added to an effect while they increase the probability that exactly one is missing. No effect is in
+        two classes.
 
         >>> answer = answer_of({("conicity",): 2.0, ("plysteer",): 2.0, (): -50.0}, ["conicity", "plysteer"])
         >>> answer.one_of(["conicity"])
         (OneOf(effects=('conicity', 'plysteer'), probability=1.0),)
         """
         probabilities, classes = self.probabilities, list[OneOf]()
-        unsure = [name for name in self.candidates if UNSURE < probabilities[name] <= 1.0 - UNSURE]
-        for effect in (name for name in effects if name in unsure):
-            if any(effect in alternatives.effects for alternatives in classes):
+        unsure = {name for name in self.candidates if UNSURE < probabilities[name] <= 1.0 - UNSURE}
+        for effect in effects:
+            if effect not in unsure:
                 continue
-            members = [effect]
-            while len(members) == 1 or self._exactly_one(members) <= 1.0 - UNSURE:
-                others = [name for name in unsure if name not in members]
-                other = max(others, key=lambda name: graded(self._exactly_one([*members, name])), default="")
-                if not other or self._exactly_one([*members, other]) <= self._exactly_one(members):
+            members, share = [effect], 0.0
+            while share <= 1.0 - UNSURE:
+                others = sorted(unsure.difference(members))
+                other = max(others, key=lambda name: graded(self._exactly_one([*members, name])), default=effect)
+                more = self._exactly_one([*members, other])
+                if other == effect or more <= self._exactly_one(members):
                     break
-                members.append(other)
-            if len(members) > 1 and (share := self._exactly_one(members)) > 1.0 - UNSURE:
+                members, share = [*members, other], more
+            if share > 1.0 - UNSURE:
                 ordered = sorted(members, key=lambda name: (-graded(probabilities[name]), name))
                 classes.append(OneOf(tuple(ordered), min(share, 1.0)))
+                unsure.difference_update(members)
         return tuple(classes)
 
     def _exactly_one(self, names: Collection[str]) -> float:

@@ -43,7 +43,7 @@ FAR = 3.0 * REFIT_MARGIN
 
 @dataclass(frozen=True, eq=False)
 class ComparedExplanations:
-    """The answer, the most probable explanation with its refit, and what all explanations have in common.
+    """The answer, the refit of the explanation that is delivered, and what all explanations have in common.
 
     - `stopped`: why explanations were not compared; empty if all were.
     """

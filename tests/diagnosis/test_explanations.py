@@ -150,6 +150,20 @@ def test_a_class_has_exactly_one_missing_effect():
     assert answer_of({("b",): 0.0, ("c",): 0.0, (): 0.0}, list("bc")).one_of("b") == ()
 
 
+def test_no_effect_is_in_two_classes():
+    """Over random evidences of all explanations with up to three of five effects."""
+    rng, several = np.random.default_rng(4), 0
+    explanations = [parts for number in range(4) for parts in itertools.combinations("abcde", number)]
+    for _ in range(300):
+        answer = answer_of(dict(zip(explanations, rng.normal(0.0, 6.0, len(explanations)), strict=True)), list("abcde"))
+        classes = answer.one_of("abcde")
+        names = [name for alternatives in classes for name in alternatives.effects]
+        assert len(names) == len(set(names))
+        assert all(0.9 < alternatives.probability <= 1.0 for alternatives in classes)
+        several += len(classes) > 1
+    assert several
+
+
 def test_the_simplest_of_equal_effects_is_delivered():
     """Fewest states first; an explanation that is much less probable than the leader is not taken."""
 
