@@ -32,7 +32,8 @@ def fit(
     Parameters
     ----------
     tables : path, DataFrame or Recording, or a sequence of them
-        The data of one fit; recordings may have different sign conventions.
+        The data of one fit, in any order; recordings may have different sign conventions. The result has them in the
+        order of their names.
     model : str, optional
         By default the model of the start tire; without a start tire "mf61".
     start : Tire, path of a .tir file, name of a published tire, or "features", optional

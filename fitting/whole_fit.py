@@ -28,7 +28,8 @@ def fitted(
     began = time.perf_counter()
     column = temperature_column(options)
     plan = Plan.of(model, start, forces_alone(options))
-    recordings = recordings_from(tables, signs=signs)
+    # By name: digits of sums, which decide in flat directions, must not depend on the order of the files.
+    recordings = sorted(recordings_from(tables, signs=signs), key=lambda recording: recording.source)
     if not recordings:
         raise FitError("no table to fit")
     for recording in recordings:
