@@ -33,11 +33,11 @@ class BuildWithPrintedCode(build_py):
         return [module for module in modules if package != "tirefmu" or module[1] in ("__init__", "__main__")]
 
     def run(self) -> None:
-        """Copy, then print."""
+        """Copy, then print, without bytecode, which would be in the wheel."""
         super().run()
         if not self.editable_mode:
             tree = Path(self.build_lib).resolve()
-            subprocess.run([sys.executable, "-c", PRINT, tree / "tirefmu" / "generated"], cwd=tree, check=True)
+            subprocess.run([sys.executable, "-B", "-c", PRINT, tree / "tirefmu" / "generated"], cwd=tree, check=True)
 
 
 setup(packages=packages(), cmdclass={"build_py": BuildWithPrintedCode})
