@@ -184,6 +184,32 @@ def removed_from(disturbances: Disturbances, values: FloatArray, signals: Signal
     }
 
 
+def removed_at(
+    disturbances: Disturbances, values: FloatArray, signals: Signals, t: FloatArray, measured: FloatArray, radius: float
+) -> FloatArray:
+    """Return what the disturbances contribute to the forces in every row of a recording, shape (n_channels, n_rows).
+
+    `values`, shape (n_disturbances,). `t`, shape (n_rows,), s; without a recorded time, the number of the row.
+    `measured`, shape (n_channels, n_rows): forces, in the signs of the formula. `radius`, m: unloaded radius.
+    """
+    named = dict(zip(disturbances.names, values.tolist(), strict=True))
+    removed = np.zeros_like(measured)
+    for k, wave in enumerate(half_waves(passed(signals, t))):
+        for i, channel in enumerate(signals.channels):
+            removed[i] += named.get(f"{_slow_name(k)}_{channel}", 0.0) * wave
+    for pair, target, change in cross_talk(signals.channels, np.nan_to_num(measured), radius):
+        removed[target] += named.get(f"{CROSS_TALK}{pair}", 0.0) * change
+    axes = {"t": t}
+    if any(line.over == "distance" for line in disturbances.lines):
+        distance = signals.delayed(-signals.skew).named()["distance"]
+        axes["distance"] = np.interp(np.arange(len(t)), signals.table_rows, distance)
+    for number, line in enumerate(disturbances.lines, start=1):
+        for part, wave in zip(("cosine", "sine"), line.waves(axes[line.over]), strict=True):
+            for i, channel in enumerate(signals.channels):
+                removed[i] += named[f"wave{number}_{part}_{channel}"] * wave
+    return removed
+
+
 def _reported_waves(
     disturbances: Disturbances, named: Mapping[str, float], channels: Sequence[str]
 ) -> list[dict[str, Any]]:

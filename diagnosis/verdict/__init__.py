@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from .delivery import density_gain, reasons_against
     from .extrapolation import MAX_CHANGE, Extrapolation, extrapolations, outside
     from .findings import CoefficientInterval, FoundEffect
-    from .fit_error import DeliveredResiduals, delivered_residuals, fit_errors, floors_of
+    from .fit_error import DeliveredResiduals, delivered_residuals, error_splits, fit_errors, residual_of
     from .improved_tire import tire_of
     from .parts import Identifiability
     from .residual_location import residual_maps, time_course

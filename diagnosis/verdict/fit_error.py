@@ -1,4 +1,4 @@
-"""Fit error of the delivered tires and noise floor: training, cross-validation, hold-out.
+"""Fit error of the delivered tires and its parts: training, cross-validation, hold-out.
 
 The residuals are those of the tires that a diagnosis delivers, evaluated over the recording as `tirefmu evaluate` does.
 Offsets and drift of the recording are subtracted; they are in the result (`Diagnosis.recording`, ``removed``).
@@ -6,7 +6,7 @@ Offsets and drift of the recording are subtracted; they are in the result (`Diag
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,13 +14,15 @@ import numpy.typing as npt
 
 from ...measurements import Recording
 from ...measurements.state_starts import with_fitted_starts
-from ...numerics.noise_floor import NoiseFloor, noise_floor
+from ...numerics.noise_floor import ErrorSplit, error_split
 from ...tires.evaluation import Conventions, evaluate
 from ...tires.signs import convert_signs
 from ...tires.tire import Tire
 from ..probing.effect_probing import Screen
+from ..signals.disturbances import removed_at
 from ..signals.outliers import short_range
 from ..signals.signals import FORMULA_SIGNS, Signals
+from ..thresholds import MIN_VARIATION
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -58,16 +60,13 @@ class DeliveredResiduals:
         }
 
 
-def delivered_residuals(
-    tires: Iterable[Tire], recording: Recording, screens: tuple[Screen, Screen], rows: IntArray
-) -> DeliveredResiduals:
-    """Return the residuals of both tires over a recording.
+def delivered_residuals(before: FloatArray, after: FloatArray, signals: Signals, rows: IntArray) -> DeliveredResiduals:
+    """Return the residuals of both tires over the compared rows of a recording.
 
-    `tires`: baseline tire and improved tire. `recording`: without skew (`without_skew`). `screens`: of their solutions.
-    Offsets, drift, cross-talk and waves of the recording are subtracted. `rows`, shape (m,): the compared rows.
+    `before`, `after`, shape (n_channels, n_rows): of the baseline tire and the improved tire (`residual_of`).
+    `signals`: of their solutions. `rows`, shape (m,): the compared rows.
     """
-    signals = screens[0].signals
-    first, last = (_residual(tire, recording, screen, rows) for tire, screen in zip(tires, screens, strict=True))
+    first, last = before[:, rows], after[:, rows]
     used = np.stack([short_range(np.nan_to_num(row), np.isfinite(row))[1] for row in first])
     compared = np.searchsorted(rows, signals.table_rows)
     used[:, compared] &= signals.present
@@ -104,33 +103,49 @@ def without_skew(recording: Recording, signals: Signals) -> Recording:
     return replace(recording, table=table.assign(**dict(zip(names, late, strict=True))))
 
 
-def _residual(tire: Tire, recording: Recording, screen: Screen, rows: IntArray) -> FloatArray:
-    signals, removed = screen.signals, screen.problem.disturbances.columns @ screen.solution.disturbance
+def residual_of(tire: Tire, screen: Screen, recording: Recording) -> FloatArray:
+    """Return the residual of a tire in every row of a recording, shape (n_channels, n_rows), N and N m.
+
+    `screen`: of the solution of the tire. `recording`: without skew (`without_skew`). Offsets, drift, cross-talk and
+    waves of the recording are subtracted. NaN if a channel was not measured.
+    """
     recording = with_fitted_starts(tire, recording)
     inputs = [name for name in recording.table if name == "t" or name in tire.inputs]
     computed = evaluate(tire, recording.table[inputs], Conventions(recording.signs))
-    channels = list(signals.channels)
+    channels = list(screen.signals.channels)
     both = (convert_signs(table[channels], recording.signs, FORMULA_SIGNS) for table in (recording.table, computed))
-    measured, simulated = (table.to_numpy(dtype=np.float64)[rows].T for table in both)
+    measured, simulated = (table.to_numpy(dtype=np.float64).T for table in both)
+    t = recording.table["t"].to_numpy(np.float64) if "t" in recording.table else np.arange(float(len(recording)))
+    radius = tire.values["UNLOADED_RADIUS"]
+    removed = removed_at(screen.problem.disturbances, screen.solution.disturbance, screen.signals, t, measured, radius)
     return np.asarray(measured - simulated - removed)
 
 
-def floors_of(recording: Recording, residuals: DeliveredResiduals, channels: Sequence[str]) -> dict[str, NoiseFloor]:
-    """Return the noise floor of each channel on the fitted rows (`tirefmu.numerics.noise_floor`).
+def error_splits(residual: FloatArray, recording: Recording, signals: Signals, load: float) -> dict[str, ErrorSplit]:
+    """Return the noise floor of each channel and the other parts of its error (`tirefmu.numerics.noise_floor`).
 
-    `residuals`: of this recording; a smooth function is added to the improved tire.
+    They are those of every row under load outside the hold-out set without the outliers, not of compared rows alone:
+    a floor must not depend on how many rows are compared. `residual`: of the delivered tire (`residual_of`).
+    `load`: nominal load, N.
     """
-    rest = np.where(residuals.used & ~residuals.holdout, residuals.after, np.nan)
-    return noise_floor(recording.table.iloc[residuals.rows], dict(zip(channels, rest, strict=True)))
+    table, segment = recording.table, np.zeros(len(recording.table), dtype=np.int64)
+    for number, rows in enumerate(recording.segments()):
+        segment[rows] = number
+    fitted = recording.with_signs(FORMULA_SIGNS).table["Fz"].to_numpy(np.float64) > MIN_VARIATION["Fz"] * load
+    for first, last in signals.holdout_stretches():
+        fitted[signals.table_rows[first] : signals.table_rows[last] + 1] = False
+    rest = {}
+    for name, row in zip(signals.channels, residual, strict=True):
+        used = short_range(np.nan_to_num(row), np.isfinite(row) & fitted)[1]
+        rest[name] = np.where(used, row, np.nan)
+    return error_split(table, rest, segment)
 
 
-def fit_errors(
-    before: Screen, after: Screen, residuals: DeliveredResiduals, floors: dict[str, NoiseFloor]
-) -> FitErrors:
+def fit_errors(before: Screen, after: Screen, residuals: DeliveredResiduals) -> FitErrors:
     """Return root mean square residuals of the delivered tires, with all errors of the recording removed.
 
     `before`, `after`: of the solutions of the baseline model and the improved model. `residuals`: of both delivered
-    tires. Returns: train, cv, holdout -> channel -> before, after, floor, floor_with_history.
+    tires. Returns: train, cv, holdout -> channel -> before, after.
     """
     compared, used = residuals.compared, residuals.used
     both = (residuals.before, residuals.after)
@@ -145,12 +160,7 @@ def fit_errors(
     }
     return {
         part: {
-            name: {
-                "before": _rms(rows[0][i], mask[i]),
-                "after": _rms(rows[1][i], mask[i]),
-                "floor": floors[name].floor,
-                "floor_with_history": floors[name].with_history,
-            }
+            name: {"before": _rms(rows[0][i], mask[i]), "after": _rms(rows[1][i], mask[i])}
             for i, name in enumerate(after.signals.channels)
         }
         for part, (rows, mask) in parts.items()

@@ -24,7 +24,7 @@ from tirefmu.diagnosis.verdict import (
     reasons_against,
     verdict_sentences,
 )
-from tirefmu.numerics.noise_floor import NoiseFloor
+from tirefmu.numerics.noise_floor import ErrorSplit
 
 from .independent import kinds as independent
 from .recomputation import recomputed
@@ -64,8 +64,8 @@ def test_a_channel_has_one_residual(worn):
     reported = diagnosis.to_json()
     for channel, one in reported["adequacy"].items():
         gap = reported["gap"]["train"][channel]
-        assert (one["residual"], one["floor"]) == (gap["after"], gap["floor_with_history"])
-        assert gap["floor_with_history"] <= gap["floor"] <= gap["after"]
+        assert (one["residual"], one["floor"]) == (gap["after"], gap["floor"])
+        assert gap["floor"] <= gap["after"]
 
 
 @pytest.mark.slow
@@ -159,7 +159,7 @@ def test_the_density_is_that_of_the_residual_of_the_fitted_rows():
 
 
 def test_a_residual_far_above_the_floor_is_inadequate():
-    floors = {"Fx": NoiseFloor(10.0, 10.0), "Fy": NoiseFloor(19.0, 10.0)}
+    floors = {"Fx": ErrorSplit(10.0, 6.6, 0.0, 0.0), "Fy": ErrorSplit(10.0, 6.2, 16.0, 2.2)}
     fx, fy = adequacies({"Fx": 12.0, "Fy": 20.0}, floors, [], {"Fy": "the tire gives 9 % too little Fy"})
     assert (fx.adequate, fx.memory) == (True, False)
     assert (fy.adequate, fy.memory, fy.rating) == (False, True, "red")
@@ -172,7 +172,7 @@ def test_a_residual_far_above_the_floor_is_inadequate():
     unknown = Adequacy("Fx", 10.0, np.nan, "", (), False)
     assert (unknown.adequate, unknown.rating) == (None, "amber")
     assert Adequacy("Fx", 10.0, 0.0, "", (), False).adequate is False
-    numbers = NoiseFloor(np.float64(19.0), np.float64(10.0))  # of NumPy, as computations return them
+    numbers = ErrorSplit(np.float64(10.0), np.float64(6.2), np.float64(16.0), np.float64(2.2))  # of NumPy, as computations return them
     (fy,) = adequacies({"Fy": np.float64(20.0)}, {"Fy": numbers}, [], {})
     assert (fy.adequate, fy.memory, fy.rating) == (False, True, "red")
 
