@@ -172,7 +172,7 @@ def test_a_residual_far_above_the_floor_is_inadequate():
     unknown = Adequacy("Fx", 10.0, np.nan, "", (), False)
     assert (unknown.adequate, unknown.rating) == (None, "amber")
     assert Adequacy("Fx", 10.0, 0.0, "", (), False).adequate is False
-    numbers = ErrorSplit(np.float64(10.0), np.float64(6.2), np.float64(16.0), np.float64(2.2))  # of NumPy, as computations return them
+    numbers = ErrorSplit(*map(np.float64, (10.0, 6.2, 16.0, 2.2)))  # of NumPy, as computations return them
     (fy,) = adequacies({"Fy": np.float64(20.0)}, {"Fy": numbers}, [], {})
     assert (fy.adequate, fy.memory, fy.rating) == (False, True, "red")
 
