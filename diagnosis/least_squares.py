@@ -7,16 +7,14 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import cho_factor, cho_solve
 
+from ..numerics.arrays import FloatArray
 from ..numerics.gauss_newton import Damping, minimize
 from ..numerics.noise_model import Whitening
 from .signals.disturbances import Disturbances
 from .signals.simulation import Simulator
 from .weighted_columns import WeightedColumns, joined
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Width of a coefficient's bounds in standard deviations of its weak prior.
 RANGE_IN_DEVIATIONS = 4.0

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
+from ...numerics.arrays import FloatArray
 from ...numerics.periodic_lines import periodic_lines
 from ...numerics.ties import graded
 from ...symbolic.declarations import Coefficient
@@ -21,8 +21,6 @@ from ..signals.signals import Signals
 from ..signals.simulation import Simulator
 from ..signals.skew import between_rows
 from .candidates import declared_candidate, varies
-
-FloatArray = npt.NDArray[np.float64]
 
 #: The slip that generates each force.
 OWN_SLIP = {"Fx": "kappa", "Fy": "alpha"}

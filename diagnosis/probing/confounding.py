@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from ...numerics.arrays import FloatArray
 from ...symbolic.detection import Detection
 from ..signals.skew import delay_response
 from ..thresholds import SIDE
 from .effect_probing import Screen
 
-FloatArray = npt.NDArray[np.float64]
-
-#: Share of an effect's norm from which the response of a single coefficient is compared as well. Not recorded.
+#: Share of an effect's norm from which the response of a single coefficient is compared as well. Convention: less
+#: than a sixth of the power is not what makes two effects alike.
 MIN_SHARE = 0.4
 
 #: Sensor errors that are confounded with effects: the input and its error, rad, rad and 1.

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from ...boundary.errors import DataError
@@ -24,7 +23,6 @@ from ...tires.evaluation import Conventions, evaluate
 from ...tires.tire import Tire
 from ..verdict.result import Diagnosis
 
-FloatArray = npt.NDArray[np.float64]
 #: Time step of a table without a column t, s.
 STEP = 0.01
 

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from ...drawing.figure import Figure, Panel, Series
 from ...drawing.labels import axis_label, drawn_unit, per_si
 from ...drawing.style import BLACK, BLUE, DASHED, RED, SOLID
+from ...numerics.arrays import BoolArray, FloatArray
 from ...numerics.ties import graded
 from ...symbolic.quantities import ALPHA, KAPPA
 from ...tires.evaluation import Conventions, evaluate
 from ...tires.tire import Tire
-from ..thresholds import MIN_ROWS_OF_CELL
+from ..verdict.residual_location import MIN_ROWS_OF_CELL
 from ..verdict.result import Diagnosis
 from .residual_figure import coincide
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Intervals of slip whose means are drawn, and the minimum number of rows of an interval of a force.
 INTERVALS, MIN_ROWS_OF_FORCE = 24, 2
@@ -108,7 +106,7 @@ def _means(
     values: FloatArray,
     slip: str,
     direction: float,
-    chosen: npt.NDArray[np.bool_],
+    chosen: BoolArray,
     least: int,
 ) -> tuple[FloatArray, FloatArray]:
     """Return intervals of slip, in the drawn unit, and the mean value of the chosen rows of a direction in each."""

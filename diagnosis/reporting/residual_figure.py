@@ -11,7 +11,7 @@ from ...drawing.figure import Cells, Figure, Panel, Series
 from ...drawing.labels import axis_label, per_si
 from ...drawing.style import BLUE, DASHED, RED, SOLID
 from ...numerics.arrays import FloatArray
-from ..thresholds import MIN_ROWS_OF_CELL
+from ..verdict.residual_location import MIN_ROWS_OF_CELL
 
 #: Mean residual at the ends of the color scale, in noise standard deviations.
 FULL = 3.0

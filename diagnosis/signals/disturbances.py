@@ -13,18 +13,23 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from ...measurements.virtual_bench.bench_errors import cross_talk, half_waves
+from ...measurements.virtual_bench.bench_errors import (
+    CROSS_TALK_PRIOR_SHARE,
+    DRIFT_WAVES,
+    MAX_CROSS_TALK,
+    cross_talk,
+    half_waves,
+)
+from ...numerics.arrays import FloatArray
 from ...numerics.periodic_lines import PeriodicLine
 from ...tires.states.transient import followed
-from ..thresholds import CROSS_TALK_PRIOR_SHARE, DRIFT_WAVES, FREE_PRIOR, MAX_CROSS_TALK
+from ..thresholds import FREE_PRIOR
 from .signals import Signals
 from .simulation import Simulator
 
-FloatArray = npt.NDArray[np.float64]
-
-#: Prior standard deviation of drift, in noise standard deviations. Not recorded.
+#: Prior standard deviation of drift, in noise standard deviations. Convention: a drift beyond the noise is seen in the
+#: bench and repaired.
 DRIFT_PRIOR = 1.0
 
 #: How the names of cross-talk begin, before Fx_in_Fy.

@@ -11,17 +11,17 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
 from ...boundary.errors import EffectError
 from ...boundary.escaping import toml_string
+from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
 from ...symbolic.added import AddedEffect, read_effect
 from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 from ..probing.effect_probing import Screen
 from ..signals.simulation import Simulator
-from .features import Feature, Location, determined, directions, features, locations_of
+from .features import Feature, Location, bracketed, determined, directions, features, locations_of
 from .past import STATES
 
 
@@ -189,16 +189,10 @@ class UnexplainedStructure:
 
         `sizes`: one per term.
         """
-        terms = " ".join(f"{value:+.3g}*{_bracketed(term)}" for value, term in zip(sizes, self.terms, strict=True))
+        terms = " ".join(f"{value:+.3g}*{bracketed(term.text)}" for value, term in zip(sizes, self.terms, strict=True))
         head = "1 " if self.location.how == "factor" else ""
         return f"{' and '.join(self.location.quantities)}, {self.location.how}: {head}{terms}"
 
-
-def _bracketed(term: Feature) -> str:
-    return f"({term.text})" if " " in term.text else term.text
-
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Number of features whose evidence is computed. Convention: computing time.
 SHORTLIST = 60

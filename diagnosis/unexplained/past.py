@@ -11,13 +11,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 
+from ...numerics.arrays import FloatArray
 from ...tires.states.transient import recursion
 from ..thresholds import SIDE
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Time constant of the lag whose difference from its input replaces a rate, s.
 RATE_LAG = 0.1

@@ -12,8 +12,10 @@ import numpy as np
 from ...numerics.noise_floor import ErrorSplit
 from ...numerics.ties import graded
 from ..signals.range_text import range_text
-from ..thresholds import INADEQUATE
 
+#: Residual over noise floor above which a channel lacks something that was not identified. Convention: a missing part
+#: as large as the floor gives 1.4.
+INADEQUATE = 1.5
 #: Parts of a residual above this share of its noise floor are named. Convention.
 SHOWN = 0.5
 

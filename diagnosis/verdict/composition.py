@@ -9,10 +9,10 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import stdtrit
 
 from ...measurements import Recording
+from ...numerics.arrays import FloatArray
 from ...numerics.noise_floor import ErrorSplit
 from ...numerics.ties import graded
 from ...tires.tire import Tire
@@ -27,7 +27,7 @@ from ..probing.effect_probing import Screen, Tried, tried
 from ..signals.disturbances import reported_disturbances
 from ..signals.measurement_artefacts import recording_errors
 from ..signals.signals import FORMULA_SIGNS, Signals
-from ..thresholds import CHANNEL_SHARE, REPORTED
+from ..thresholds import REPORTED
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy, adequacies
 from .delivery import reasons_against
@@ -45,12 +45,9 @@ from .fit_error import (
     without_skew,
 )
 from .improved_tire import tire_of
-from .parts import DiagnosisRun, Identifiability, Improvement, Misfit
 from .residual_location import residual_maps, scale_errors, time_course
 from .result import Diagnosis
-from .verdict import verdict_sentences
-
-FloatArray = npt.NDArray[np.float64]
+from .verdict import CHANNEL_SHARE, verdict_sentences
 
 #: Share of the evidence in the reported stretches of time. Convention.
 REPORTED_EVIDENCE = 0.67
@@ -138,18 +135,22 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
         base_tire=delivery.base_tire,
         tire=delivery.tire,
         signs=FORMULA_SIGNS,
-        identifiability=Identifiability(
-            detectable, not_identifiable, _next_measurements(outcome, one_of, confounded, unknown)
-        ),
-        misfit=Misfit(delivery.errors, residual_maps(fits.before), where_after, time_course(fits.before, final)),
-        improvement=Improvement(refined, form, _extrapolations(outcome, added), against),
-        run=DiagnosisRun(
-            outcome.recording.table,
-            outcome.recording.signs,
-            tuple(tuple(signals.table_rows[list(ends)].tolist()) for ends in signals.holdout_stretches()),
-            round(time.perf_counter() - began, 2),
-            outcome.stopped,
-        ),
+        detectable=detectable,
+        not_identifiable=not_identifiable,
+        next_measurement=_next_measurements(outcome, one_of, confounded, unknown),
+        gap=delivery.errors,
+        where=residual_maps(fits.before),
+        where_after=where_after,
+        time_course=time_course(fits.before, final),
+        refined=refined,
+        form=form,
+        extrapolation=_extrapolations(outcome, added),
+        not_delivered_because=against,
+        rows=outcome.recording.table,
+        recording_signs=outcome.recording.signs,
+        holdout_rows=tuple(tuple(signals.table_rows[list(ends)].tolist()) for ends in signals.holdout_stretches()),
+        seconds=round(time.perf_counter() - began, 2),
+        stopped=outcome.stopped,
     )
 
 
@@ -186,7 +187,7 @@ def _delivery(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -
     against: tuple[str, ...] = ()
     if added or fits.refinements or fits.form:
         against = reasons_against(compared, judged)
-    splits = error_splits(of_base if against else of_improved, recording, outcome.signals, tire.values["FNOMIN"])
+    splits = error_splits(of_base if against else of_improved, residuals, recording, outcome.signals.channels)
     if against:
         tire, after, errors = base_tire, before, fit_errors(before, before, replace(residuals, after=residuals.before))
     with_floor = {

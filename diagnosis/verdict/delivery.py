@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
 from .fit_error import DeliveredResiduals, FitErrors
-
-FloatArray = npt.NDArray[np.float64]
 
 
 def reasons_against(errors: FitErrors, residuals: DeliveredResiduals) -> tuple[str, ...]:

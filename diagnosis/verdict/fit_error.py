@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from ...measurements import Recording
 from ...measurements.state_starts import with_fitted_starts
+from ...numerics.arrays import BoolArray, FloatArray, IntArray
 from ...numerics.noise_floor import ErrorSplit, error_split
 from ...tires.evaluation import Conventions, evaluate
 from ...tires.signs import convert_signs
@@ -22,10 +22,6 @@ from ..probing.effect_probing import Screen
 from ..signals.disturbances import removed_at
 from ..signals.outliers import short_range
 from ..signals.signals import FORMULA_SIGNS, Signals
-from ..thresholds import MIN_VARIATION
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 FitErrors = dict[str, dict[str, dict[str, float]]]
 
@@ -46,8 +42,8 @@ class DeliveredResiduals:
     rows: IntArray
     before: FloatArray
     after: FloatArray
-    used: npt.NDArray[np.bool_]
-    holdout: npt.NDArray[np.bool_]
+    used: BoolArray
+    holdout: BoolArray
     compared: IntArray
     block: IntArray
 
@@ -121,23 +117,26 @@ def residual_of(tire: Tire, screen: Screen, recording: Recording) -> FloatArray:
     return np.asarray(measured - simulated - removed)
 
 
-def error_splits(residual: FloatArray, recording: Recording, signals: Signals, load: float) -> dict[str, ErrorSplit]:
+def error_splits(
+    residual: FloatArray, residuals: DeliveredResiduals, recording: Recording, channels: Sequence[str]
+) -> dict[str, ErrorSplit]:
     """Return the noise floor of each channel and the other parts of its error (`tirefmu.numerics.noise_floor`).
 
-    They are those of every row under load outside the hold-out set without the outliers, not of compared rows alone:
-    a floor must not depend on how many rows are compared. `residual`: of the delivered tire (`residual_of`).
-    `load`: nominal load, N.
+    They are those of the compared rows and of the rows between them, outside the hold-out set, without outliers: a
+    floor must not depend on how many rows are compared. `residual`: of the delivered tire (`residual_of`).
     """
     table, segment = recording.table, np.zeros(len(recording.table), dtype=np.int64)
     for number, rows in enumerate(recording.segments()):
         segment[rows] = number
-    fitted = recording.with_signs(FORMULA_SIGNS).table["Fz"].to_numpy(np.float64) > MIN_VARIATION["Fz"] * load
-    for first, last in signals.holdout_stretches():
-        fitted[signals.table_rows[first] : signals.table_rows[last] + 1] = False
+    every, begins = int(np.diff(residuals.rows).min()), residuals.rows[~residuals.holdout]
+    followed = begins[np.isin(begins + every, residuals.rows)]
+    fitted = np.unique(np.concatenate([begins, *(followed + offset for offset in range(1, every))]))
     rest = {}
-    for name, row in zip(signals.channels, residual, strict=True):
-        used = short_range(np.nan_to_num(row), np.isfinite(row) & fitted)[1]
-        rest[name] = np.where(used, row, np.nan)
+    for name, row, used in zip(channels, residual, residuals.used, strict=True):
+        scatter = short_range(np.nan_to_num(row[fitted]), np.isfinite(row[fitted]))[1]
+        rest[name] = np.full(len(row), np.nan)
+        rest[name][fitted[scatter]] = row[fitted[scatter]]
+        rest[name][residuals.rows[~used]] = np.nan
     return error_split(table, rest, segment)
 
 
@@ -177,5 +176,5 @@ def _change_without_block(screen: Screen) -> FloatArray:
     return np.where(inverse_noise > 0.0, change / np.where(inverse_noise > 0.0, inverse_noise, 1.0), 0.0)
 
 
-def _rms(residual: FloatArray, present: npt.NDArray[np.bool_]) -> float:
+def _rms(residual: FloatArray, present: BoolArray) -> float:
     return float(np.sqrt(np.mean(residual[present] ** 2))) if present.any() else float("nan")

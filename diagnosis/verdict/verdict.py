@@ -8,11 +8,12 @@ from typing import Any
 
 from ...numerics.ties import graded
 from ..explanations.answer import OneOf, percent
-from ..thresholds import CHANNEL_SHARE
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
 from .findings import FoundEffect
 
+#: A channel is reported for an effect from this share of the largest channel's power. Convention.
+CHANNEL_SHARE = 0.02
 _NOTHING, _UNIDENTIFIED = "nothing material is missing", "no effect is identified as missing"
 
 

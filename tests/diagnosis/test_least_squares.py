@@ -7,10 +7,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tirefmu.diagnosis import LeastSquares
 from tirefmu.diagnosis.explanations import balanced
-from tirefmu.diagnosis.signals import reported_disturbances
-from tirefmu.diagnosis.thresholds import MAX_CROSS_TALK
+from tirefmu.diagnosis.least_squares import LeastSquares
+from tirefmu.diagnosis.signals.disturbances import reported_disturbances
+from tirefmu.measurements.virtual_bench.bench_errors import MAX_CROSS_TALK
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire

@@ -7,19 +7,12 @@ import pytest
 
 from tirefmu.diagnosis import diagnose
 from tirefmu.diagnosis.diagnose import with_library
-from tirefmu.diagnosis.probing import reweighted
-from tirefmu.diagnosis.signals import OUTLIER, quantisation, ripple
-from tirefmu.diagnosis.verdict import (
-    MAX_CHANGE,
-    delivered_residuals,
-    error_splits,
-    extrapolations,
-    fit_errors,
-    outside,
-    residual_maps,
-    residual_of,
-    time_course,
-)
+from tirefmu.diagnosis.probing.baseline_fit import reweighted
+from tirefmu.diagnosis.signals.measurement_artefacts import quantisation, ripple
+from tirefmu.diagnosis.signals.outliers import OUTLIER
+from tirefmu.diagnosis.verdict.extrapolation import MAX_CHANGE, extrapolations, outside
+from tirefmu.diagnosis.verdict.fit_error import delivered_residuals, error_splits, fit_errors, residual_of
+from tirefmu.diagnosis.verdict.residual_location import residual_maps, time_course
 from tirefmu.fitting import fit
 from tirefmu.measurements import Recording, read_recording
 from tirefmu.symbolic.models import MODELS
@@ -30,8 +23,9 @@ NOISE = {"Fx": 5.0, "Fy": 5.0, "Mz": 0.5}
 
 def test_the_noise_floor_equals_the_noise(at_true_values, tire, table):
     recording = Recording(table, "adapted-sae", "bench")
-    residual = residual_of(tire, at_true_values, recording)
-    splits = error_splits(residual, recording, at_true_values.signals, tire.values["FNOMIN"])
+    residual, signals = residual_of(tire, at_true_values, recording), at_true_values.signals
+    residuals = delivered_residuals(residual, residual, signals, signals.table_rows)
+    splits = error_splits(residual, residuals, recording, signals.channels)
     assert {name: one.floor for name, one in splits.items()} == pytest.approx(NOISE, rel=0.1)
 
 
