@@ -8,9 +8,9 @@ import pandas as pd
 from ...drawing.figure import Figure, Panel, Series
 from ...drawing.labels import axis_label, drawn_unit, per_si
 from ...drawing.style import BLUE, DASHED, GRAY, RED, SOLID
-from ...symbolic.quantities import ALPHA, KAPPA
 from ..explanations.form import without_form
 from ..verdict.result import Diagnosis
+from .memory_figure import widest_slip
 
 #: Points of a line; loads as quantiles of those of the recording, with their color and dashes. Conventions.
 POINTS = 121
@@ -23,7 +23,7 @@ def form_figure(diagnosis: Diagnosis) -> Figure:
     `diagnosis`: with a correction of the form.
     """
     rows = diagnosis.rows
-    slip = max((name for name in (ALPHA.name, KAPPA.name) if name in rows), key=lambda name: np.ptp(rows[name]))
+    slip = widest_slip(rows)
     at = np.linspace(rows[slip].min(), rows[slip].max(), POINTS)
     plain, panels = without_form(diagnosis.tire), dict[str, list[Series]]()
     for quantile, color, dashes in LOADS:

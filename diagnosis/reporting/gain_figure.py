@@ -13,24 +13,16 @@ from ...drawing.residual_panels import INPUTS, bins
 from ...drawing.style import BLUE, DASHED, RED
 from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
-from ...tires.evaluation import Conventions, evaluate
 from ...tires.signs import convert_signs
-from ...tires.tire import Tire
 from ..verdict.findings import FoundEffect
 from ..verdict.result import Diagnosis
+from .memory_figure import evaluated, widest_slip
 
 
 def gain_figure(diagnosis: Diagnosis) -> Figure | None:
     """Return a panel for each identified effect: the mean residual in its direction, without and with it.
 
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-
-    Returns
-    -------
-    Figure or None
-        None if the improved tire has none of the identified effects.
+    None if the improved tire has none of the identified effects.
     """
     panels = [_panel(diagnosis, finding) for finding in diagnosis.found if finding.effect in diagnosis.tire.has]
     text = (
@@ -46,7 +38,8 @@ def _panel(diagnosis: Diagnosis, finding: FoundEffect) -> Panel:
     without = replace(tire, effects=tire.has - {finding.effect})
     error = diagnosis.gap["train"]
     channel = min(finding.channels, key=lambda name: graded(error[name]["after"] / max(error[name]["before"], 1e-300)))
-    response = _force(tire, diagnosis, channel) - _force(without, diagnosis, channel)
+    forces = [evaluated(diagnosis, shown)[channel].to_numpy(dtype=np.float64) for shown in (without, tire)]
+    response = forces[1] - forces[0]
     measured = _measured(diagnosis, channel)
     through = _input(diagnosis, finding.effect)
     at = convert_signs(rows[[through]], diagnosis.recording_signs, diagnosis.signs)[through]
@@ -54,8 +47,8 @@ def _panel(diagnosis: Diagnosis, finding: FoundEffect) -> Panel:
     finite = np.isfinite(x) & np.isfinite(measured) & np.isfinite(response)
     parts = [part for part in bins(x, finite) if np.abs(response[part]).any()]
     lines = []
-    for shown, label, color, dashes in ((without, "without", RED, DASHED), (tire, "with", BLUE, ())):
-        lacking = (measured - _force(shown, diagnosis, channel)) * response
+    for force, label, color, dashes in zip(forces, ("without", "with"), (RED, BLUE), (DASHED, ()), strict=True):
+        lacking = (measured - force) * response
         means = [lacking[part].sum() / np.abs(response[part]).sum() for part in parts]
         centers = [float(np.median(x[part])) for part in parts]
         lines.append(Series("line", centers, means, color, label, dashes, marker="o"))
@@ -67,15 +60,7 @@ def _input(diagnosis: Diagnosis, effect: str) -> str:
     """Return the recorded input that an effect requires; otherwise the slip that varies most."""
     detection = diagnosis.tire.symbolic_model.detections.get(effect)
     required = [name for name in detection.requires if name in INPUTS] if detection else []
-    rows = diagnosis.rows
-    slips = sorted((name for name in INPUTS[:2] if name in rows), key=lambda name: -graded(np.ptp(rows[name])))
-    return next(name for name in (*required, *slips) if name in rows)
-
-
-def _force(tire: Tire, diagnosis: Diagnosis, channel: str) -> FloatArray:
-    inputs = [name for name in diagnosis.rows if name == "t" or name in tire.inputs]
-    forces = evaluate(tire, diagnosis.rows[inputs], Conventions(diagnosis.recording_signs))
-    return np.asarray(forces[channel], dtype=np.float64)
+    return next((name for name in required if name in diagnosis.rows), widest_slip(diagnosis.rows))
 
 
 def _measured(diagnosis: Diagnosis, channel: str) -> FloatArray:

@@ -34,16 +34,14 @@ def memory_figure(diagnosis: Diagnosis, channel: str) -> Figure:
 
     `diagnosis`: of a recording with time, whose improved tire has states.
     """
-    slip = max(
-        (n for n in (ALPHA.name, KAPPA.name) if n in diagnosis.rows), key=lambda n: graded(np.ptp(diagnosis.rows[n]))
-    )
+    slip = widest_slip(diagnosis.rows)
     tires = ((diagnosis.base_tire, "baseline tire"), (diagnosis.tire, "improved tire"))
     forces, residuals = [], []
     for tire, title in tires:
-        values = _evaluated(diagnosis, tire)[channel].to_numpy(dtype=np.float64)
+        values = evaluated(diagnosis, tire)[channel].to_numpy(dtype=np.float64)
         forces.append(_force_panel(diagnosis, values, channel, slip, title))
         residuals.append(_residual_panel(diagnosis, values, channel, slip, title))
-    computed, t = _evaluated(diagnosis, diagnosis.tire), diagnosis.rows["t"]
+    computed, t = evaluated(diagnosis, diagnosis.tire), diagnosis.rows["t"]
     states = [
         Panel("t (s)", f"{name} ({_unit(diagnosis.tire, name)})", (Series("line", t, computed[name], size=0.9),),
               x_axis="time", height=1.5)
@@ -58,7 +56,13 @@ def _unit(tire: Tire, state: str) -> str:
     return "-" if unit == "1" else unit
 
 
-def _evaluated(diagnosis: Diagnosis, tire: Tire) -> pd.DataFrame:
+def widest_slip(rows: pd.DataFrame) -> str:
+    """Return the slip that varies most in the rows of a recording."""
+    return max((name for name in (ALPHA.name, KAPPA.name) if name in rows), key=lambda name: graded(np.ptp(rows[name])))
+
+
+def evaluated(diagnosis: Diagnosis, tire: Tire) -> pd.DataFrame:
+    """Return what a tire computes in the rows of a recording, in its signs."""
     inputs = [name for name in diagnosis.rows if name == "t" or name in tire.inputs]
     return evaluate(tire, diagnosis.rows[inputs], Conventions(diagnosis.recording_signs))
 

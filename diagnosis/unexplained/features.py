@@ -7,6 +7,7 @@ quantity, so that it can be added to the model equations.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,7 @@ from ...tires.tire import Tire
 from ..probing.candidates import excited, varies
 from ..signals.signals import Signals
 from ..signals.simulation import Simulator
-from .past import Past, add_rates_and_memory
+from .past import Described, rates_and_memory
 
 #: Inputs of the steady-state core. Structure in these alone is an error of the functional form, not a missing effect.
 CORE_INPUTS = frozenset({"alpha", "kappa", "Fz"})
@@ -34,7 +35,6 @@ class Feature:
     - `expressible`: whether the text is a formula of inputs and nominal values.
     - `formula`: of a rate or memory: a formula that reads states and resembles it, or ''.
     - `states`: the states that this formula requires, of `past.STATES`.
-    - `parts`: texts of the two features of a product.
     - `slips`: the slips that it contains other than as the magnitude of both.
     """
 
@@ -45,7 +45,6 @@ class Feature:
     expressible: bool = True
     formula: str = ""
     states: tuple[str, ...] = ()
-    parts: tuple[str, ...] = ()
     slips: frozenset[str] = frozenset()
 
     @property
@@ -63,7 +62,6 @@ class Feature:
             self.expressible and other.expressible,
             "*".join(map(bracketed, formulas)) if all(formulas) else "",
             tuple(dict.fromkeys((*self.states, *other.states))),
-            (self.text, other.text),
             self.slips | other.slips,
         )
 
@@ -191,31 +189,29 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
     named = dict(zip(signals.names, signals.inputs, strict=True))
     even_ones: list[Feature] = []
     odd_ones: list[Feature] = []
-    rows = signals.rows
     constant = frozenset(name for name in signals.names if not varies(signals, tire, name))
-
-    def add(text: str, depends: str, values: FloatArray, *, odd: bool = False, past: Past | None = None) -> None:
-        at = values[rows]
-        size = float(np.std(at))
-        names = frozenset(depends.split())
+    past = rates_and_memory(signals.t, named) if signals.timed else ()
+    for text, depends, every, odd, formula, states in (*_of_inputs(named, tire), *past):
+        values, names = every[signals.rows], frozenset(depends.split())
         rates = {name[1:].partition("/")[0] for name in names if name.endswith("/dt")}
-        if constant & (rates if past else names):
-            return
+        if constant & (rates if states else names):
+            continue
         names -= constant
-        if size > 1e-9 and names & (signals.origin.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}):
+        known = signals.origin.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}
+        if float(np.std(values)) > 1e-9 and names & known:
             slips = names & {"alpha", "kappa"}
             slips = slips if len(slips) == 1 else frozenset()
-            formula, states = (past.formula, past.states) if past else ("", ())
-            feature = Feature(text, names, at, odd, past is None, formula, states, slips=slips)
+            feature = Feature(text, names, values, odd, not states, formula, states, slips)
             (odd_ones if odd else even_ones).append(feature)
+    return even_ones, odd_ones
 
+
+def _of_inputs(named: Mapping[str, FloatArray], tire: Tire) -> Iterator[Described]:
+    """Yield the features of inputs whose nominal values the tire has."""
     middle = str(round(float(named["T"].mean()))) if "T" in named else ""
     for text in (formula.replace("MIDDLE", middle) for formula in FORMULAS):
         read = set(re.findall(r"[A-Za-z]\w*", text)) - FUNCTIONS.keys()
         inputs = read & named.keys()
         if read - inputs <= tire.values.keys():
             values = eval(text, {**FUNCTIONS, **{name: named.get(name, tire.values.get(name)) for name in read}})
-            add(text, " ".join(inputs), values, odd=text in ODD)
-    if signals.timed:
-        add_rates_and_memory(add, signals.t, named)
-    return even_ones, odd_ones
+            yield text, " ".join(inputs), values, text in ODD, "", ()

@@ -9,9 +9,9 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
+from ...drawing.labels import drawn_unit, range_text
 from ...numerics.noise_floor import ErrorSplit
 from ...numerics.ties import graded
-from ..signals.range_text import range_text
 
 #: Residual over noise floor above which a channel lacks something that was not identified. Convention: a missing part
 #: as large as the floor gives 1.4.
@@ -73,7 +73,7 @@ class Adequacy:
         >>> print(channel)
         Fy (residual 2.2 times the noise floor of 18.6 N: 30 N of it follow the recorded inputs; largest at Fz 450 N)
         """
-        unit = "N" if self.channel.startswith("F") else "N m"
+        unit = drawn_unit(self.channel)
         causes = ((self.of_inputs, "the recorded inputs"), (self.of_past, "time or the past"))
         parts = [(size, cause) for size, cause in causes if size > SHOWN * self.floor]
         follows = ", ".join(

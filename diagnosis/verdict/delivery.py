@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...drawing.labels import drawn_unit
 from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
 from .fit_error import DeliveredResiduals, FitErrors
@@ -19,7 +20,7 @@ def reasons_against(errors: FitErrors, residuals: DeliveredResiduals) -> tuple[s
     if gain.sum() >= 0.0:  # NaN is a reason
         return ()
     worst = list(errors["holdout"])[int(np.argmin(graded(gain)))]  # of NaN, the first one
-    error, unit = errors["holdout"][worst], "N" if worst.startswith("F") else "N m"
+    error, unit = errors["holdout"][worst], drawn_unit(worst)
     return (
         f"it predicts the hold-out set worse than the baseline tire ({worst}: {error['after']:.3g} instead of "
         f"{error['before']:.3g} {unit})",

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from ...drawing.labels import range_text
 from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
 from ...symbolic.channels import CHANNELS
 from ..probing.candidates import varies
 from ..probing.effect_probing import Screen
-from ..signals.range_text import range_text
 
 #: The pairs of inputs over which residuals are mapped.
 PAIRS = (("alpha", "kappa"), ("Fz", "gamma"), ("p", "T"), ("V", "distance"))
