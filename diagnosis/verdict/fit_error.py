@@ -36,7 +36,6 @@ class DeliveredResiduals:
     - `used`, shape (n_channels, m): false if a channel was not measured or is an outlier.
     - `holdout`, shape (m,).
     - `compared`, shape (n,): positions of the rows that the diagnosis compared.
-    - `block`, shape (m,): time block of each row.
     """
 
     rows: IntArray
@@ -45,7 +44,6 @@ class DeliveredResiduals:
     used: BoolArray
     holdout: BoolArray
     compared: IntArray
-    block: IntArray
 
     def outlier_rows(self, channels: Sequence[str]) -> dict[str, list[int]]:
         """Return the rows that are outliers by channel, counted from 0."""
@@ -69,8 +67,7 @@ def delivered_residuals(before: FloatArray, after: FloatArray, signals: Signals,
     holdout = np.zeros(len(rows), dtype=bool)
     for start, end in signals.holdout_stretches():
         holdout[compared[start] : compared[end] + 1] = True
-    block = signals.block[np.maximum(np.searchsorted(compared, np.arange(len(rows)), side="right") - 1, 0)]
-    return DeliveredResiduals(rows, first, last, used, holdout, compared, block)
+    return DeliveredResiduals(rows, first, last, used, holdout, compared)
 
 
 def fitted_residuals(before: Screen, after: Screen) -> DeliveredResiduals:
@@ -82,7 +79,7 @@ def fitted_residuals(before: Screen, after: Screen) -> DeliveredResiduals:
     signals, compared = after.signals, np.arange(len(after.signals.rows))
     return DeliveredResiduals(
         signals.table_rows, before.solution.residual, after.solution.residual, signals.present, signals.holdout,
-        compared, signals.block,
+        compared,
     )  # fmt: skip
 
 
