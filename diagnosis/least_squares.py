@@ -159,13 +159,9 @@ class LeastSquares:
         """
         signals = self.simulator.signals
         holdout, training = signals.present & signals.holdout, self.inverse_noise > 0.0
-        squares = np.zeros((2, holdout.shape[1]))
-        for i in range(len(signals.channels)):
-            if training[i].any():
-                scale = float(np.mean(before.residual[i][training[i]] ** 2))
-                squares += [
-                    np.where(holdout[i], solution.residual[i], 0.0) ** 2 / scale for solution in (before, after)
-                ]
+        powers = np.sum(before.residual**2, axis=1, where=training) / np.maximum(training.sum(axis=1), 1)
+        scale = np.where(training.any(axis=1), powers, np.inf)[:, None]  # a channel without training rows says nothing
+        squares = np.array([np.sum(s.residual**2 / scale, axis=0, where=holdout) for s in (before, after)])
         total = float(squares[0].sum())
         blocks = signals.block[signals.holdout]
         gains = [float(np.subtract(*squares[:, signals.block == block].sum(axis=1))) for block in np.unique(blocks)]

@@ -131,8 +131,7 @@ def judged(residuals):
 
 
 def test_a_tire_that_predicts_the_holdout_set_worse_is_not_delivered():
-    wave, block = np.cos(np.arange(6000) / 23.0), compared().block
-    held = block % 8 == 5
+    wave, held = np.cos(np.arange(6000) / 23.0), compared().holdout
     assert judged(compared()) == ()
     assert "(Fx: " in judged(compared(fx=2.0 * wave, of_fy=0.0))[0]
     # Better on the fitted rows, worse on the others: it is more certain where it is wrong.
