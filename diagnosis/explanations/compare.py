@@ -142,13 +142,15 @@ def _tables(
         seen.add(linear.explanation.parts)
         first = bool(table.leader.explanation.parts) and not linear.explanation.parts
         if not (first or _grown(table)) or not remaining:
-            if len(table.leader.explanation.parts) > 1:  # one formula may be in the place of all of them
+            several = len(table.leader.explanation.parts) > 1
+            if several:  # one formula may be in the place of all of them
                 table = yield from _with_formulas(table, [()])
             table = yield from _settled(table)
             # Two explanations may lead in turn, each under the noise of the other one: then the smaller one leads.
             last = not remaining or len(settled) + 1 == SETTLED
             if last or table.leads_again(seen, linear.explanation):
-                before, table = table.leader, (yield from _with_formulas(table, _places_of_formulas(table)))
+                places = _places_of_formulas(table)[several:]
+                before, table = table.leader, (yield from _with_formulas(table, places))
                 if table.leader is not before:  # other comparisons lack the formula
                     settled.clear()
                     table = yield from _settled(table)
@@ -291,7 +293,7 @@ def exchanged(table: Table, refit: Refitted) -> Move:
 
 
 def _places_of_formulas(table: Table) -> list[Parts]:
-    """Return the baseline model, the leading explanation with one part less, and this explanation.
+    """Return the baseline model, then the leading explanation with one part less, and this explanation.
 
     Those with less lack one of the `RIVALS` parts that are missed least: a formula may be in its place.
     """
@@ -305,8 +307,7 @@ def _with_formulas(table: Table, places: Collection[Parts]) -> Move:
     """Compare formulas for what some explanations do not explain, until one of them leads."""
     leader = table.leader
     for parts in places:
-        searched = UNKNOWN in leader.explanation.parts or (*parts, UNKNOWN) in table.refits
-        if table.leader is leader and parts in table.refits and not searched:
+        if table.leader is leader and parts in table.refits and UNKNOWN not in leader.explanation.parts:
             table.report(f"searching for a formula in addition to {', '.join(parts) or 'the baseline model'}")
             table, formula = _formula(table, table.refits[parts])
             table = table if formula is None else table.with_refit(formula)
