@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import fields
-from inspect import getmembers
 from typing import Any
 
 
@@ -14,7 +13,8 @@ def declared_flags(*classes: type) -> set[str]:
     for own in classes:
         declared |= {
             name: str(value.fget.__annotations__["return"])
-            for name, value in getmembers(own, lambda member: isinstance(member, property))
+            for name, value in vars(own).items()
+            if isinstance(value, property)
         }
     return {name for name, kind in declared.items() if kind in ("bool", "bool | None")}
 

@@ -178,8 +178,8 @@ def reported_disturbances(disturbances: Disturbances, values: FloatArray, signal
         "skew": signals.skew,
         "removed": removed,
         "removed_over": [float(t[0]), float(t[-1])],
-        "offset": {channel: one["offset"] for channel, one in removed.items()},
-        "drift": {channel: hypot(*one["drift"]) / sqrt(2.0) for channel, one in removed.items()},
+        "offset": {channel: slow["offset"] for channel, slow in removed.items()},
+        "drift": {channel: hypot(*slow["drift"]) / sqrt(2.0) for channel, slow in removed.items()},
         "cross_talk": {name.removeprefix(CROSS_TALK): v for name, v in named.items() if name.startswith(CROSS_TALK)},
         "input_noise": dict(signals.origin.noise),
     }

@@ -197,8 +197,8 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
         if constant & (rates if states else names):
             continue
         names -= constant
-        known = signals.origin.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}
-        if float(np.std(values)) > 1e-9 and names & known:
+        sources = signals.origin.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}
+        if float(np.std(values)) > 1e-9 and names & sources:
             slips = names & {"alpha", "kappa"}
             slips = slips if len(slips) == 1 else frozenset()
             feature = Feature(text, names, values, odd, not states, formula, states, slips)

@@ -45,6 +45,7 @@ from .fit_error import (
     without_skew,
 )
 from .improved_tire import tire_of
+from .parts import DiagnosisRun, Identifiability, Improvement, Misfit
 from .residual_location import residual_maps, scale_errors, time_course
 from .result import Diagnosis
 from .verdict import CHANNEL_SHARE, verdict_sentences
@@ -135,22 +136,18 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
         base_tire=delivery.base_tire,
         tire=delivery.tire,
         signs=FORMULA_SIGNS,
-        detectable=detectable,
-        not_identifiable=not_identifiable,
-        next_measurement=_next_measurements(outcome, one_of, confounded, unknown),
-        gap=delivery.errors,
-        where=residual_maps(fits.before),
-        where_after=where_after,
-        time_course=time_course(fits.before, final),
-        refined=refined,
-        form=form,
-        extrapolation=_extrapolations(outcome, added),
-        not_delivered_because=against,
-        rows=outcome.recording.table,
-        recording_signs=outcome.recording.signs,
-        holdout_rows=tuple(tuple(signals.table_rows[list(ends)].tolist()) for ends in signals.holdout_stretches()),
-        seconds=round(time.perf_counter() - began, 2),
-        stopped=outcome.stopped,
+        identifiability=Identifiability(
+            detectable, not_identifiable, _next_measurements(outcome, one_of, confounded, unknown)
+        ),
+        misfit=Misfit(delivery.errors, residual_maps(fits.before), where_after, time_course(fits.before, final)),
+        improvement=Improvement(refined, form, _extrapolations(outcome, added), against),
+        run=DiagnosisRun(
+            outcome.recording.table,
+            outcome.recording.signs,
+            tuple(tuple(signals.table_rows[list(ends)].tolist()) for ends in signals.holdout_stretches()),
+            round(time.perf_counter() - began, 2),
+            outcome.stopped,
+        ),
     )
 
 
@@ -178,7 +175,9 @@ def _delivery(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -
     # The equations of all effects are compiled already; those of the delivered tires alone would take seconds.
     complete = tuple(replace(either, added=fits.start.added) for either in (base_tire, tire))
     recording = without_skew(outcome.recording, outcome.signals)
-    of_base, of_improved = (residual_of(*each, recording) for each in zip(complete, (before, after), strict=True))
+    of_base, of_improved = (
+        residual_of(either, fit, recording) for either, fit in zip(complete, (before, after), strict=True)
+    )
     residuals = judged = delivered_residuals(of_base, of_improved, before.signals, outcome.signals.table_rows)
     errors = compared = fit_errors(before, after, residuals)
     if set(tire.states) - set(base_tire.states) and outcome.signals.timed:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
+import numpy.typing as npt
+import pandas as pd
 
 from ...boundary.errors import DataError, UnknownName, path_from
 from ...boundary.json_schema import document, json_value, schema_of, write_toml
-from ...numerics.arrays import BoolArray
 from ...numerics.ties import graded
 from ...symbolic.added import AddedEffect, effect_schema, effect_text
 from ...tires.signs import reversed_columns
@@ -21,17 +22,18 @@ from ..explanations.answer import Answer, OneOf
 from ..explanations.effect_evidence import Evidence
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
-from .findings import FoundEffect, turned_sign
+from .extrapolation import Extrapolation
+from .findings import FormCorrection, FoundEffect, turned_sign
 from .parts import DiagnosisRun, Identifiability, Improvement, Misfit, WrittenFiles
 from .summary import diagnosis_html, diagnosis_text
 from .verdict import headline_text
 
 
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Diagnosis(Identifiability, Misfit, Improvement, DiagnosisRun):
+@dataclass(frozen=True, eq=False, repr=False)
+class Diagnosis:
     """Result of a diagnosis: missing effects, evidence, fit errors and the improved tire.
 
-    Further attributes are those of its parts (`parts`): `gap`, `delivered`, `not_identifiable`, ...
+    What its parts contain is also an attribute of the diagnosis: `gap`, `delivered`, `not_identifiable`, ...
 
     Attributes
     ----------
@@ -57,6 +59,14 @@ class Diagnosis(Identifiability, Misfit, Improvement, DiagnosisRun):
     signs : str
         Sign convention of coefficients, of ``recording`` (offset, cross-talk) and of residuals (``where``): "iso",
         as the tire file, unless changed by `in_signs`. Root mean squares and amplitudes have no sign.
+    identifiability : Identifiability
+        What the recording can show.
+    misfit : Misfit
+        Residuals before and after: sizes, places, times.
+    improvement : Improvement
+        The improved model beside its effects, and why it is not delivered.
+    run : DiagnosisRun
+        Rows, hold-out set, duration, files.
     """
 
     #: Version of diagnosis.json. New keys increment the second number, changed meanings the first.
@@ -64,10 +74,10 @@ class Diagnosis(Identifiability, Misfit, Improvement, DiagnosisRun):
     JSON_KEYS: ClassVar = (
         "version", "headline", "verdict", "found", "answer.reported as explanations", "one_of", "answer.probabilities",
         "confounded as confounded_with", "confounded_with as correlation", "next_measurement", "unknown",
-        "not_identifiable_names as not_identifiable", "not_identifiable as not_identifiable_because", "refined", "gap",
+        "identifiability.names as not_identifiable", "not_identifiable as not_identifiable_because", "refined", "gap",
         "adequacy_by_channel as adequacy", "delivered", "not_delivered_because", "evidence as confirmed", "detectable",
         "where", "where_after", "time_course", "recording", "extrapolation", "holdout_rows", "signs",
-        "recording_signs", "files.tire", "files.fmu", "files.base_tire", "files.base_fmu", "seconds",
+        "recording_signs", "run.files.tire", "run.files.fmu", "run.files.base_tire", "run.files.base_fmu", "seconds",
         "form", "stopped",
     )  # fmt: skip
 
@@ -82,6 +92,10 @@ class Diagnosis(Identifiability, Misfit, Improvement, DiagnosisRun):
     base_tire: Tire
     tire: Tire
     signs: str
+    identifiability: Identifiability
+    misfit: Misfit
+    improvement: Improvement
+    run: DiagnosisRun
 
     def in_signs(self, signs: str) -> Diagnosis:
         """Return the same diagnosis in another sign convention.
@@ -131,8 +145,11 @@ class Diagnosis(Identifiability, Misfit, Improvement, DiagnosisRun):
             self,
             signs=signs,
             found=tuple(finding.mirrored() for finding in self.found),
-            where=_mirrored_maps(self.where, reversed_names),
-            where_after=_mirrored_maps(self.where_after, reversed_names),
+            misfit=replace(
+                self.misfit,
+                where=_mirrored_maps(self.where, reversed_names),
+                where_after=_mirrored_maps(self.where_after, reversed_names),
+            ),
             recording={**self.recording, "offset": offset, **turned},
         )
 
@@ -165,6 +182,99 @@ class Diagnosis(Identifiability, Misfit, Improvement, DiagnosisRun):
         return {rated.channel: rated for rated in self.adequacy}
 
     @property
+    def delivered(self) -> bool:
+        """Whether the improved tire is delivered; otherwise `tire` is the baseline tire."""
+        return not self.not_delivered_because
+
+    @property
+    def detectable(self) -> Mapping[str, Mapping[str, float]]:
+        """The smallest change of the force that would have been identified, root mean square, by effect and channel."""
+        return self.identifiability.detectable
+
+    @property
+    def not_identifiable(self) -> Mapping[str, str]:
+        """Effects that this recording cannot identify, and the reason."""
+        return self.identifiability.not_identifiable
+
+    @property
+    def next_measurement(self) -> tuple[str, ...]:
+        """Measurements that separate confounded explanations."""
+        return self.identifiability.next_measurement
+
+    @property
+    def gap(self) -> Mapping[str, Mapping[str, Mapping[str, float]]]:
+        """Root mean square residuals by rows (train, cv, holdout) and channel, N and N m.
+
+        before, after, floor: of the fitted tires over the compared rows with all errors of the recording removed
+        (`recording`), and the noise floor (`tirefmu.numerics.noise_floor`). ``after`` is the residual of the delivered
+        tire.
+        """
+        return self.misfit.gap
+
+    @property
+    def where(self) -> list[dict[str, Any]]:
+        """Residuals of the baseline model over noise, by channel and pairs of inputs.
+
+        See `residual_location.residual_maps`.
+        """
+        return self.misfit.where
+
+    @property
+    def where_after(self) -> list[dict[str, Any]]:
+        """Residuals of the improved model over noise, by channel and pairs of inputs."""
+        return self.misfit.where_after
+
+    @property
+    def time_course(self) -> Mapping[str, Mapping[str, list[float]]]:
+        """Misfit over noise by channel and time block (`residual_location.time_course`)."""
+        return self.misfit.time_course
+
+    @property
+    def refined(self) -> tuple[str, ...]:
+        """Finer forms that the recording needs, of effects that the baseline model already had."""
+        return self.improvement.refined
+
+    @property
+    def form(self) -> FormCorrection:
+        """The correction of the formula's own form, effect form of the tire."""
+        return self.improvement.form
+
+    @property
+    def extrapolation(self) -> tuple[Extrapolation, ...]:
+        """Measured ranges of the inputs of identified effects, and the change of the effects outside them."""
+        return self.improvement.extrapolation
+
+    @property
+    def not_delivered_because(self) -> tuple[str, ...]:
+        """Why `tire` is the baseline tire; empty if it is the improved one."""
+        return self.improvement.not_delivered_because
+
+    @property
+    def rows(self) -> pd.DataFrame:
+        """The rows of the recording, in its signs."""
+        return self.run.rows
+
+    @property
+    def recording_signs(self) -> str:
+        """Sign convention of the recording."""
+        return self.run.recording_signs
+
+    @property
+    def holdout_rows(self) -> tuple[Sequence[int], ...]:
+        """First and last row, counted from 0, of each stretch of the hold-out set, which no fit uses."""
+        return self.run.holdout_rows
+
+    @property
+    def seconds(self) -> float:
+        """Wall time, s."""
+        return self.run.seconds
+
+    @property
+    def stopped(self) -> str:
+        """Why explanations that remained were not compared, or empty."""
+        return self.run.stopped
+
+    @property
     def rating(self) -> str:
         """The worst rating of a channel: "green", "amber" or "red"; amber at best if the tire is not delivered."""
         ratings = {rated.rating for rated in self.adequacy} | ({"amber"} if not self.delivered else set())
@@ -189,7 +299,7 @@ class Diagnosis(Identifiability, Misfit, Improvement, DiagnosisRun):
         """Return the summary with a table of coefficients, for a notebook."""
         return diagnosis_html(*self._summarized)
 
-    def holdout_mask(self, n: int) -> BoolArray:
+    def holdout_mask(self, n: int) -> npt.NDArray[np.bool_]:
         """Return which of a recording's n rows are in the hold-out set.
 
         Parameters
@@ -214,7 +324,8 @@ class Diagnosis(Identifiability, Misfit, Improvement, DiagnosisRun):
         dict
             JSON types only; a number that does not exist is null.
         """
-        return dict(json_value(replace(self, files=WrittenFiles(tire, fmu, base_tire, base_fmu))))
+        files = WrittenFiles(tire, fmu, base_tire, base_fmu)
+        return dict(json_value(replace(self, run=replace(self.run, files=files))))
 
     def save(self, folder: str | Path) -> Path:
         """Write diagnosis.json, both tires and proposed effects (NAME.toml) into a folder, created if necessary.

@@ -8,12 +8,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.diagnosis.least_squares import LeastSquares
+from tirefmu.diagnosis import LeastSquares
 from tirefmu.diagnosis.probing.effect_probing import Screen
-from tirefmu.diagnosis.signals import simulation
-from tirefmu.diagnosis.signals.disturbances import disturbances_of
-from tirefmu.diagnosis.signals.signals import signals_of
-from tirefmu.diagnosis.signals.simulation import Simulator
+from tirefmu.diagnosis.signals import Simulator, disturbances_of, signals_of, simulation
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
 

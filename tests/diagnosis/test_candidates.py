@@ -10,9 +10,9 @@ import pytest
 
 import tirefmu.symbolic.effects as effects
 from tirefmu.diagnosis.diagnose import with_library
-from tirefmu.diagnosis.probing.candidates import candidates_for, refinements_for
+from tirefmu.diagnosis.probing import candidates_for, refinements_for
 from tirefmu.diagnosis.probing.effect_probing import probed
-from tirefmu.diagnosis.signals.signals import FORMULA_SIGNS
+from tirefmu.diagnosis.signals import FORMULA_SIGNS
 from tirefmu.symbolic.added import folder, library, packaged_library, read_effect
 from tirefmu.symbolic.detection import Form
 from tirefmu.symbolic.models import model_named

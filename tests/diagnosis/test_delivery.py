@@ -12,13 +12,18 @@ from tirefmu.diagnosis import diagnose
 from tirefmu.diagnosis.explanations import OneOf, final_fits
 from tirefmu.diagnosis.explanations.effect_evidence import STRETCHES, _stretches, effect_evidence, joint_z
 from tirefmu.diagnosis.probing.effect_probing import Screen
-from tirefmu.diagnosis.signals.simulation import Simulator
-from tirefmu.diagnosis.verdict import composition
-from tirefmu.diagnosis.verdict.adequacy import Adequacy, adequacies
-from tirefmu.diagnosis.verdict.delivery import density_gain, reasons_against
-from tirefmu.diagnosis.verdict.findings import FoundEffect
-from tirefmu.diagnosis.verdict.fit_error import DeliveredResiduals
-from tirefmu.diagnosis.verdict.verdict import headline_text, verdict_sentences
+from tirefmu.diagnosis.signals import Simulator
+from tirefmu.diagnosis.verdict import (
+    Adequacy,
+    DeliveredResiduals,
+    FoundEffect,
+    adequacies,
+    composition,
+    density_gain,
+    headline_text,
+    reasons_against,
+    verdict_sentences,
+)
 from tirefmu.numerics.noise_floor import ErrorSplit
 
 from .independent import kinds as independent

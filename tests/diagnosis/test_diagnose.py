@@ -18,10 +18,14 @@ from tirefmu.diagnosis.reporting.gain_figure import gain_figure
 from tirefmu.diagnosis.reporting.memory_figure import memory_figure
 from tirefmu.diagnosis.reporting.report import report_page
 from tirefmu.diagnosis.unexplained.formula_proposal import Unknown
-from tirefmu.diagnosis.verdict.adequacy import Adequacy
-from tirefmu.diagnosis.verdict.extrapolation import Extrapolation
-from tirefmu.diagnosis.verdict.findings import CoefficientInterval, FoundEffect
-from tirefmu.diagnosis.verdict.verdict import verdict_sentences
+from tirefmu.diagnosis.verdict import (
+    Adequacy,
+    CoefficientInterval,
+    Extrapolation,
+    FoundEffect,
+    Identifiability,
+    verdict_sentences,
+)
 from tirefmu.drawing import picture as drawn
 from tirefmu.drawing.figure import Figure, Panel
 from tirefmu.measurements import Recording
@@ -163,7 +167,7 @@ def with_text(diagnosis, text):
     left = {**diagnosis.recording, "left_aside": {text: text}}
     changed = replace(
         diagnosis, sentences=(text,), found=(finding,), confounded_with={text: {text: 0.9}}, unknown=(unknown,),
-        detectable={}, not_identifiable={text: text}, next_measurement=(text,), recording=left,
+        identifiability=Identifiability({}, {text: text}, (text,)), recording=left,
     )  # fmt: skip
     rows = {"training": {"Fy": 1.0}, "holdout": {"Fy": 1.0}, "recordings": {text: {"Fy": 1.0}}}
     simulated = {when: {**rows, "difference_from_direct_evaluation": 0.0} for when in ("before", "after")}

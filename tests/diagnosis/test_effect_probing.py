@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tirefmu.diagnosis.probing.confounding import alias_columns, correlations, separating_measurement
+from tirefmu.diagnosis.probing import alias_columns, correlations, separating_measurement
 from tirefmu.diagnosis.thresholds import CONFOUNDED
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.detection import Form

@@ -33,10 +33,8 @@ from tirefmu.diagnosis.explanations import (
 )
 from tirefmu.diagnosis.explanations.compare import _simplest
 from tirefmu.diagnosis.explanations.table import Table
-from tirefmu.diagnosis.probing.baseline_fit import fit_baseline
-from tirefmu.diagnosis.probing.candidates import candidates_for
-from tirefmu.diagnosis.signals.signals import signals_of
-from tirefmu.diagnosis.signals.skew import between_rows
+from tirefmu.diagnosis.probing import candidates_for, fit_baseline
+from tirefmu.diagnosis.signals import between_rows, signals_of
 from tirefmu.diagnosis.thresholds import EFFECT_ODDS, INEXACT_SHARE
 from tirefmu.measurements import recording_from
 from tirefmu.symbolic.detection import Form

@@ -8,9 +8,9 @@ import pytest
 
 from tirefmu.diagnosis.diagnose import _start_model
 from tirefmu.diagnosis.explanations import FORM, form_effect, form_of
-from tirefmu.diagnosis.probing.baseline_fit import fit_baseline
-from tirefmu.diagnosis.signals.signals import signals_of
-from tirefmu.diagnosis.verdict.improved_tire import tire_of
+from tirefmu.diagnosis.probing import fit_baseline
+from tirefmu.diagnosis.signals import signals_of
+from tirefmu.diagnosis.verdict import tire_of
 from tirefmu.measurements import recording_from
 from tirefmu.tires import tire_from
 

@@ -10,10 +10,8 @@ import pandas as pd
 import pytest
 
 from tirefmu.diagnosis import diagnose, write_report
-from tirefmu.diagnosis.probing.candidates import candidates_for, is_testable
-from tirefmu.diagnosis.signals.disturbances import load_error_responses
-from tirefmu.diagnosis.signals.signals import FORMULA_SIGNS, signals_of
-from tirefmu.diagnosis.signals.simulation import Simulator
+from tirefmu.diagnosis.probing import candidates_for, is_testable
+from tirefmu.diagnosis.signals import FORMULA_SIGNS, Simulator, load_error_responses, signals_of
 from tirefmu.diagnosis.unexplained.features import features
 from tirefmu.measurements import Recording, with_turn_slip
 from tirefmu.symbolic.added import library

@@ -7,12 +7,19 @@ import pytest
 
 from tirefmu.diagnosis import diagnose
 from tirefmu.diagnosis.diagnose import with_library
-from tirefmu.diagnosis.probing.baseline_fit import reweighted
-from tirefmu.diagnosis.signals.measurement_artefacts import quantisation, ripple
-from tirefmu.diagnosis.signals.outliers import OUTLIER
-from tirefmu.diagnosis.verdict.extrapolation import MAX_CHANGE, extrapolations, outside
-from tirefmu.diagnosis.verdict.fit_error import delivered_residuals, error_splits, fit_errors, residual_of
-from tirefmu.diagnosis.verdict.residual_location import residual_maps, time_course
+from tirefmu.diagnosis.probing import reweighted
+from tirefmu.diagnosis.signals import OUTLIER, quantisation, ripple
+from tirefmu.diagnosis.verdict import (
+    MAX_CHANGE,
+    delivered_residuals,
+    error_splits,
+    extrapolations,
+    fit_errors,
+    outside,
+    residual_maps,
+    residual_of,
+    time_course,
+)
 from tirefmu.fitting import fit
 from tirefmu.measurements import Recording, read_recording
 from tirefmu.symbolic.models import MODELS

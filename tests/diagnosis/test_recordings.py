@@ -12,8 +12,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from tirefmu.boundary.errors import DataError
 from tirefmu.commands.cli import main
 from tirefmu.diagnosis import diagnose
-from tirefmu.diagnosis.signals.measurement_artefacts import ripple
-from tirefmu.diagnosis.signals.signals import signals_of
+from tirefmu.diagnosis.signals import ripple, signals_of
 from tirefmu.tires import Tire, published
 
 from .suite import make_case

@@ -8,10 +8,9 @@ import pytest
 import sympy as sp
 
 from tirefmu.diagnosis import diagnose
-from tirefmu.diagnosis.signals.signals import signals_of
+from tirefmu.diagnosis.signals import signals_of
 from tirefmu.diagnosis.unexplained.features import features
-from tirefmu.diagnosis.verdict import composition
-from tirefmu.diagnosis.verdict.delivery import reasons_against
+from tirefmu.diagnosis.verdict import composition, reasons_against
 from tirefmu.symbolic.added.folder import declared_effects
 from tirefmu.symbolic.added.formula import formula
 

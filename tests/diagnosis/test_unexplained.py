@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tirefmu.diagnosis.probing.effect_probing import Screen
-from tirefmu.diagnosis.signals.simulation import Simulator
+from tirefmu.diagnosis.signals import Simulator
 from tirefmu.diagnosis.unexplained.features import (
     Feature,
     determined,

@@ -7,8 +7,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.diagnosis.diagnose import with_library
-from tirefmu.diagnosis.signals.signals import signals_of
-from tirefmu.diagnosis.signals.simulation import Simulator
+from tirefmu.diagnosis.signals import Simulator, signals_of
 from tirefmu.fitting import fit
 from tirefmu.fmu.description.interface import interface
 from tirefmu.measurements import Recording, with_fitted_starts

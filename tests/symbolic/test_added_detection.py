@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tirefmu.boundary.errors import EffectError
-from tirefmu.diagnosis.probing.confounding import EXPLANATIONS
+from tirefmu.diagnosis.probing import EXPLANATIONS
 from tirefmu.symbolic.added import effect_text, folder, library, read_effect
 from tirefmu.symbolic.added.detection_file import FORM_KEYS, INPUTS, KEYS, OUTPUTS
 from tirefmu.symbolic.added.file import read_declared
