@@ -20,7 +20,7 @@ from ..applications.batch.resumable import made_folder
 from ..applications.explorer.explore import explore
 from ..diagnosis import diagnose
 from ..diagnosis.diagnose import with_library
-from ..diagnosis.reporting.gain_figure import gain_figure
+from ..diagnosis.reporting.effect_figures import gain_figure
 from ..drawing.figure import Figure, Panel
 from ..drawing.labels import drawn_unit
 from ..drawing.picture import write_figures

@@ -30,7 +30,6 @@ from ..signals.signals import FORMULA_SIGNS, Signals
 from ..thresholds import REPORTED
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy, adequacies
-from .delivery import reasons_against
 from .detectability import detectable_sizes
 from .extrapolation import Extrapolation, extrapolations
 from .findings import CoefficientInterval, FormCorrection, FoundEffect, Size
@@ -41,6 +40,7 @@ from .fit_error import (
     error_splits,
     fit_errors,
     fitted_residuals,
+    reasons_against,
     residual_of,
     without_skew,
 )

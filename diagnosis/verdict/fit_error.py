@@ -1,7 +1,8 @@
-"""Fit error of the delivered tires and its parts: training, cross-validation, hold-out.
+"""Fit error of the delivered tires and its parts: training, cross-validation, hold-out; and which tire is delivered.
 
 The residuals are those of the tires that a diagnosis delivers, evaluated over the recording as `tirefmu evaluate` does.
-Offsets and drift of the recording are subtracted; they are in the result (`Diagnosis.recording`, ``removed``).
+Offsets and drift of the recording are subtracted; they are in the result (`Diagnosis.recording`, ``removed``). The
+improved tire is delivered if its predictive density on the hold-out set is the larger one.
 """
 
 from __future__ import annotations
@@ -11,10 +12,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...drawing.labels import drawn_unit
 from ...measurements import Recording
 from ...measurements.state_starts import with_fitted_starts
 from ...numerics.arrays import BoolArray, FloatArray, IntArray
 from ...numerics.noise_floor import ErrorSplit, error_split
+from ...numerics.ties import graded
 from ...tires.evaluation import Conventions, evaluate
 from ...tires.signs import convert_signs
 from ...tires.tire import Tire
@@ -175,3 +178,37 @@ def _change_without_block(screen: Screen) -> FloatArray:
 
 def _rms(residual: FloatArray, present: BoolArray) -> float:
     return float(np.sqrt(np.mean(residual[present] ** 2))) if present.any() else float("nan")
+
+
+def reasons_against(errors: FitErrors, residuals: DeliveredResiduals) -> tuple[str, ...]:
+    """Return the reason why an improved tire is not delivered, or nothing.
+
+    `errors`: of the delivered tires (`fit_errors`). `residuals`: of the same tires, from which the errors are
+    computed.
+    """
+    gain = density_gain(residuals)
+    if gain.sum() >= 0.0:  # NaN is a reason
+        return ()
+    worst = list(errors["holdout"])[int(np.argmin(graded(gain)))]  # of NaN, the first one
+    error, unit = errors["holdout"][worst], drawn_unit(worst)
+    return (
+        f"it predicts the hold-out set worse than the baseline tire ({worst}: {error['after']:.3g} instead of "
+        f"{error['before']:.3g} {unit})",
+    )
+
+
+def density_gain(residuals: DeliveredResiduals) -> FloatArray:
+    """Return by how much the logarithm of the predictive density of the hold-out set increases, shape (n_channels,).
+
+    Residuals are normal with the standard deviation that the tire has on the fitted rows: a tire that fits these better
+    is more certain, and loses more where it is wrong.
+    """
+    return np.asarray(_log_density(residuals, residuals.after) - _log_density(residuals, residuals.before))
+
+
+def _log_density(residuals: DeliveredResiduals, rows: FloatArray) -> FloatArray:
+    squares = np.where(residuals.used, rows, 0.0) ** 2
+    fitted, held = residuals.used & ~residuals.holdout, residuals.used & residuals.holdout
+    variance = np.sum(squares, axis=1, where=fitted) / np.maximum(fitted.sum(axis=1), 1)
+    variance = np.where(variance > 0.0, variance, 1e-300)
+    return np.asarray(-0.5 * (held.sum(axis=1) * np.log(variance) + np.sum(squares, axis=1, where=held) / variance))

@@ -14,8 +14,7 @@ from tirefmu.boundary.escaping import visible
 from tirefmu.diagnosis import Diagnosis, diagnose
 from tirefmu.diagnosis.explanations import RankedExplanation
 from tirefmu.diagnosis.reporting import report
-from tirefmu.diagnosis.reporting.gain_figure import gain_figure
-from tirefmu.diagnosis.reporting.memory_figure import memory_figure
+from tirefmu.diagnosis.reporting.effect_figures import gain_figure, memory_figure
 from tirefmu.diagnosis.reporting.report import report_page
 from tirefmu.diagnosis.unexplained.formula_proposal import Unknown
 from tirefmu.diagnosis.verdict import (
