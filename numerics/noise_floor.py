@@ -58,8 +58,9 @@ MIN_IN_PIECES, MAX_STRETCH = 0.5, 1.5
 SCALES = (SCALE, 0.3)
 #: Standard errors by which the correlation of neighbors is below that of white noise if two tires alternate.
 ALTERNATING = 4.0
-#: Correlation times that the noise may have, as shares of a piece: longer ones are not told from changes of the error.
-CORRELATION_TIMES = (0.0, *np.geomspace(0.01, 0.25, 30).tolist())
+#: Correlation times that the noise may have, as shares of a piece: up to 0.03 s, as sensors and filters have. With
+#: longer ones the ripple of a wheel would count as several times its size.
+CORRELATION_TIMES = (0.0, *np.geomspace(0.01, 0.125, 30).tolist())
 
 
 @dataclass(frozen=True)
