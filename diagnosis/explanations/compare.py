@@ -154,17 +154,17 @@ def _tables(
         seen.add(linear.explanation.parts)
         first = bool(table.leader.explanation.parts) and not linear.explanation.parts
         searched = not remaining or not (first or _growth(table) > GROWTH)
-        several = len(table.leader.explanation.parts) > 1
+        several = searched and len(table.leader.explanation.parts) > 1
+        if several:  # one formula may be in the place of all of them
+            table = yield from _with_formulas(table, [()])
         if searched:
-            if several:  # one formula may be in the place of all of them
-                table = yield from _with_formulas(table, [()])
             table = yield from _settled(table)
         if searched and (not remaining or 1.0 / GROWTH <= _growth(table) <= GROWTH):
             # Two explanations may lead in turn, each under the noise of the other one: then the smaller one leads.
             last = not remaining or len(settled) + 1 == SETTLED
             if last or table.leads_again(seen, linear.explanation):
-                before, places = table.leader, _places_of_formulas(table)[several:]
-                table = yield from _with_formulas(table, places)
+                places = _places_of_formulas(table)[several:]
+                before, table = table.leader, (yield from _with_formulas(table, places))
                 if table.leader is not before:
                     table = yield from _settled(table)
             settled.append(table)

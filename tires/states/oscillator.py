@@ -59,8 +59,8 @@ class Oscillation:
         n = len(self.h)
         interval, whole, again = np.arange(n), np.ones(n), self.h < 0.0
         # The law is linear in target, position and speed.
-        each = np.eye(3)[:, :, None]
-        of_target, of_position, of_speed = np.moveaxis(self._ends(interval, whole, each[1], each[2], each[0]), 1, 0)
+        unit = np.eye(3)[:, :, None]
+        of_target, of_position, of_speed = np.moveaxis(self._ends(interval, whole, unit[1], unit[2], unit[0]), 1, 0)
         gained = np.where(again, np.stack([self.start[1:], np.zeros(n)]), of_target)
         of_position, of_speed = (np.where(again, 0.0, ends) for ends in (of_position, of_speed))
         # Position and speed alternate; a row of the band has their contributions to those of the next row.
