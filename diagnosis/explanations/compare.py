@@ -154,13 +154,19 @@ def _tables(
         seen.add(linear.explanation.parts)
         first = bool(table.leader.explanation.parts) and not linear.explanation.parts
         searched = not remaining or not (first or _growth(table) > GROWTH)
+        several = searched and len(table.leader.explanation.parts) > 1
+        if several:  # one formula may be in the place of all of them
+            table = yield from _with_formulas(table, [()])
         if searched:
             table = yield from _settled(table)
         if searched and (not remaining or 1.0 / GROWTH <= _growth(table) <= GROWTH):
             # Two explanations may lead in turn, each under the noise of the other one: then the smaller one leads.
             last = not remaining or len(settled) + 1 == SETTLED
             if last or table.leads_again(seen, linear.explanation):
-                table = yield from _with_formulas(table)
+                places = _places_of_formulas(table)[several:]
+                before, table = table.leader, (yield from _with_formulas(table, places))
+                if table.leader is not before:
+                    table = yield from _settled(table)
             settled.append(table.condensed())
             if last or table.leads_again(seen, linear.explanation):
                 break
@@ -300,24 +306,27 @@ def exchanged(table: Table, refit: Refitted) -> Move:
     return table
 
 
-def _with_formulas(table: Table) -> Move:
-    """Compare formulas for what the leading explanation, those with one part less, and none of them explain.
+def _places_of_formulas(table: Table) -> list[Parts]:
+    """Return the baseline model, then the leading explanation with one part less, and this explanation.
 
-    Those with less lack one of the `RIVALS` parts that are missed least: a formula may be in its place. The smallest
-    explanation is the first one. Where another one leads then, the noise is to be estimated again.
+    Those with less lack one of the `RIVALS` parts that are missed least: a formula may be in its place.
     """
-    leader = table.leader
-    if UNKNOWN in leader.explanation.parts:
-        return table
-    less = [leader.explanation.without(part).parts for part in leader.explanation.effects]
+    leader = table.leader.explanation
+    less = [leader.without(part).parts for part in leader.effects]
     less = sorted(less, key=lambda parts: -graded(table.scores.get(parts, -np.inf)))[:RIVALS]
-    for parts in dict.fromkeys([(), *less, leader.explanation.parts]):
-        if table.leader is leader and parts in table.refits:
+    return list(dict.fromkeys([(), *less, leader.parts]))
+
+
+def _with_formulas(table: Table, places: Collection[Parts]) -> Move:
+    """Compare formulas for what some explanations do not explain, until one of them leads."""
+    leader = table.leader
+    for parts in places:
+        if table.leader is leader and parts in table.refits and UNKNOWN not in leader.explanation.parts:
             table.report(f"searching for a formula in addition to {', '.join(parts) or 'the baseline model'}")
             table, formula = _formula(table, table.refits[parts])
             table = table.with_refit(formula) if formula and table.probable_with(formula, parts) else table
             yield table
-    return table if table.leader is leader else (yield from _settled(table))
+    return table
 
 
 def _formula(table: Table, refit: Refitted) -> tuple[Table, Refitted | None]:

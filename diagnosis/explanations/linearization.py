@@ -194,7 +194,8 @@ class Linearization:
         if any(state.follows_a_path for state in states):
             response = envelope(response, simulator.signals)
         smooth = effect_discrepancy(response, inputs)
-        size = PAST_ERROR if candidate.has_states else FORM_ERROR
+        # The contact moves on one carcass, as in a relaxation; a tire has several memories.
+        size = PAST_ERROR if candidate.has_states and not any(state.oscillates for state in states) else FORM_ERROR
         return size * np.concatenate([smooth, self._other_pasts(effect, form)], axis=-1)
 
     def _baseline_errors(self) -> FloatArray:
