@@ -237,10 +237,9 @@ class Linearization:
 
     @property
     def static(self) -> Explanation:
-        """The effects of the explanation that follow the inputs of the core alone, and at once."""
+        """The effects of the explanation that follow their inputs at once, without turn slip, which is a rate."""
         forms = [(name, form) for name, form in self.explanation.forms if self._follows_at_once(name)]
-        of_core = [name for name in self.explanation.effects if CORE_INPUTS.issuperset(self.candidates[name].requires)]
-        return Explanation(tuple((name, form) for name, form in forms if name in of_core))
+        return Explanation(tuple(form for form in forms if "phit" not in self.candidates[form[0]].requires))
 
     def _follows_at_once(self, effect: str) -> bool:
         relaxing = self.simulator.symbolic_model.relaxing_effects

@@ -93,8 +93,8 @@ class Table:
     def explained(self) -> float:
         """Logarithm of the likelihood, not raised to a power, by which the leader is better than its static effects.
 
-        These are parts of the formula's own form: the discrepancy of the model stands for their errors, whether they
-        were found or the baseline model has them.
+        Errors of the form of these are smooth functions of their inputs. Every explanation contains them, whether the
+        effects were found or the baseline model has them.
         """
         static = set(self.leader.linear.static.parts)
         others = [refit for parts, refit in self.refits.items() if static.issuperset(parts)]
