@@ -260,7 +260,6 @@ def relaxing(car):
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=True, reason="0.27 m for 0.36 m about an estimate whose delay took a part of the relaxation")
 def test_a_relaxation_length_is_that_of_the_truth(relaxing):
     answer, length = relaxing
     likely = {finding.effect: finding.coefficients for finding in answer.verdict.effects}
