@@ -40,8 +40,9 @@ LARGEST_NOISE = 1.5
 FREEDOM = 4.0
 #: Most steps of the unknowns, and from an estimate that is near; most steps of the states for given unknowns, predicted
 #: relative decrease that ends the latter, smallest part of a step that is tried.
-ROUNDS, NEAR_ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 60, 40, 50, 1e-7, 1e-2
-#: Rounds for which the slope of the volume is kept, but for steps shorter than this.
+ROUNDS, NEAR_ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 60, 30, 50, 1e-7, 1e-2
+#: Rounds for which the slope of the volume is kept, but for steps shorter than this, and forces that are added, but for
+#: longer ones.
 SLOPE_ROUNDS, NEAR = 3, 1.0
 #: The estimate ends at a step of an unknown in its standard deviations and of the logarithm of a deviation below the
 #: first number, or at a step below 1 that gains less than the second one in the logarithm of the posterior.
@@ -202,9 +203,12 @@ def estimated(
             resized = abs(np.log(new / size))
             z[len(z) - n_rest :] *= size / new
             size = new
-        at = tried
-        added = curved(grid, interval, acting(grid, at.states, z, forces(grid, at.states, z)), at.states, z)
-        at = _solved(grid, interval, added, at.states, z, at.deviations, weights)
+        states, deviations = tried.states, tried.deviations
+        del at, tried  # a long log has large arrays
+        if longest > NEAR or round_ % SLOPE_ROUNDS == 0:
+            held = forces(grid, states, z)
+        added = curved(grid, interval, acting(grid, states, z, held), states, z)
+        at = _solved(grid, interval, added, states, z, deviations, weights)
     return grid, _estimate(at, interval, added, z, size, converged)
 
 
@@ -340,6 +344,6 @@ def _volume_slope(grid: Grid, interval: Interval, at: _Point, z: FloatArray) -> 
     shares = (at.linear.jacobian[:, :, :n] @ pairs) * (at.weights / at.deviations)[:, :, None]
     more = shares.transpose(0, 2, 1).reshape(len(shares), -1)
     slopes = evaluated(interval.volume_chunk, grid, at.states, z, interval_data(grid), more).jacobian[:, 0]
-    result = np.einsum("ki,kij->j", slopes[:, :n], at.posterior.slopes)
+    result = -at.factor.at_nodes(slopes[:, :n, None])[:, 0] @ at.factor.solved_border
     result[: len(z)] += slopes[:, n:].sum(axis=0)
     return np.asarray(result)

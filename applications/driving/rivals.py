@@ -25,7 +25,7 @@ from .effects import Missing, Motion, effect_columns, factor_values, motion_of, 
 from .estimate import Estimate, Forces
 from .inputs.car import Car
 from .inputs.grid import Grid
-from .inputs.unknowns import CHANGED, CHANGES, FACTOR_SPREAD, SAME, Unknowns
+from .inputs.unknowns import AXLES, CHANGED, CHANGES, FACTOR_SPREAD, FACTORS, SAME, Unknowns
 from .interval import BALANCE, MOTION, AddedForces
 from .linear_solution import LONGEST_STEP
 from .trust.contradiction import is_agreement
@@ -39,9 +39,9 @@ ODDS, WRONG_SPREAD = 0.05, 10.0
 #: Factor of the prior odds of an effect for each coefficient after the first. Judgement: of effects that a drive does
 #: not separate, the simpler one is the more likely.
 FURTHER = 0.5
-#: Effects whose coefficients are estimated, rounds of that, and a change of a standardized coefficient that ends them.
-#: Convention: computing time.
-COMPARED, FITTED, SMALL_CHANGE = 4, 4, 0.1
+#: Effects whose coefficients are estimated, rounds of that, and a change of a standardized coefficient that ends them;
+#: the most likely ones, with which the whole drive is estimated. Convention: computing time.
+COMPARED, FITTED, SMALL_CHANGE, REESTIMATED = 4, 4, 0.1, 2
 #: Probability from which an effect is reported. Coefficients are estimated if twice the gain before that can reach it.
 LIKELY = 0.05
 LIKELY_ODDS = float(np.log(LIKELY / (1.0 - LIKELY)))
@@ -168,13 +168,14 @@ def reestimated(
     ranked: Sequence[Rival], base: DriveExplanation, unknowns: Unknowns,
     refit: Callable[[Rival], DriveExplanation | None],
 ) -> tuple[list[Rival], dict[str, DriveExplanation]]:  # fmt: skip
-    """Return the explanations compared by estimates of the whole drive with each likely effect, and these by name.
+    """Return the explanations compared by estimates of the whole drive with likely effects, and these by name.
 
     About an estimate without an effect, other unknowns and the noise have taken a part of it, and the linearized
     evidence is too small. One power for all likelihoods is that of the effect that explains most: a coarsened
     likelihood has one, and the effects compete with each other.
     """
-    fitted = {rival.missing.name: refit(rival) for rival in ranked if rival.missing and rival.log_odds > LIKELY_ODDS}
+    likely = [rival for rival in ranked if rival.missing and rival.log_odds > LIKELY_ODDS][:REESTIMATED]
+    fitted = {rival.missing.name: refit(rival) for rival in likely if rival.missing}
     estimates = {name: explanation for name, explanation in fitted.items() if explanation}
     if not estimates:
         return list(ranked), {}
@@ -287,18 +288,26 @@ def forces_of(rival: Rival, unknowns: Unknowns, car: Car, base: DriveExplanation
         u = z[n : n + further] if len(z) > n else rival.u
         motion = motion_of(grid, replace(base.estimate, states=states, z=z), unknowns, car)
 
-        def added(u: FloatArray, z: FloatArray, motion: Motion = motion) -> FloatArray:
-            factors = factor_values(unknowns, z)
-            return np.nan_to_num(motion.side_forces(missing.on(u, factors)) - motion.side_forces(missing.off(factors)))
+        def without(z: FloatArray, motion: Motion = motion) -> FloatArray:
+            return motion.side_forces(missing.off(factor_values(unknowns, z)))
 
-        at, columns = added(u, z), []
-        for pair in unknowns.factors:
-            moved = z + STEP * (np.arange(len(z)) == unknowns.factor(*pair))
-            columns.append((added(u, moved) - at) / STEP)
-        columns += [(added(u + STEP * (np.arange(further) == i), z) - at) / STEP for i in range(further)]
+        def added(u: FloatArray, z: FloatArray, off: FloatArray, motion: Motion = motion) -> FloatArray:
+            return np.nan_to_num(motion.side_forces(missing.on(u, factor_values(unknowns, z))) - off)
+
+        off = without(z)
+        at, columns = added(u, z, off), []
+        by_factor = {}
+        for name in FACTORS:  # of both axles at once
+            moved = z.copy()
+            moved[[unknowns.factor(axle, name) for axle in AXLES]] += STEP
+            by_factor[name] = (added(u, moved, without(moved)) - at) / STEP
+        for axle, name in unknowns.factors:
+            columns.append(np.where([axle == other for other in AXLES], by_factor[name], 0.0))
+        columns += [(added(u + STEP * (np.arange(further) == i), z, off) - at) / STEP for i in range(further)]
         by_last = np.stack(columns, axis=2)
         middle = (states[grid.left] + states[grid.right])[:, : len(MOTION)] / 2
-        by_slip = (added(u, z, motion.turned(SLIP_STEP)) - at) / SLIP_STEP
+        turned = motion.turned(SLIP_STEP)
+        by_slip = (added(u, z, without(z, turned), turned) - at) / SLIP_STEP
         entries = unknowns.car_values(car, z)
         arms = np.array([entries["cg_to_front"], -entries["cg_to_rear"]])
         by_vy = by_slip / middle[:, :1]

@@ -115,21 +115,7 @@ def verdict_on(
         for name, factor in factors[axle].items()
         if (axle, name) in certain
     )
-    values, chances = unknowns.car_values(car, estimate.z), chances_of_entries(estimate, unknowns)
-    deviations = np.sqrt(np.diag(estimate.covariance))
-    deviating = tuple(
-        CarFinding(name, values[name], car.values[name], float(z), wrong[name])
-        for name, z, deviation in zip(unknowns.car, estimate.z, deviations, strict=False)
-        if (contradiction.of_car or (estimate.converged and not contradiction.certain))
-        and chances[name] < 1.0 - CERTAIN
-        and abs(z) > WIDTH * deviation
-    )
-    of_car = tuple(
-        entry
-        for entry in deviating
-        if entry.probability > CERTAIN and contradiction_of(estimate, unknowns, entry.name).p > 1.0 - CERTAIN
-    )
-    check = tuple(entry for entry in deviating if entry not in of_car)
+    of_car, check = car_findings(estimate, unknowns, car, wrong, contradiction)
     if contradiction.certain and not of_car and lacking(ranked) > CERTAIN:  # other tires explain more than another car
         contradiction = replace(contradiction, explained=False)
     # Prediction has one vote of two, as for the factors; that of an estimate without an optimum is none.
@@ -154,6 +140,27 @@ def verdict_on(
     return DriveVerdict(
         findings, of_car, check, contradiction, predicted, effect, likely, vote * lacking(ranked), unknown, tuple(lines)
     )
+
+
+def car_findings(
+    estimate: Estimate, unknowns: Unknowns, car: Car, wrong: Mapping[str, float], contradiction: Contradiction
+) -> tuple[tuple[CarFinding, ...], tuple[CarFinding, ...]]:
+    """Return the entries of a car that are wrong in its file, and those to be checked: see `DriveVerdict`."""
+    if not (contradiction.of_car or (estimate.converged and not contradiction.certain)):
+        return (), ()
+    values, chances = unknowns.car_values(car, estimate.z), chances_of_entries(estimate, unknowns)
+    deviations = np.sqrt(np.diag(estimate.covariance))
+    deviating = [
+        CarFinding(name, values[name], car.values[name], float(z), wrong[name])
+        for name, z, deviation in zip(unknowns.car, estimate.z, deviations, strict=False)
+        if chances[name] < 1.0 - CERTAIN and abs(z) > WIDTH * deviation
+    ]
+    found = tuple(
+        entry
+        for entry in deviating
+        if entry.probability > CERTAIN and contradiction_of(estimate, unknowns, entry.name).p > 1.0 - CERTAIN
+    )
+    return found, tuple(entry for entry in deviating if entry not in found)
 
 
 def unexplained_axles(estimate: Estimate) -> tuple[str, ...]:
