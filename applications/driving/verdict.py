@@ -155,12 +155,12 @@ def car_findings(
         for name, z, deviation in zip(unknowns.car, estimate.z, deviations, strict=False)
         if chances[name] < 1.0 - CERTAIN and abs(z) > WIDTH * deviation
     ]
-    found = tuple(
+    in_error = tuple(
         entry
         for entry in deviating
         if entry.probability > CERTAIN and contradiction_of(estimate, unknowns, entry.name).p > 1.0 - CERTAIN
     )
-    return found, tuple(entry for entry in deviating if entry not in found)
+    return in_error, tuple(entry for entry in deviating if entry not in in_error)
 
 
 def unexplained_axles(estimate: Estimate) -> tuple[str, ...]:
