@@ -27,7 +27,7 @@ MIN_POWER = 1e-6
 #: Time before the first row, s: much longer than any correlation.
 BEFORE_START = 1e9
 #: Rows of a part of the recording. The filter passes all parts at the same time and then joins them.
-ROWS_OF_PART = 64
+ROWS_OF_PART = 32
 #: All channels of a recording.
 ALL_CHANNELS = slice(None)
 
@@ -113,13 +113,11 @@ class Whitening:
         gain, variance = np.empty_like(decay), np.empty(root.shape)
         for i, channel in enumerate(noise):
             gain[i], variance[i] = _kalman_gains(channel, decay[i], size[i], present[i])
-        self._root = np.where(present, 1.0 / np.sqrt(variance), 0.0)
-        self._decay, self._gain, self._size = _divided(decay), _divided(gain), _divided(size)
-        # Each part's answer to a state of 1 at its beginning, and the states at its end.
-        self._response = np.zeros((*self._size.shape, 2))
-        states = np.zeros((2, *self._size.shape[:2], 2))
-        states[0, ..., 0] = states[1, ..., 1] = 1.0
-        self._transfer = self._filter(self._response, states, ALL_CHANNELS)
+        root = np.where(present, 1.0 / np.sqrt(variance), 0.0)
+        responses = _responses(*map(_divided, (decay, gain, size)))
+        #: Of the innovations of a part, over their standard deviations, and of the states at its end: to the rows of
+        #: the part, then to the states at its beginning.
+        self._innovations, self._ends = responses[0] * _divided(root)[..., None], responses[1]
 
     def __call__(self, rows: FloatArray, channels: slice = ALL_CHANNELS) -> FloatArray:
         """Return whitened rows.
@@ -128,37 +126,34 @@ class Whitening:
         """
         if rows.ndim == 2:
             return self(rows[:, :, None], channels)[:, :, 0]
-        innovation = _divided(rows, axis=1)
-        ends = self._filter(innovation, np.zeros((2, *innovation.shape[:2], rows.shape[2])), channels)
-        begins, state = np.empty_like(ends), np.zeros((2, len(rows), rows.shape[2]))
-        for k in range(innovation.shape[1]):
-            begins[:, :, k] = state
-            state = ends[:, :, k] + np.einsum("icj,jcm->icm", self._transfer[:, channels, k], state)
-        response = self._response[channels, ..., None]
-        for k in range(ROWS_OF_PART):
-            innovation[:, :, k] += response[:, :, k, 0] * begins[0]
-            innovation[:, :, k] += response[:, :, k, 1] * begins[1]
-        whole = innovation.reshape(len(rows), innovation.shape[1] * ROWS_OF_PART, rows.shape[2])[:, : rows.shape[1]]
-        whole *= self._root[channels, :, None]
-        return whole
+        parts, ends = _divided(rows, axis=1), self._ends[channels]
+        of_rows, transfer = ends[..., :-2] @ parts, ends[..., -2:]
+        begins = np.zeros_like(of_rows)
+        for k in range(1, begins.shape[1]):
+            begins[:, k] = of_rows[:, k - 1] + transfer[:, k - 1] @ begins[:, k - 1]
+        innovations = self._innovations[channels]
+        whole = innovations[..., :-2] @ parts
+        whole += innovations[..., -2:] @ begins
+        return whole.reshape(len(rows), parts.shape[1] * ROWS_OF_PART, rows.shape[2])[:, : rows.shape[1]]
 
-    def _filter(self, rows: FloatArray, states: FloatArray, channels: slice) -> FloatArray:
-        """Replace the rows of all parts by their innovations, and return the states at their ends.
 
-        `rows`, shape (n_channels, n_parts, ROWS_OF_PART, m). `states`, shape (2, n_channels, n_parts, m): short-range
-        noise and drift at the beginning of each part.
-        """
-        decay, gain, size = (values[channels, ..., None] for values in (self._decay, self._gain, self._size))
-        short, drift = states.copy()
-        for k in range(ROWS_OF_PART):
-            short *= decay[:, 0, :, k]
-            drift *= decay[:, 1, :, k]
-            new = rows[:, :, k] - short
-            new -= size[:, :, k] * drift
-            rows[:, :, k] = new
-            short += gain[:, 0, :, k] * new
-            drift += gain[:, 1, :, k] * new
-        return np.stack([short, drift])
+def _responses(decay: FloatArray, gain: FloatArray, size: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return how the innovations of each part, and the states at its end, respond to its rows and to the states before.
+
+    `decay`, `gain`, shape (n_channels, 2, n_parts, ROWS_OF_PART): of short-range noise and drift. `size`, shape
+    (n_channels, n_parts, ROWS_OF_PART). Returns: shape (n_channels, n_parts, ROWS_OF_PART, ROWS_OF_PART + 2) and
+    (n_channels, n_parts, 2, ROWS_OF_PART + 2).
+    """
+    states = np.zeros((*size.shape[:2], 2, ROWS_OF_PART + 2))
+    states[..., -2:] = np.eye(2)
+    innovations = np.zeros((*size.shape, ROWS_OF_PART + 2))
+    for k in range(ROWS_OF_PART):
+        states *= np.moveaxis(decay[:, :, :, k], 1, 2)[..., None]
+        new = innovations[:, :, k]
+        new[..., k] = 1.0
+        new -= states[:, :, 0] + size[:, :, k, None] * states[:, :, 1]
+        states += np.moveaxis(gain[:, :, :, k], 1, 2)[..., None] * new[:, :, None]
+    return innovations, states
 
 
 def _kalman_gains(

@@ -50,7 +50,7 @@ class Equation:
     - `named`: false for a step inside another line that users need not see.
     - `acts_for`: the named quantity whose added effects change this line too; see
       `tirefmu.symbolic.model.Model.extended`.
-    - `variant`: true for a repetition of the line at other operating conditions, such as without inclination.
+    - `variant`: true for a repetition of the line without inclination, which added effects change as without it.
     """
 
     number: str
@@ -90,7 +90,7 @@ class Chapter:
         at: str = "",
         acts_for: str = "",
     ) -> sp.Symbol:
-        """File a line and return its symbol; `at` is the suffix of the same line under other conditions."""
+        """File a line and return its symbol; `at` is the suffix of the same line without inclination."""
         symbol = sp.Symbol(f"{name}{at}", real=True)
         filed = Equation(number, symbol, sp.sympify(expression), unit, description, self.title, named)
         self.equations.append(replace(filed, acts_for=acts_for or (name if at else ""), variant=bool(at)))

@@ -76,26 +76,38 @@ def compared(
     few = few.over(few.simulator.driven_at(baseline.parameters))
     at_few = few.at(baseline.parameters, baseline.free)
     linear = Linearization(Explanation(), few, at_few, dict(sorted(candidates.items())))
-    latest, settled, stopped = list[Table](), list[dict[Parts, FloatArray]](), ""
+    latest, settled, stopped = list[Table](), list[Table](), ""
     try:
         for table in _tables(linear, few, baseline, budget, settled):
             same = bool(latest) and latest[-1].shared is table.shared
             latest[:] = [*latest[: len(latest) - same][-1:], table]
+        settled[:] = [_with_those_of(table, settled) for table in settled]
     except Ended:
         stopped = budget.ended
-        # A table that was stopped at its beginning has compared less than the one before.
-        latest = [max(latest, key=lambda table: len(table.scores))]
-    table = latest[-1]
-    settled = settled or [{parts: np.array([score]) for parts, score in table.divided().items()}]
-    absent = [np.full_like(next(iter(evidences.values())), -np.inf) for evidences in settled]
+    # A table that was stopped at its beginning has compared less than the one before.
+    tables = settled or [max(latest, key=lambda table: len(table.scores))]
+    scores = [fold_evidences(table) for table in tables]
+    absent = [np.full_like(next(iter(evidences.values())), -np.inf) for evidences in scores]
     evidences = {
-        parts: np.concatenate([scores.get(parts, missing) for scores, missing in zip(settled, absent, strict=True)])
-        for parts in dict.fromkeys(parts for scores in settled for parts in scores)
+        parts: np.concatenate([of.get(parts, missing) for of, missing in zip(scores, absent, strict=True)])
+        for parts in dict.fromkeys(parts for of in scores for parts in of)
     }
     answer = answer_of(evidences, candidates)
     forget_columns()
     with_terms.cache_clear()
-    return ComparedExplanations(answer, _simplest(table, answer), table.shared, stopped)
+    return ComparedExplanations(answer, _simplest(tables[-1], answer), tables[-1].shared, stopped)
+
+
+def _with_those_of(table: Table, others: Collection[Table]) -> Table:
+    """Return a table with refits of what is probable under the noise of others.
+
+    A comparison may not find what leads in another one. All are refitted from where the others ended.
+    """
+    simulator = table.refits[()].linear.simulator
+    for refit in [refit for other in others if other is not table for refit in other.probable()]:
+        start = refit.linear.solution.parameters
+        table = table.with_refit(refitted(table.shared, refit.explanation, [start], simulator))
+    return table
 
 
 def _simplest(table: Table, answer: Answer) -> Refitted:
@@ -128,12 +140,12 @@ def _simplest(table: Table, answer: Answer) -> Refitted:
 
 def _tables(
     linear: Linearization, few: LeastSquares, baseline: Solution, budget: Budget,
-    settled: list[dict[Parts, FloatArray]],
+    settled: list[Table],
 ) -> Generator[Table]:  # fmt: skip
     """Compare explanations under the noise of each leading one in turn.
 
-    All that nearly lead are compared under the noise of an explanation that explains nearly as much. `settled`: their
-    scores are added. Nobody knows the noise, and an explanation leads easily under its own: all of them count equally.
+    All that nearly lead are compared under the noise of an explanation that explains nearly as much. `settled`: these
+    tables are added. Nobody knows the noise, and an explanation leads easily under its own: all of them count equally.
     """
     seen, far, explained = set[Parts](), frozenset[Parts](), 0.0
     for remaining in reversed(range(ESTIMATES)):
@@ -141,22 +153,30 @@ def _tables(
         table = yield from _climbed(empty, linear)
         seen.add(linear.explanation.parts)
         first = bool(table.leader.explanation.parts) and not linear.explanation.parts
-        if not (first or _grown(table)) or not remaining:
+        searched = not remaining or not (first or _growth(table) > GROWTH)
+        several = searched and len(table.leader.explanation.parts) > 1
+        if several:  # one formula may be in the place of all of them
+            table = yield from _with_formulas(table, [()])
+        if searched:
             table = yield from _settled(table)
+        if searched and (not remaining or 1.0 / GROWTH <= _growth(table) <= GROWTH):
             # Two explanations may lead in turn, each under the noise of the other one: then the smaller one leads.
             last = not remaining or len(settled) + 1 == SETTLED
             if last or table.leads_again(seen, linear.explanation):
-                table = yield from _with_formulas(table)
-            settled.append(fold_evidences(table))
+                places = _places_of_formulas(table)[several:]
+                before, table = table.leader, (yield from _with_formulas(table, places))
+                if table.leader is not before:
+                    table = yield from _settled(table)
+            settled.append(table)
             if last or table.leads_again(seen, linear.explanation):
                 break
             far |= table.behind(FAR)
         explained, linear = table.explained, _with_own_noise(table.leader, few)
 
 
-def _grown(table: Table) -> bool:
-    """Return whether the noise is to be estimated again before more is compared."""
-    return inflation(table.explained) > GROWTH * inflation(table.shared.explained)
+def _growth(table: Table) -> float:
+    """Return the variance of the noise by what the leader explains, relative to that of the comparison."""
+    return inflation(table.explained) / inflation(table.shared.explained)
 
 
 def _empty(linear: Linearization, baseline: Solution, explained: float, budget: Budget) -> Table:
@@ -189,12 +209,13 @@ def _climbed(table: Table, linear: Linearization) -> Move:
     """Extend the leading explanation while an extension leads, or until the noise is to be estimated again."""
     table = table.with_refit(refitted(table.shared, Explanation(), [table.absent], linear.simulator))
     yield table
-    if linear.explanation.parts:
-        start = linear.solution.parameters
-        table = table.with_refit(refitted(table.shared, linear.explanation, [start], linear.simulator))
-        yield table
+    for explanation in (linear.static, linear.explanation):
+        if explanation.parts not in table.refits:
+            start = linear.solution.parameters
+            table = table.with_refit(refitted(table.shared, explanation, [start], linear.simulator))
+            yield table
     before = None
-    while before is not table.leader and not _grown(table):
+    while before is not table.leader and _growth(table) <= GROWTH:
         before = table.leader
         table = yield from extended(table, before)
     return table
@@ -285,24 +306,27 @@ def exchanged(table: Table, refit: Refitted) -> Move:
     return table
 
 
-def _with_formulas(table: Table) -> Move:
-    """Compare formulas for what the leading explanation, those with one part less, and none of them explain.
+def _places_of_formulas(table: Table) -> list[Parts]:
+    """Return the baseline model, then the leading explanation with one part less, and this explanation.
 
-    Those with less lack one of the `RIVALS` parts that are missed least: a formula may be in its place. The smallest
-    explanation is the first one. Where another one leads then, the noise is to be estimated again.
+    Those with less lack one of the `RIVALS` parts that are missed least: a formula may be in its place.
     """
-    leader = table.leader
-    if UNKNOWN in leader.explanation.parts:
-        return table
-    less = [leader.explanation.without(part).parts for part in leader.explanation.effects]
+    leader = table.leader.explanation
+    less = [leader.without(part).parts for part in leader.effects]
     less = sorted(less, key=lambda parts: -graded(table.scores.get(parts, -np.inf)))[:RIVALS]
-    for parts in dict.fromkeys([(), *less, leader.explanation.parts]):
-        if table.leader is leader and parts in table.refits:
+    return list(dict.fromkeys([(), *less, leader.parts]))
+
+
+def _with_formulas(table: Table, places: Collection[Parts]) -> Move:
+    """Compare formulas for what some explanations do not explain, until one of them leads."""
+    leader = table.leader
+    for parts in places:
+        if table.leader is leader and parts in table.refits and UNKNOWN not in leader.explanation.parts:
             table.report(f"searching for a formula in addition to {', '.join(parts) or 'the baseline model'}")
             table, formula = _formula(table, table.refits[parts])
             table = table if formula is None else table.with_refit(formula)
             yield table
-    return table if table.leader is leader else (yield from _settled(table))
+    return table
 
 
 def _formula(table: Table, refit: Refitted) -> tuple[Table, Refitted | None]:

@@ -44,16 +44,17 @@ def inflation(explained: float) -> float:
     return 1.0 + INEXACT_SHARE * max(explained, 0.0)
 
 
-def caution(explained: float) -> float:
+def caution(explained: float, inexact: float) -> float:
     """Return the factor by which probabilities divide the logarithm of the evidence of a comparison, at least 1.
 
     The form of an effect may err by `FORM_ERROR` of its response: this share, squared, of what is explained says
-    nothing about which effect explains it. `explained` as in `inflation`.
+    nothing about which effect explains it. `explained`: as in `inflation`, by the explanation; `inexact`: that of the
+    noise of the comparison.
 
-    >>> caution(0.0), bool(caution(1000.0) > 5.0)
+    >>> caution(0.0, 0.0), bool(caution(1000.0, 1000.0) > 5.0)
     (1.0, True)
     """
-    return (1.0 + FORM_ERROR**2 * max(explained, 0.0)) / inflation(explained)
+    return max((1.0 + FORM_ERROR**2 * max(explained, 0.0)) / inflation(inexact), 1.0)
 
 
 def folds_of(signals: Signals) -> IntArray:

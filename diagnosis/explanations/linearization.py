@@ -183,7 +183,7 @@ class Linearization:
         simulator, candidate = self.simulator, self.candidates[effect]
         model = simulator.symbolic_model
         response, inputs = self.response(effect), self._inputs(candidate.requires)
-        if not candidate.has_states and effect not in model.relaxing_effects:
+        if self._is_static(effect):
             return FORM_ERROR * effect_discrepancy(response, inputs)
         states = [state for added in model.added if added.name == effect for state in added.states]
         if candidate.has_states:
@@ -194,7 +194,8 @@ class Linearization:
         if any(state.follows_a_path for state in states):
             response = envelope(response, simulator.signals)
         smooth = effect_discrepancy(response, inputs)
-        size = PAST_ERROR if candidate.has_states else FORM_ERROR
+        # The contact moves on one carcass, as in a relaxation; a tire has several memories.
+        size = PAST_ERROR if candidate.has_states and not any(state.oscillates for state in states) else FORM_ERROR
         return size * np.concatenate([smooth, self._other_pasts(effect, form)], axis=-1)
 
     def _baseline_errors(self) -> FloatArray:
@@ -233,6 +234,15 @@ class Linearization:
                 parameters[simulator.index[name]] *= times
                 pasts.append(np.nan_to_num(simulator.forces(parameters) - absent))
         return np.stack(pasts, axis=-1) if pasts else np.zeros((*self.forces.shape, 0))
+
+    def _is_static(self, effect: str) -> bool:
+        """Return whether an effect follows its inputs at once."""
+        return not (self.candidates[effect].has_states or effect in self.simulator.symbolic_model.relaxing_effects)
+
+    @property
+    def static(self) -> Explanation:
+        """The effects of the explanation that follow their inputs at once."""
+        return Explanation(tuple((name, form) for name, form in self.explanation.forms if self._is_static(name)))
 
     def response(self, effect: str) -> FloatArray:
         """Return the change of the forces by an effect of the explanation, shape (n_channels, n)."""

@@ -91,14 +91,35 @@ class Table:
 
     @property
     def explained(self) -> float:
-        """Logarithm of the likelihood, not raised to a power, by which the leading explanation is better than none."""
-        return (self.leader.evidence - self.refits[()].evidence) * inflation(self.shared.explained)
+        """Logarithm of the likelihood, not raised to a power, by which the leader is better than its static effects.
+
+        The errors of the form of these are smooth in their inputs, which every explanation contains, as it does for
+        those of the baseline model.
+        """
+        static = set(self.leader.linear.static.parts)
+        others = [refit for parts, refit in self.refits.items() if static.issuperset(parts)]
+        return min(map(self._better_than, others))
+
+    @property
+    def caution(self) -> float:
+        """The factor by which probabilities divide evidences, by all that the leader explains."""
+        return caution(self._better_than(self.refits[()]), self.shared.explained)
+
+    def _better_than(self, other: Refitted) -> float:
+        return (self.leader.evidence - other.evidence) * inflation(self.shared.explained)
 
     def divided(self) -> dict[Parts, float]:
         """Return the scores that make the probabilities: without what inexact forms of effects may explain."""
         refitted = {parts: (refit.evidence, refit.explanation.log_prior) for parts, refit in self.refits.items()}
-        factor = caution(self.explained)
+        factor = self.caution
         return {parts: prior + evidence / factor for parts, (evidence, prior) in {**self.linear, **refitted}.items()}
+
+    def probable(self) -> list[Refitted]:
+        """Return the leader, and the refits with nearly the probability of the most probable one."""
+        divided, leader = self.divided(), self.leader
+        best = max(divided[parts] for parts in self.refits)
+        near = [refit for parts, refit in self.refits.items() if divided[parts] > best + REFIT_MARGIN]
+        return [leader, *(refit for refit in near if refit is not leader)]
 
     @property
     def roots(self) -> tuple[Parts, ...]:
@@ -163,10 +184,8 @@ def fold_evidences(table: Table) -> dict[Parts, FloatArray]:
     best = max(divided.values())
     leading = table.leader.explanation.parts
     chosen = [parts for parts in table.refits if divided[parts] > best + 2.0 * REFIT_MARGIN or parts == leading]
-    factor = caution(table.explained)
-    change = {}
+    factor, change = table.caution, dict[Parts, FloatArray]()
     for parts in chosen:
-        table.shared.budget.check()
         refit = table.refits[parts]
         change[parts] = (without_folds(refit.linear) - refit.evidence) / factor
         refit.linear.simulator.forget()

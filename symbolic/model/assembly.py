@@ -13,7 +13,7 @@ from ..added import AddedEffect
 from ..declarations import Effect
 from ..functions import absolute, sgn, where
 from ..notation import Chapter, Equation, Variant
-from ..quantities import ACTED_ON, ALPHA, ALPHA_FOLDED
+from ..quantities import ACTED_ON, ALPHA, ALPHA_FOLDED, GAMMA
 from .extension import acting_name
 from .lines import reaching, replaced
 
@@ -128,10 +128,19 @@ def _acted_on(lines: list[Equation], effect: AddedEffect, quantities: Mapping[st
             line = replace(line, expression=before)
         expression = line.expression
         for act in acts:
-            acted = expression * act.expression if act.how == "factor" else expression + act.expression
+            change = _upright(act.expression, effect) if line.variant else act.expression
+            acted = expression * change if act.how == "factor" else expression + change
             expression = switch.either(acted, expression)
         changed.append(replace(line, expression=expression))
     return changed
+
+
+def _upright(formula: sp.Expr, effect: AddedEffect) -> sp.Expr:
+    """Return a formula without inclination, as it changes a line that the book repeats for the upright wheel."""
+    upright = sp.sympify(formula.subs(GAMMA.symbol, 0))
+    if upright.has(sp.zoo, sp.oo, -sp.oo, sp.nan):
+        raise EffectError(f"{effect.name}: {quoted(str(formula))} is not finite without inclination")
+    return upright
 
 
 def _places(name: str, lines: Sequence[Equation], effect: AddedEffect) -> frozenset[str]:

@@ -32,6 +32,7 @@ from tirefmu.diagnosis.explanations import (
     without_folds,
 )
 from tirefmu.diagnosis.explanations.compare import _simplest
+from tirefmu.diagnosis.explanations.table import Table
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
 from tirefmu.diagnosis.signals import between_rows, signals_of
 from tirefmu.diagnosis.thresholds import EFFECT_ODDS, INEXACT_SHARE
@@ -321,7 +322,33 @@ def test_the_best_explanation_is_the_true_one(sideways):
     assert comparison.answer.probabilities["conicity"] > 0.9
     assert comparison.answer.explanations[0].effects == ("conicity",)
     assert not comparison.stopped
-    assert comparison.shared.explained > 0.0  # the last comparison counts by what the leader explains
+    assert comparison.shared.explained == 0.0  # the error of its form is in the comparison
+
+
+def table_of(evidences, static):
+    """Return a table of refits with evidences by their effects; some effects are static."""
+
+    def refit(names, evidence):
+        explanations = [
+            Explanation(tuple((name, Form((), ())) for name in some)) for some in (names, static & {*names})
+        ]
+        linear = SimpleNamespace(static=explanations[1])
+        return SimpleNamespace(explanation=explanations[0], evidence=evidence, score=evidence, linear=linear)
+
+    refits = {names: refit(names, evidence) for names, evidence in evidences.items()}
+    return Table(SimpleNamespace(explained=0.0), np.zeros(1), {}, refits)
+
+
+def test_a_static_effect_that_is_found_counts_as_one_that_the_baseline_model_has():
+    """What it explains does not hide a further effect, but probabilities are more cautious."""
+    static = {"pressure"}
+    found = table_of({(): 0.0, ("pressure",): 5000.0, ("lag", "pressure"): 5300.0}, static)
+    known = table_of({(): 5000.0, ("lag",): 5300.0}, static)
+    assert found.explained == known.explained == 300.0
+    assert found.caution > known.caution
+    assert (
+        table_of({(): 0.0, ("lag", "pressure"): 5300.0}, static).explained == 5300.0
+    )  # that part alone is not compared
 
 
 def cancelled(sentence):

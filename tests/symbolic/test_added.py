@@ -78,6 +78,26 @@ def test_a_users_own_effect_acts():
     np.testing.assert_allclose(ratio, 1 + 1e-6 * (3e5 - 2.2e5), rtol=1e-12)
 
 
+def test_an_effect_of_inclination_changes_the_upright_wheel_as_that_of_the_book_does():
+    """The aligning moment follows the side force without inclination."""
+    text = (
+        OWN.replace("1/Pa", "1").replace("mu_y", "K_yalpha").replace("HMU1*(p - NOMPRES)", "HMU1*absolute(sin(gamma))")
+    )
+    table = TABLE.assign(gamma=np.linspace(-0.1, 0.1, 6))
+    values = VALUES | {"QDZ1": 0.1, "QBZ1": 10.0, "QCZ1": 1.1}
+    own = Tire("mf61", values | {"HMU1": -0.5}, added=[read_effect(text, "mine.toml")]).evaluate(table)
+    of_book = Tire("mf61", values | {"PKY3": 0.5}).evaluate(table)
+    assert abs(of_book["Mz"]).min() > 1.0
+    for name in ("Fy", "Mz"):
+        np.testing.assert_allclose(own[name], of_book[name], rtol=1e-12)
+
+
+def test_an_effect_without_a_finite_value_at_the_upright_wheel_is_named():
+    text = OWN.replace("HMU1*(p - NOMPRES)", "HMU1/gamma")
+    with pytest.raises(EffectError, match=r"grip_by_humidity: .*not finite without inclination"):
+        Tire("mf61", VALUES | {"HMU1": 0.1}, added=[read_effect(text, "mine.toml")])
+
+
 def test_an_absent_added_effect_is_silent():
     tire = Tire("mf61", VALUES | {"TMU1": 0.04}, effects=["temp_stiffness"])
     assert tire.values["TMU1"] == 0.0

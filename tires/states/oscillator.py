@@ -33,12 +33,12 @@ class Oscillation:
     hold: bool
 
     def _ends(
-        self, interval: IntArray, share: FloatArray, position: Values, speed: Values, *, free: bool
+        self, interval: IntArray, share: FloatArray, position: FloatArray, speed: FloatArray, follows: Values = 1.0
     ) -> FloatArray:
-        """Return position and speed, shape (2, m), at shares of the intervals that begin at rows.
+        """Return position and speed, shape (2, ..., m), at shares of the intervals that begin at rows.
 
-        `interval`, shape (m,). `share`, shape (m,). `position`, `speed`, shape (m,): at the rows. `free`: without a
-        target.
+        `interval`, shape (m,). `share`, shape (m,). `position`, `speed`, shape (..., m or 1): at the rows. `follows`,
+        shape (..., 1): 0 without a target.
         """
         h = np.maximum(self.h[interval], 0.0) * share
         first = np.stack([self.target, self.frequency, self.damping])[:, interval]
@@ -47,7 +47,7 @@ class Oscillation:
             following = np.stack([self.target, self.frequency, self.damping])[:, interval + 1]
             last = first + (following - first) * share
         mean = (first + last) / 2.0
-        targets = (0.0, 0.0, 0.0) if free else (first[0], mean[0], last[0])
+        targets = (follows * target for target in (first[0], mean[0], last[0]))
         given = (position, speed, *targets, mean[1] * h, mean[2] * h, h)
         return np.stack([state_laws.oscillator(*given), state_laws.oscillator_speed(*given)])
 
@@ -58,12 +58,11 @@ class Oscillation:
 
         n = len(self.h)
         interval, whole, again = np.arange(n), np.ones(n), self.h < 0.0
-        # The law is linear in the state.
-        starts = np.stack([self.start[1:], np.zeros(n)])
-        gained = np.where(again, starts, self._ends(interval, whole, 0.0, 0.0, free=False))
-        of_position, of_speed = (
-            np.where(again, 0.0, self._ends(interval, whole, *unit, free=True)) for unit in ((1.0, 0.0), (0.0, 1.0))
-        )
+        # The law is linear in target, position and speed.
+        unit = np.eye(3)[:, :, None]
+        of_target, of_position, of_speed = np.moveaxis(self._ends(interval, whole, unit[1], unit[2], unit[0]), 1, 0)
+        gained = np.where(again, np.stack([self.start[1:], np.zeros(n)]), of_target)
+        of_position, of_speed = (np.where(again, 0.0, ends) for ends in (of_position, of_speed))
         # Position and speed alternate; a row of the band has their contributions to those of the next row.
         band = np.zeros((4, 2 * n + 2), order="F")
         band[2, :-2:2], band[3, :-2:2] = -of_position
@@ -73,7 +72,7 @@ class Oscillation:
 
     def between(self, interval: IntArray, share: FloatArray) -> FloatArray:
         """Return position and speed at shares (0 to 1) of the intervals that begin at rows, shape (2, m)."""
-        return self._ends(interval, share, *self.values[:, interval], free=False)
+        return self._ends(interval, share, *self.values[:, interval])
 
 
 @dataclass(frozen=True)
