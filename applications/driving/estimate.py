@@ -25,7 +25,7 @@ from .inputs.car import Car
 from .inputs.grid import Grid, with_delays
 from .inputs.log import Log
 from .inputs.unknowns import Unknowns
-from .interval import BALANCE, MOTION, AddedForces, Interval, Linear
+from .interval import BALANCE, MOTION, OUTPUTS, UNCERTAIN, AddedForces, Interval, Linear
 from .linear_solution import LONGEST_STEP, Factor, Posterior, posterior_of
 
 FloatArray = npt.NDArray[np.float64]
@@ -67,7 +67,8 @@ class Estimate(Posterior):
 
     - `states`, shape (n_nodes, n_states). `z`, shape (n_z,). `deviations`, shape (n_residuals,): those of `BALANCE` are
       the last ones.
-    - `residuals`, `outputs`: of the intervals at the solution.
+    - `residuals`, `outputs`: of the intervals at the solution; of the latter, the Jacobian is that of `UNCERTAIN`, by
+      nodes and the unknowns of tires and car.
     - `weights`, shape (n, 2): by which the residuals of the balance, per static load, are multiplied.
     - `evidence`: logarithm of the probability of the log, integrated over states and unknowns (Laplace), up to a
       constant of the log.
@@ -242,7 +243,8 @@ def _estimate(
     at.linear.weigh(np.tile(1.0 / scale, (len(grid.t), 1)))
     factor = Factor(grid, at.linear, at.states.shape[1], 1e-9)
     data = interval_data(grid)
-    outputs = evaluated(interval.output_chunk, grid, at.states, added.tires(z), data, further=added.further)
+    outputs = evaluated(interval.output_chunk, grid, at.states, added.tires(z), data)
+    outputs = Linear(outputs.values, outputs.jacobian[:, [OUTPUTS.index(name) for name in UNCERTAIN]])
     weights = (at.weights / at.deviations / scale)[:, -n_balance:]
     return Estimate(**vars(posterior_of(grid, factor)), states=at.states, z=z, deviations=at.deviations,
                     residuals=at.linear, outputs=outputs, weights=weights, evidence=float(evidence), size=size,

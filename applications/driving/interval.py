@@ -34,6 +34,8 @@ BALANCE = ("e_front", "e_rear")
 #: Further results of an interval for each axle: the inputs of a wheel that is the mean of both, its forces, W axes, and
 #: the side force of the tire alone. Fy is the tire's and half of what the motion requires beyond it.
 OUTPUTS = tuple(f"{name}_{axle}" for name in ("alpha", "kappa", "V", "Fz", "Fy", "Fy_tire") for axle in AXLES)
+#: Those whose standard deviations are computed.
+UNCERTAIN = tuple(f"{name}_{axle}" for name in ("alpha", "Fy") for axle in AXLES)
 #: Intervals that are evaluated at a time.
 CHUNK = 100
 #: Error of the integration of a pose, m/s and rad/s.

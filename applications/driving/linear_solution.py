@@ -39,12 +39,16 @@ class Posterior:
     ends: IntArray
 
     def variances(self, J: FloatArray) -> FloatArray:
-        """Return the variances of functions with the Jacobian J, shape (n, n_functions, 2 n_states + n_z)."""
+        """Return the variances of functions with the Jacobian J, shape (n, n_functions, 2 n_states + n_z).
+
+        J may lack the last unknowns, on which the functions do not depend.
+        """
         n, result = self.pairs.shape[1], np.empty(J.shape[:2])
         for first in range(0, len(J), SOME):  # a long log has large arrays
             rows = slice(first, first + SOME)
             of_nodes, slopes = J[rows, :, :n], self.slopes[self.ends[rows]].reshape(-1, n, len(self.covariance))
-            by_z = J[rows, :, n:] + of_nodes @ slopes
+            by_z = of_nodes @ slopes
+            by_z[:, :, : J.shape[2] - n] += J[rows, :, n:]
             given_z = np.sum(of_nodes @ self.pairs[rows] * of_nodes, axis=2)
             result[rows] = given_z + np.sum(by_z @ self.covariance * by_z, axis=2)
         return result

@@ -22,7 +22,7 @@ from .inputs.car import Car
 from .inputs.grid import Grid
 from .inputs.log import Log
 from .inputs.unknowns import AXLES, Unknowns
-from .interval import OUTPUTS
+from .interval import OUTPUTS, UNCERTAIN
 from .simulation import VehicleSimulation
 from .trust.contradiction import Contradiction
 from .verdict import CarFinding, DriveVerdict
@@ -230,7 +230,7 @@ def wheel_table(grid: Grid, estimate: Estimate) -> pd.DataFrame:
             name: estimate.outputs.values[:, OUTPUTS.index(f"{name}_{axle}")]
             for name in ("kappa", "alpha", "Fz", "V", "Fy")
         }
-        spread = {f"{name}_sd": deviation[:, OUTPUTS.index(f"{name}_{axle}")] for name in ("Fy", "alpha")}
+        spread = {f"{name}_sd": deviation[:, UNCERTAIN.index(f"{name}_{axle}")] for name in ("Fy", "alpha")}
         start = number * (grid.t[-1] - grid.t[0] + GAP)
         table = pd.DataFrame(
             {"t": grid.t + start, **columns, "gamma": 0.0, **spread, "axle": number + 1, "t_log": grid.t}

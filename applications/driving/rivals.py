@@ -189,6 +189,8 @@ def reestimated(
         if name in estimates:
             u = estimates[name].estimate.z[len(unknowns) :][: len(rival.u)]
             rival = replace(rival, u=u, gain=gains[name], power=power)
+        elif name in fitted:  # without an optimum, it may explain as much
+            rival = replace(rival, gain=max(rival.gain, gains[strongest]), power=power)
         rivals.append(rival)
     return _ranked(rivals), estimates
 

@@ -67,8 +67,8 @@ class DriveVerdict:
     """The verdict.
 
     - `car`: entries that contradict the car file; `check`: others that deviate further than any one of a right file
-      would in 95 % of drives; `contradiction`: all of them together. `left_out`: how the tires predict, None for a
-      drive too short for that.
+      would in 95 % of drives, while the rest agrees with it; `contradiction`: all of them together. `left_out`: how the
+      tires predict, None for a drive too short for that.
     - `better`: whether something was found of the tires, and they predict better.
     - `unknown`: axles whose side force the tires do not explain.
     - `lines`: the verdict in words.
@@ -118,8 +118,8 @@ def verdict_on(
     of_car, check = car_findings(estimate, unknowns, car, wrong, contradiction)
     if contradiction.certain and not of_car and lacking(ranked) > CERTAIN:  # other tires explain more than another car
         contradiction = replace(contradiction, explained=False)
-    # Prediction has one vote of two, as for the factors; that of an estimate without an optimum is none.
-    vote = 0.5 if ranked[0].missing and ranked[0].probability > CERTAIN and not best.missing else 1.0
+    # Prediction has one vote of two, as for the factors.
+    vote = 1.0 if best.missing or lacking(ranked) < 0.5 else 0.5
     likely = tuple(
         EffectFinding(rival.missing.name, rival.missing.values(rival.u), vote * rival.probability)
         for rival in ranked
@@ -153,13 +153,11 @@ def car_findings(
     deviating = [
         CarFinding(name, values[name], car.values[name], float(z), wrong[name])
         for name, z, deviation in zip(unknowns.car, estimate.z, deviations, strict=False)
-        if chances[name] < 1.0 - CERTAIN and abs(z) > WIDTH * deviation
+        if chances[name] < 1.0 - CERTAIN
+        and abs(z) > WIDTH * deviation
+        and contradiction_of(estimate, unknowns, name).p > 1.0 - CERTAIN
     ]
-    in_error = tuple(
-        entry
-        for entry in deviating
-        if entry.probability > CERTAIN and contradiction_of(estimate, unknowns, entry.name).p > 1.0 - CERTAIN
-    )
+    in_error = tuple(entry for entry in deviating if entry.probability > CERTAIN)
     return in_error, tuple(entry for entry in deviating if entry not in in_error)
 
 

@@ -208,6 +208,11 @@ def test_effects_compete_by_estimates_of_the_whole_drive(answer):
     assert by_name["c"].gain == third.gain
     assert sum(rival.probability for rival in ranked) == pytest.approx(1.0)
     assert [rival.probability for rival in ranked] == sorted((rival.probability for rival in ranked), reverse=True)
+    # An effect without an optimum may explain as much as the best one: no name is certain.
+    ranked, estimates = reestimated([none, first, third], base, answer.unknowns, refit)
+    assert set(estimates) == {"a"}
+    assert ranked[0].log_odds == pytest.approx(ranked[1].log_odds)
+    assert ranked[0].probability < 0.6
     # An effect without an optimum, and an unlikely one, have no estimate.
     assert reestimated([third, none, unlikely], base, answer.unknowns, refit) == ([third, none, unlikely], {})
 
