@@ -317,9 +317,6 @@ def test_a_skew_is_not_relaxation():
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(
-    strict=False, reason="0.02 and 0.03 s are two minima: the last digits of the features decide which one is found"
-)
 def test_a_skew_beside_relaxation_is_both():
     case = make_case(62, ("relax_lat",))
     t = case.table["t"].to_numpy()
