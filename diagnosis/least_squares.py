@@ -109,12 +109,14 @@ class LeastSquares:
     def _factors(self, free: Sequence[str]) -> FloatArray:
         """Return the factors from declared coefficients to parameters of the generated code.
 
-        An absent effect rescales coefficients (`Effect.rescales`) unless one of its own coefficients is free.
+        An absent effect rescales coefficients (`Effect.rescales`) unless a coefficient of this effect alone is free.
         """
         model, factors = self.simulator.symbolic_model, dict[str, float]()
         for name, effect in model.effects.items():
-            if effect.rescales and name not in self.simulator.tire.has and model.owned(name).isdisjoint(free):
-                factors |= dict(effect.rescales)
+            if effect.rescales and name not in self.simulator.tire.has:
+                others = (model.owned(other) for other in model.effects if other != name)
+                if model.owned(name).difference(*others).isdisjoint(free):
+                    factors |= dict(effect.rescales)
         return np.array([factors.get(name, 1.0) for name in free])
 
     def solve(

@@ -9,10 +9,15 @@ import pytest
 
 from tirefmu.diagnosis import LeastSquares
 from tirefmu.diagnosis.explanations import balanced
-from tirefmu.diagnosis.signals import reported_disturbances
+from tirefmu.diagnosis.probing import fit_baseline
+from tirefmu.diagnosis.signals import reported_disturbances, signals_of, simulation
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire
+from tirefmu.tires.code import code_for
+
+from ..relatives import slow_but
+from .conftest import NOISE, VALUES, measured, sweeps
 
 FREE = ("PDX1", "PKX1", "PDY1", "PDY2", "PKY1", "PHY1", "QDZ1")
 
@@ -168,3 +173,19 @@ def test_large_cross_talk_is_not_a_disturbance(problem):
         k = disturbances.names.index(name)
         np.testing.assert_array_equal(plausible.columns[:, :, i], disturbances.columns[:, :, k])
         assert plausible.deviation[i] == disturbances.deviation[k]
+
+
+@pytest.mark.parametrize(
+    "effect",
+    slow_but({"load_stiffness"}, ("load_stiffness", "load_friction", "camber_stiffness", "pressure_stiffness")),
+)
+def test_a_fit_of_the_baseline_model_begins_at_the_given_tire(effect, monkeypatch):
+    """Also if the tire lacks an effect whose absence rescales a coefficient, or that an effect of the tire acts on."""
+    monkeypatch.setattr(simulation, "fastest_code", lambda model: code_for(model, "numpy"))
+    model = model_named("mf61")
+    effects = model.effects.keys() - model.relaxing_effects - {effect, "turn_slip"}
+    lacking = Tire("mf61", {**VALUES, "PKY5": 0.5}, effects=tuple(effects), signs="adapted-sae")
+    table = measured(lacking, sweeps(n=1200).assign(p=2e5 + 2e4 * np.sin(0.5 * np.arange(1200) / 50.0)))
+    signals = signals_of(table.drop(columns=["Fx", "Mz"]), lacking, "adapted-sae", smooth=False)
+    _, solution = fit_baseline(lacking, signals, fitted=True)
+    assert np.sqrt(np.mean(solution.residual**2)) < 1.1 * NOISE["Fy"]
