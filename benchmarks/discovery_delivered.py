@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 from diagnosis.case import Case
-from diagnosis.recomputation import recomputed
+from diagnosis.recomputation import recomputed, with_derived
 
 from tirefmu.diagnosis import Diagnosis
-from tirefmu.diagnosis.signals.signals import FORMULA_SIGNS
+from tirefmu.diagnosis.signals import FORMULA_SIGNS
 from tirefmu.tires.tire import Tire
 
 FloatArray = npt.NDArray[np.float64]
@@ -74,8 +74,9 @@ def delivered(case: Case, result: Diagnosis) -> Delivered:
         for part, rows in (("train", ~held), ("holdout", held))
     }
     noise = np.array([_noise(case, name) for name in channels])
+    truth = with_derived(result, case.truth, case.signs)
     true = {
-        part: np.array([_errors(tire, case.truth, case.signs, channels, chosen) for tire in tires])
+        part: np.array([_errors(tire, truth, case.signs, channels, chosen) for tire in tires])
         for part, chosen in (("train", ~held), ("holdout", held))
     }
     manoeuvres, operating = (

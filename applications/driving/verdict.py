@@ -157,8 +157,8 @@ def car_findings(
         and abs(z) > WIDTH * deviation
         and contradiction_of(estimate, unknowns, name).p > 1.0 - CERTAIN
     ]
-    found = tuple(entry for entry in deviating if entry.probability > CERTAIN)
-    return found, tuple(entry for entry in deviating if entry not in found)
+    in_error = tuple(entry for entry in deviating if entry.probability > CERTAIN)
+    return in_error, tuple(entry for entry in deviating if entry not in in_error)
 
 
 def unexplained_axles(estimate: Estimate) -> tuple[str, ...]:

@@ -35,7 +35,7 @@ Move = Generator[Table, None, Table]
 #: Number of estimates of the noise, of those under which all that nearly leads is compared, and of explanations that
 #: are extended under each of these; growth of the variance of the noise after which it is estimated again. Conventions:
 #: computing time.
-ESTIMATES, SETTLED, COMPARED, GROWTH = 5, 2, 12, 1.5
+ESTIMATES, SETTLED, COMPARED, GROWTH = 5, 2, 6, 1.5
 #: Score, relative to the most probable one, below which an explanation is not tried again under another noise: three
 #: margins. Convention: computing time.
 FAR = 3.0 * REFIT_MARGIN
@@ -167,7 +167,7 @@ def _tables(
                 before, table = table.leader, (yield from _with_formulas(table, places))
                 if table.leader is not before:
                     table = yield from _settled(table)
-            settled.append(table)
+            settled.append(table.condensed())
             if last or table.leads_again(seen, linear.explanation):
                 break
             far |= table.behind(FAR)
@@ -324,7 +324,7 @@ def _with_formulas(table: Table, places: Collection[Parts]) -> Move:
         if table.leader is leader and parts in table.refits and UNKNOWN not in leader.explanation.parts:
             table.report(f"searching for a formula in addition to {', '.join(parts) or 'the baseline model'}")
             table, formula = _formula(table, table.refits[parts])
-            table = table if formula is None else table.with_refit(formula)
+            table = table.with_refit(formula) if formula and table.probable_with(formula, parts) else table
             yield table
     return table
 

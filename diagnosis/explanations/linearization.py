@@ -183,7 +183,7 @@ class Linearization:
         simulator, candidate = self.simulator, self.candidates[effect]
         model = simulator.symbolic_model
         response, inputs = self.response(effect), self._inputs(candidate.requires)
-        if self._is_static(effect):
+        if self._follows_at_once(effect):
             return FORM_ERROR * effect_discrepancy(response, inputs)
         states = [state for added in model.added if added.name == effect for state in added.states]
         if candidate.has_states:
@@ -235,14 +235,15 @@ class Linearization:
                 pasts.append(np.nan_to_num(simulator.forces(parameters) - absent))
         return np.stack(pasts, axis=-1) if pasts else np.zeros((*self.forces.shape, 0))
 
-    def _is_static(self, effect: str) -> bool:
-        """Return whether an effect follows its inputs at once."""
-        return not (self.candidates[effect].has_states or effect in self.simulator.symbolic_model.relaxing_effects)
-
     @property
     def static(self) -> Explanation:
-        """The effects of the explanation that follow their inputs at once."""
-        return Explanation(tuple((name, form) for name, form in self.explanation.forms if self._is_static(name)))
+        """The effects of the explanation that follow their inputs at once, without turn slip, which is a rate."""
+        forms = [(name, form) for name, form in self.explanation.forms if self._follows_at_once(name)]
+        return Explanation(tuple(form for form in forms if "phit" not in self.candidates[form[0]].requires))
+
+    def _follows_at_once(self, effect: str) -> bool:
+        relaxing = self.simulator.symbolic_model.relaxing_effects
+        return not self.candidates[effect].has_states and effect not in relaxing
 
     def response(self, effect: str) -> FloatArray:
         """Return the change of the forces by an effect of the explanation, shape (n_channels, n)."""

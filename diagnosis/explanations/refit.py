@@ -12,7 +12,7 @@ from scipy.linalg import cho_solve, solve_triangular
 
 from ...numerics.noise_model import Whitening, noise_parts
 from ...numerics.ties import graded
-from ..least_squares import LeastSquares, Solution
+from ..least_squares import AT_BOUND, LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..signals.disturbances import Disturbances
 from ..signals.simulation import Simulator
@@ -89,8 +89,12 @@ class Refitted:
 def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArray], simulator: Simulator) -> Refitted:
     """Fit an explanation from the best of several initial values, each of shape (n_parameters,).
 
-    The skew begins with that of the simulator. Raises `Ended` if the time of the comparison is over.
+    The skew begins with that of the simulator, or with none if that is at its bound. Raises `Ended` if the time of the
+    comparison is over.
     """
+    signals = simulator.signals
+    if abs(signals.skew) > (1.0 - AT_BOUND) * MAX_SKEW:  # no delay of a bench, but what a relaxation may explain
+        simulator = simulator.with_signals(signals.delayed(-signals.skew))
     problems = (shared.problem, shared.coarse)
     whole, coarse = (with_terms(problem, explanation.terms).over(simulator) for problem in problems)
     fitted = {*shared.free, *(name for _, form in explanation.forms for name in form.free)}

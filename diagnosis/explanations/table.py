@@ -93,8 +93,8 @@ class Table:
     def explained(self) -> float:
         """Logarithm of the likelihood, not raised to a power, by which the leader is better than its static effects.
 
-        The errors of the form of these are smooth in their inputs, which every explanation contains, as it does for
-        those of the baseline model.
+        Errors of the form of these are smooth functions of their inputs. Every explanation contains them, whether the
+        effects were found or the baseline model has them.
         """
         static = set(self.leader.linear.static.parts)
         others = [refit for parts, refit in self.refits.items() if static.issuperset(parts)]
@@ -120,6 +120,23 @@ class Table:
         best = max(divided[parts] for parts in self.refits)
         near = [refit for parts, refit in self.refits.items() if divided[parts] > best + REFIT_MARGIN]
         return [leader, *(refit for refit in near if refit is not leader)]
+
+    def probable_with(self, formula: Refitted, parts: Parts) -> bool:
+        """Return whether an explanation is more probable with a formula: a better tire alone is no unknown effect."""
+        gain, prior = formula.evidence - self.refits[parts].evidence, self.refits[parts].explanation.log_prior
+        return gain / self.caution + formula.explanation.log_prior - prior > 0.0
+
+    def condensed(self) -> Table:
+        """Return the table without what only more comparisons would need, and refits that have little probability."""
+        divided, static = self.divided(), set(self.leader.linear.static.parts)
+        best, leader = max(divided.values()) + 2.0 * REFIT_MARGIN, self.leader.explanation.parts
+        kept = {
+            parts: refit
+            for parts, refit in self.refits.items()
+            if divided[parts] > best or parts == leader or static.issuperset(parts)
+        }
+        others = {parts: (refit.evidence, refit.explanation.log_prior) for parts, refit in self.refits.items()}
+        return replace(self, additions={}, refits=kept, linear={**self.linear, **others})
 
     @property
     def roots(self) -> tuple[Parts, ...]:

@@ -8,11 +8,20 @@ import pandas as pd
 from scipy.interpolate import PchipInterpolator
 
 from tirefmu.diagnosis import Diagnosis
+from tirefmu.measurements import Recording
+from tirefmu.measurements.turn_slip import with_turn_slip
 from tirefmu.numerics import smoothed
 from tirefmu.tires import Tire
 from tirefmu.tires.states.transient import rolled_distance
 
 FloatArray = npt.NDArray[np.float64]
+
+
+def with_derived(diagnosis: Diagnosis, table: pd.DataFrame, signs: str) -> pd.DataFrame:
+    """Return a table with the turn slip, if the diagnosis computed it from other columns and the table lacks it."""
+    if "phit" not in diagnosis.recording["derived_columns"]:
+        return table
+    return with_turn_slip(Recording(table, signs, "recording")).table
 
 
 def recomputed(
@@ -37,6 +46,7 @@ def recomputed(
         N and N m.
     """
     listed = diagnosis.in_signs("iso" if signs == "iso" else "adapted-sae").recording
+    table = with_derived(diagnosis, table, signs)
     t = table["t"].to_numpy()
     late = np.clip(t - listed["skew"], t[0], t[-1])
     inputs = {
