@@ -12,7 +12,7 @@ from diagnosis.case import Case
 from diagnosis.recomputation import recomputed, with_derived
 
 from tirefmu.diagnosis import Diagnosis
-from tirefmu.diagnosis.signals.signals import FORMULA_SIGNS
+from tirefmu.diagnosis.signals import FORMULA_SIGNS
 from tirefmu.tires.tire import Tire
 
 FloatArray = npt.NDArray[np.float64]

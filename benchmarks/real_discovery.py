@@ -26,8 +26,8 @@ import pandas as pd
 from tirefmu.diagnosis import Diagnosis, diagnose
 from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.diagnosis.least_squares import LeastSquares, Solution
-from tirefmu.diagnosis.probing.baseline_fit import fit_baseline
-from tirefmu.diagnosis.signals.signals import FORMULA_SIGNS, signals_of
+from tirefmu.diagnosis.probing import fit_baseline
+from tirefmu.diagnosis.signals import FORMULA_SIGNS, signals_of
 from tirefmu.fitting import fit
 from tirefmu.measurements import Recording, read_recording
 from tirefmu.symbolic.models import model_named

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import time
+from collections.abc import Mapping
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from dataclasses import replace
 from multiprocessing import get_context
@@ -17,13 +18,13 @@ import pandas as pd
 from ..applications.batch.diagnose_many import write_answer
 from ..applications.batch.resumable import made_folder
 from ..applications.explorer.explore import explore
-from ..diagnosis import diagnose, draw_residual_maps, residual_map
+from ..diagnosis import diagnose
 from ..diagnosis.diagnose import with_library
-from ..diagnosis.reporting.gain_figure import gain_figure
-from ..diagnosis.reporting.residual_map import residual_map_figure
-from ..drawing.figure import Figure
+from ..diagnosis.reporting.effect_figures import gain_figure
+from ..drawing.figure import Figure, Panel
 from ..drawing.labels import drawn_unit
 from ..drawing.picture import write_figures
+from ..drawing.residual_panels import residuals_over_inputs
 from ..fitting import FitResult, fit
 from ..fitting.reporting.figures import figures_of
 from ..fmu import check, export
@@ -229,33 +230,36 @@ def _missing_effect(
     with terminal.fitting() as progress:
         reduced = fit([recording], "mf96", start=full.tire, without=["camber_thrust"], progress=progress)
     reduced.tire.save(folder / "without_camber_thrust.tir")
-    given = recording.with_signs("iso")
-    maps = [
-        (title, residual_map(result.tire, given, "Fy", over=("alpha", "gamma")))
-        for title, result in (("without camber thrust", reduced), ("with camber thrust", full))
-    ]
-    draw_residual_maps(maps, folder / "missing_effect.png")
-    (_, before), (_, after) = maps
-    worst = [float(abs(m.worst.mean)) for m in (before, after)]
-    rmse = [next(c.rmse for c in result.channels if c.channel == "Fy") for result in (reduced, full)]
+    figure = _residuals({"without camber thrust": reduced.tire, "with camber thrust": full.tire}, recording)
+    (picture,) = write_figures([figure], folder)
+    before, after = (next(c for c in result.channels if c.channel == "Fy") for result in (reduced, full))
     text = (
-        f"Fy RMSE {rmse[0]:.3g} N without, {rmse[1]:.3g} N with; largest mean residual over (alpha, gamma) "
-        f"{worst[0]:.3g} N without, {worst[1]:.3g} N with"
+        f"Fy RMSE {before.rmse:.3g} N without, {after.rmse:.3g} N with; of it, a function of the inputs explains "
+        f"{before.explained_by_inputs:.3g} N without, {after.explained_by_inputs:.3g} N with"
     )
-    picture = folder / "missing_effect.png"
     terminal.print(f"  {text}: {picture}")
     texts = ("The same fit without camber thrust leaves a pattern in the residuals.", f"{text}.")
     files = (picture, folder / "without_camber_thrust.tir")
-    chapters.append(DemoStep("A tire without one effect", texts, (residual_map_figure(maps),), files))
+    chapters.append(DemoStep("A tire without one effect", texts, (figure,), files))
     return reduced.tire, {
         "effect": "camber_thrust",
         "channel": "Fy",
-        "rmse_without": rmse[0],
-        "rmse_with": rmse[1],
-        "largest_mean_residual_without": worst[0],
-        "largest_mean_residual_with": worst[1],
-        "flat_with_effect": worst[1] < 0.5 * worst[0],
+        "rmse_without": before.rmse,
+        "rmse_with": after.rmse,
+        "explained_by_inputs_without": before.explained_by_inputs,
+        "explained_by_inputs_with": after.explained_by_inputs,
+        "flat_with_effect": after.explained_by_inputs < 0.5 * before.explained_by_inputs,
     }
+
+
+def _residuals(tires: Mapping[str, Tire], recording: Recording) -> Figure:
+    """Return the residuals of the side force over the inputs, a row of panels for each tire."""
+    given, rows = recording.with_signs("iso"), list[tuple[Panel | None, ...]]()
+    for title, tire in tires.items():
+        residual = (given.table["Fy"] - tire.evaluate(given)["Fy"]).to_numpy(dtype=np.float64)
+        if figure := residuals_over_inputs(given.table, {"Fy": residual}, given.signs):
+            rows += [tuple(panel and replace(panel, title=title) for panel in row) for row in figure.rows]
+    return Figure("missing_effect", "Residuals of Fy over the inputs: data minus tire", tuple(rows))
 
 
 def _diagnosis(

@@ -12,9 +12,7 @@ if TYPE_CHECKING:
     from .least_squares import LeastSquares
     from .reporting.fmu_comparison import export_and_simulate
     from .reporting.report import write_report
-    from .reporting.residual_map import Bin, ResidualMap, draw_residual_maps, residual_map
 
-__all__ = ["Bin", "Diagnosis", "ResidualMap", "diagnose", "draw_residual_maps", "export_and_simulate", "residual_map",
-           "write_report"]  # fmt: skip
+__all__ = ["Diagnosis", "diagnose", "export_and_simulate", "write_report"]
 
 __getattr__, __dir__ = on_demand(__name__)

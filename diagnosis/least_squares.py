@@ -7,16 +7,14 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import cho_factor, cho_solve
 
+from ..numerics.arrays import FloatArray
 from ..numerics.gauss_newton import Damping, minimize
 from ..numerics.noise_model import Whitening
 from .signals.disturbances import Disturbances
 from .signals.simulation import Simulator
 from .weighted_columns import WeightedColumns, joined
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Width of a coefficient's bounds in standard deviations of its weak prior.
 RANGE_IN_DEVIATIONS = 4.0
@@ -161,13 +159,9 @@ class LeastSquares:
         """
         signals = self.simulator.signals
         holdout, training = signals.present & signals.holdout, self.inverse_noise > 0.0
-        squares = np.zeros((2, holdout.shape[1]))
-        for i in range(len(signals.channels)):
-            if training[i].any():
-                scale = float(np.mean(before.residual[i][training[i]] ** 2))
-                squares += [
-                    np.where(holdout[i], solution.residual[i], 0.0) ** 2 / scale for solution in (before, after)
-                ]
+        powers = np.sum(before.residual**2, axis=1, where=training) / np.maximum(training.sum(axis=1), 1)
+        scale = np.where(training.any(axis=1), powers, np.inf)[:, None]  # a channel without training rows says nothing
+        squares = np.array([np.sum(s.residual**2 / scale, axis=0, where=holdout) for s in (before, after)])
         total = float(squares[0].sum())
         blocks = signals.block[signals.holdout]
         gains = [float(np.subtract(*squares[:, signals.block == block].sum(axis=1))) for block in np.unique(blocks)]

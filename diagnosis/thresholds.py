@@ -1,56 +1,50 @@
 """The settings of the diagnosis that several modules share, and those of its priors: meaning, and reason for the value.
 
-Others are beside their use. There are three kinds of reasons:
-
-- *Derived*: the value follows from the method or from physics, as stated.
-- *Convention*: other values are equally suitable.
-- *Not recorded*: the value is that of the first version; no study of it is recorded.
-
-One value, `INEXACT_SHARE`, is calibrated on made recordings.
-
-Settings of one effect are in its file
-(docs/effects.md), those of `tirefmu.numerics` in its modules.
+Others are beside their use. A value is *derived* from the method or from physics, as stated, or a *convention*: other
+values are equally suitable. One value, `INEXACT_SHARE`, is calibrated on made recordings. Settings of one effect are in
+its file (docs/effects.md), those of `tirefmu.numerics` in its modules.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..measurements.virtual_bench.bench_errors import CROSS_TALK_PRIOR_SHARE as CROSS_TALK_PRIOR_SHARE
 from ..measurements.virtual_bench.bench_errors import DRIFT_WAVES as DRIFT_WAVES
-from ..measurements.virtual_bench.bench_errors import MAX_CROSS_TALK as MAX_CROSS_TALK
 from ..measurements.virtual_bench.bench_errors import MAX_SKEW as MAX_SKEW
 
 # ------------------------------------------------------------------ the recording
 
 #: Maximum number of compared rows; of longer recordings every n-th row is compared. Convention: computing time.
 MAX_ROWS = 6000
-#: Length of a time block, s; longer than the modelled correlation (`MAX_CORRELATION_TIME`). Not recorded.
+#: Length of a time block, s. Derived: blocks count as independent, so that it is 2.5 times the longest modelled
+#: correlation of noise (`MAX_CORRELATION_TIME`), after which an exponential has fallen to a twelfth.
 BLOCK_LENGTH = 2.5
 #: Largest number of blocks. Convention: computing time.
 MAX_BLOCKS = 60
-#: Every n-th block is in the hold-out set, which no fit uses. Convention.
-HOLDOUT_EVERY = 8
 #: Prior standard deviation of what is practically free: an offset in noise standard deviations, an effect in the linear
 #: test in probe sizes. Convention.
 FREE_PRIOR = 20.0
-#: Minimum range of an input that identifies an effect: 1, rad, rad and share of nominal load or speed. Below this load
-#: the tire is lifted; with less slip Fx has no curve. Not recorded, except the last one, a convention: a bench holds a
-#: constant speed within 1 %.
-MIN_VARIATION: Mapping[str, float] = {"kappa": 0.01, "alpha": 0.01, "gamma": 0.005, "Fz": 0.02, "V": 0.05}
 #: Slip at which a smooth sign of it has three quarters of its size, 1 or rad. Convention.
 SIDE = 0.02
+#: Minimum range of an input that identifies an effect: 1, rad, rad and share of nominal load or speed. Derived for the
+#: slips: over half of SIDE a smooth sign changes by half. Conventions for the others, several times the accuracy with
+#: which a bench holds them constant: 0.1 deg, 0.5 % of the load, below which the tire is lifted, and 1 % of the speed.
+MIN_VARIATION: Mapping[str, float] = {
+    "kappa": 0.5 * SIDE, "alpha": 0.5 * SIDE, "gamma": 0.005, "Fz": 0.02, "V": 0.05,
+}  # fmt: skip
 
 # ------------------------------------------------------------------ the baseline fit and the probes
 
-#: Minimum number of rows of a block, or half the median of all blocks if that is smaller. Not recorded; the half is
-#: derived: blocks are intervals of time, and a recording with few rows per second has no blocks of 20 rows.
+#: Minimum number of rows of a block, or half the median of all blocks if that is smaller. Convention: the scatter of 20
+#: rows is known to a sixth. Derived for the half: blocks are intervals of time, and a recording with few rows per
+#: second has no blocks of 20 rows.
 MIN_ROWS_OF_BLOCK = 20
 #: Share of a response's norm that is orthogonal to the baseline's tangent space; with less it is not tested, and an
 #: effect is not identifiable. Derived: the standard error is then 20 times that of the response alone.
 MIN_INDEPENDENT_SHARE = 1.0 / FREE_PRIOR
 #: Correlation from which two explanations are confounded, and from which the other one is reported. Pairs that are
-#: confounded by design had 0.80 to 1 in an independent study; the lower value is not recorded.
+#: confounded by design had 0.80 to 1 in an independent study. Derived for the lower value: half of the variance is then
+#: common.
 CONFOUNDED, REPORTED = 0.8, 0.7
 
 # ------------------------------------------------------------------ the comparison of explanations
@@ -81,22 +75,3 @@ FOLDS = 5
 RIVALS, REFIT_MARGIN = 3, -3.0
 #: Iterations of the final fits. Convention: computing time.
 FINAL_ITERATIONS = 6
-
-# ------------------------------------------------------------------ the proposal of an unknown component
-
-
-# ------------------------------------------------------------------ the delivered tire and the verdict
-
-#: Residual over noise floor above which a channel lacks something that was not identified. From the requirements of the
-#: diagnosis.
-INADEQUATE = 1.5
-
-
-# ------------------------------------------------------------------ the report
-
-
-#: A channel is reported for an effect from this share of the largest channel's power. Convention.
-CHANNEL_SHARE = 0.02
-#: Minimum number of rows of a cell whose mean is shown in a residual map. Derived: its standard error is then a third
-#: of the noise.
-MIN_ROWS_OF_CELL = 10

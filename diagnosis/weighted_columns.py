@@ -6,10 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.intp]
+from ..numerics.arrays import FloatArray, IndexArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +19,7 @@ class WeightedColumns:
     """
 
     number: int
-    of_channels: tuple[tuple[IntArray, FloatArray], ...]
+    of_channels: tuple[tuple[IndexArray, FloatArray], ...]
 
     def times(self, other: WeightedColumns) -> FloatArray:
         """Return the products with other columns, shape (number, other.number).
@@ -36,7 +34,7 @@ class WeightedColumns:
             products[np.ix_(chosen, others)] += rows.T @ columns
         return products
 
-    def at(self, rows: IntArray) -> WeightedColumns:
+    def at(self, rows: IndexArray) -> WeightedColumns:
         """Return the columns at some of the rows."""
         return replace(self, of_channels=tuple((chosen, columns[rows]) for chosen, columns in self.of_channels))
 

@@ -86,6 +86,21 @@ def level_text(channel: str, level: float) -> str:
     return f"{round(drawn_value(channel, level), 1) + 0.0:.3g} {drawn_unit(channel)}"  # + 0.0: no -0
 
 
+def range_text(channel: str, lower: float, upper: float) -> str:
+    """Return a range of an input in its drawn unit, with three digits.
+
+    `lower`, `upper`: SI units, deg C. What is hardly different from 0 is 0.
+
+    >>> range_text("gamma", 0.0, 0.07), range_text("Fz", 794.2, 1090.4), range_text("kappa", 1e-5, 0.2)
+    ('gamma 0 to 4.01 deg', 'Fz 794 to 1090 N', 'kappa 0 to 0.2')
+    """
+    values = [per_si(channel) * value for value in (lower, upper)]
+    first, last = (
+        f"{round(value)}" if abs(value) >= 100.0 else f"{value if abs(value) >= 1e-3 else 0.0:.3g}" for value in values
+    )
+    return f"{channel} {first} to {last} {drawn_unit(channel).strip('-')}".rstrip()
+
+
 def held_text(signs: str, held: Mapping[str, float]) -> str:
     """Return the constant channels and their levels."""
     return ", ".join(f"{letter(name, signs)} = {level_text(name, level)}" for name, level in held.items())

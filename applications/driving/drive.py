@@ -14,7 +14,7 @@ from ...boundary.named_options import named
 from ...tires import Tire, tire_from
 from ...tires.description import limits_of
 from ...tires.tire_argument import TireLike
-from .effects import Missing, factor_values, motion_of, scaled
+from .effects import factor_values, motion_of, scaled
 from .estimate import Estimate, estimated
 from .factors import CERTAIN, believed, factors_of, scaled_tires, withheld
 from .inputs.car import Car, read_car
@@ -24,7 +24,16 @@ from .inputs.plausibility import check_load_class, check_log, check_wheel_speeds
 from .inputs.unknowns import Unknowns, check_factors, unknowns_of
 from .interval import BALANCE, POSE, interval_of
 from .result import Drive, wheel_table
-from .rivals import DriveExplanation, explaining, forces_of, lacking, probabilities_of, rivals_of
+from .rivals import (
+    DriveExplanation,
+    Rival,
+    explaining,
+    forces_of,
+    nearby,
+    probabilities_of,
+    reestimated,
+    rivals_of,
+)
 from .simulation import simulated
 from .trust.contradiction import contradiction_of
 from .trust.left_out import is_better, left_out, parts_of, widened
@@ -115,14 +124,14 @@ def _answer(
         raise DataError(f"{log.source}: no motion of {car.source} on these tires explains the log") from None
 
     base = DriveExplanation(None, grid, estimate)
-    ranked = rivals_of(base, unknowns, car, tires)
-    best = base
-    if lacking(ranked) > CERTAIN and ranked[0].missing:
-        forces = forces_of(ranked[0], unknowns, car, base)
-        best = (
-            _refitted(ranked[0].missing, lambda: estimated(grid, interval, unknowns, start, log, car, forces, estimate))
-            or base
-        )
+
+    def with_effect(rival: Rival) -> DriveExplanation | None:
+        forces, near = forces_of(rival, unknowns, car, base), nearby(rival, base, unknowns, car)
+        return _refitted(rival, lambda: estimated(grid, interval, unknowns, start, log, car, forces, near))
+
+    ranked, with_effects = reestimated(rivals_of(base, unknowns, car, tires), base, unknowns, with_effect)
+    first = ranked[0].missing
+    best = with_effects.get(first.name, base) if first and ranked[0].probability > CERTAIN else base
     answer = _with_effect(best, base, unknowns, car, tires)
     delivered = answer.missing.delivered(answer.estimate.z[len(unknowns) :]) if answer.missing else tires
     parts = parts_of(answer.grid, answer.estimate, unknowns, car)
@@ -160,10 +169,10 @@ def _answer(
     )
 
 
-def _refitted(missing: Missing, refit: Callable[[], tuple[Grid, Estimate]]) -> DriveExplanation | None:
+def _refitted(rival: Rival, refit: Callable[[], tuple[Grid, Estimate]]) -> DriveExplanation | None:
     """Return the estimate of the whole drive with an effect, or None if there is none."""
     try:
-        explanation = DriveExplanation(missing, *refit())
+        explanation = DriveExplanation(rival.missing, *refit())
     except (np.linalg.LinAlgError, DataError):  # no motion, or one whose loads no tire has
         return None
     return explanation if explanation.estimate.converged else None

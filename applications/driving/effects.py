@@ -54,6 +54,10 @@ class Motion:
             tables.append(table.assign(distance=wheels["distance"]))
         return tables
 
+    def turned(self, angle: float) -> Motion:
+        """Return the motion with larger slip angles, rad."""
+        return replace(self, inputs={**self.inputs, "alpha": self.inputs["alpha"] + angle})
+
     def side_forces(self, tires: Mapping[str, Tire]) -> FloatArray:
         """Return the side force of each axle per static load, shape (n, 2)."""
         forces = [table["Fy"].to_numpy().reshape(2, -1).sum(axis=0) for table in self.evaluated(tires)]

@@ -40,7 +40,7 @@ LARGEST_NOISE = 1.5
 FREEDOM = 4.0
 #: Most steps of the unknowns, and from an estimate that is near; most steps of the states for given unknowns, predicted
 #: relative decrease that ends the latter, smallest part of a step that is tried.
-ROUNDS, NEAR_ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 60, 20, 50, 1e-7, 1e-2
+ROUNDS, NEAR_ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 60, 30, 50, 1e-7, 1e-2
 #: Rounds for which the slope of the volume is kept, but for steps shorter than this, and forces that are added, but for
 #: longer ones.
 SLOPE_ROUNDS, NEAR = 3, 1.0
@@ -130,8 +130,8 @@ def estimated(
     posterior, integrated over the states. The deviations wait until a step of the unknowns is not shortened: far from
     the optimum, the errors of the unknowns are none of the forces, and a long log would never leave a large deviation.
 
-    `forces`: added to those of the tires, for a fixed motion in each round. `near`: an estimate without them, from
-    which this one starts.
+    `forces`: added to those of the tires, for a fixed motion in each round. `near`: an estimate from which this one
+    starts; in its `z`, the unknowns of added forces precede those of the discrepancy, or lack (0).
     """
     n_balance, n = len(BALANCE), len(unknowns)
     z, floor = np.zeros(n), np.ones(len(interval.residuals))
@@ -157,8 +157,8 @@ def estimated(
     held = forces(grid, start, z)
     added = acting(grid, start, z, held)
     n_rest = added.further - held.further
-    rest = rest[len(rest) - n_rest :] if near else np.zeros(n_rest)
-    z = np.concatenate([z, np.zeros(added.further - n_rest), rest])
+    rest = rest if near else np.zeros(n_rest)
+    z = np.concatenate([z, np.zeros(added.further - len(rest)), rest])
     at = _solved(grid, interval, added, start, z, deviations, np.ones((len(grid.t), len(floor))))
     converged, arrived, part, last, resized = False, near is not None or rows is not None, 1.0, np.zeros(len(z)), 0.0
     longest, slope, stalled = np.inf, np.zeros(len(z)), False
@@ -203,11 +203,12 @@ def estimated(
             resized = abs(np.log(new / size))
             z[len(z) - n_rest :] *= size / new
             size = new
-        at = tried
+        states, deviations = tried.states, tried.deviations
+        del at, tried  # a long log has large arrays
         if longest > NEAR or round_ % SLOPE_ROUNDS == 0:
-            held = forces(grid, at.states, z)
-        added = curved(grid, interval, acting(grid, at.states, z, held), at.states, z)
-        at = _solved(grid, interval, added, at.states, z, at.deviations, weights)
+            held = forces(grid, states, z)
+        added = curved(grid, interval, acting(grid, states, z, held), states, z)
+        at = _solved(grid, interval, added, states, z, deviations, weights)
     return grid, _estimate(at, interval, added, z, size, converged)
 
 
@@ -343,6 +344,6 @@ def _volume_slope(grid: Grid, interval: Interval, at: _Point, z: FloatArray) -> 
     shares = (at.linear.jacobian[:, :, :n] @ pairs) * (at.weights / at.deviations)[:, :, None]
     more = shares.transpose(0, 2, 1).reshape(len(shares), -1)
     slopes = evaluated(interval.volume_chunk, grid, at.states, z, interval_data(grid), more).jacobian[:, 0]
-    result = np.einsum("ki,kij->j", slopes[:, :n], at.posterior.slopes)
+    result = -at.factor.at_nodes(slopes[:, :n, None])[:, 0] @ at.factor.solved_border
     result[: len(z)] += slopes[:, n:].sum(axis=0)
     return np.asarray(result)

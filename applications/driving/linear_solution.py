@@ -13,9 +13,12 @@ from .inputs.grid import Grid
 from .interval import Linear
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
 
 #: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
 LONGEST_STEP = 1.0
+#: Intervals whose variances are computed at a time. Convention: memory.
+SOME = 500
 #: Largest deviation of an unknown: one that reaches it contradicts the car file.
 LARGEST = 20.0
 
@@ -25,23 +28,26 @@ class Posterior:
     """A linearized posterior.
 
     - `covariance`, shape (n_z, n_z). `pairs`, shape (n, 2 n_states, 2 n_states): covariance of the nodes of an interval
-      for given unknowns; `slopes`, shape (n, 2 n_states, n_z): their change with the unknowns.
+      for given unknowns.
+    - `slopes`, shape (n_nodes, n_states, n_z): change of the nodes with the unknowns. `ends`, shape (n, 2): numbers of
+      the nodes of an interval.
     """
 
     covariance: FloatArray
     pairs: FloatArray
     slopes: FloatArray
+    ends: IntArray
 
     def variances(self, J: FloatArray) -> FloatArray:
         """Return the variances of functions with the Jacobian J, shape (n, n_functions, 2 n_states + n_z)."""
-        n = self.pairs.shape[1]
-        columns = []
-        for row in J.swapaxes(0, 1):  # one function at a time: a long log has large arrays
-            of_nodes = row[:, :n]
-            by_z = row[:, n:] + np.einsum("ki,kij->kj", of_nodes, self.slopes)
-            given_z = np.einsum("ki,kij,kj->k", of_nodes, self.pairs, of_nodes)
-            columns.append(given_z + np.sum(by_z @ self.covariance * by_z, axis=1))
-        return np.stack(columns, axis=1)
+        n, result = self.pairs.shape[1], np.empty(J.shape[:2])
+        for first in range(0, len(J), SOME):  # a long log has large arrays
+            rows = slice(first, first + SOME)
+            of_nodes, slopes = J[rows, :, :n], self.slopes[self.ends[rows]].reshape(-1, n, len(self.covariance))
+            by_z = J[rows, :, n:] + of_nodes @ slopes
+            given_z = np.sum(of_nodes @ self.pairs[rows] * of_nodes, axis=2)
+            result[rows] = given_z + np.sum(by_z @ self.covariance * by_z, axis=2)
+        return result
 
 
 class Factor:
@@ -107,11 +113,10 @@ class Factor:
 
 def posterior_of(grid: Grid, factor: Factor) -> Posterior:
     """Return the linearized posterior of a factored problem."""
-    n = factor.n
-    slopes = -factor.solved_border.reshape(grid.n_nodes, n, -1)
-    of_pairs = np.concatenate([slopes[grid.left], slopes[grid.right]], axis=1)
     covariance = np.asarray(np.linalg.inv(factor.schur), dtype=np.float64)
-    return Posterior(covariance, _pair_covariances(factor.band, grid, n), of_pairs)
+    slopes = -factor.solved_border.reshape(grid.n_nodes, factor.n, -1)
+    ends = np.stack([grid.left, grid.right], axis=1)
+    return Posterior(covariance, _pair_covariances(factor.band, grid, factor.n), slopes, ends)
 
 
 def _pair_covariances(band: FloatArray, grid: Grid, n: int) -> FloatArray:

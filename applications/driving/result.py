@@ -45,9 +45,10 @@ class CarEntry:
 
 @dataclass(frozen=True)
 class EstimatedCar:
-    """Entries that contradict the car file, one by one and together, and all estimated entries by name."""
+    """Entries that contradict the car file, those to be checked, their joint deviation, and all that are estimated."""
 
     found: Sequence[CarFinding]
+    check: Annotated[Sequence[CarFinding], "entries that may be wrong"]
     contradiction: Contradiction
     entries: Mapping[str, CarEntry]
 
@@ -85,7 +86,7 @@ class Drive:
     """
 
     #: Version of drive.json. New keys increment the second number, changed meanings the first.
-    version: ClassVar[str] = "3.1"
+    version: ClassVar[str] = "3.2"
     JSON_KEYS: ClassVar = (
         "version", "ok", "written", "verdict.lines as verdict", "log.source as log", "duration", "factors",
         "verdict.tires as found", "unknown", "unexplained", "verdict.effect", "verdict.effects", "verdict.lacking",
@@ -150,7 +151,7 @@ class Drive:
             name: CarEntry(values[name], float(sd), self.car.values[name], self.car.uncertainties[name])
             for name, sd in zip(self.unknowns.car, deviation, strict=False)
         }
-        return EstimatedCar(self.verdict.car, self.verdict.contradiction, entries)
+        return EstimatedCar(self.verdict.car, self.verdict.check, self.verdict.contradiction, entries)
 
     @property
     def axle_forces(self) -> dict[str, dict[str, float]]:

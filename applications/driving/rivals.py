@@ -12,7 +12,7 @@ small one improbable however certain it is (Lindley, Biometrika 44, 1957).
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,8 +25,9 @@ from .effects import Missing, Motion, effect_columns, factor_values, motion_of, 
 from .estimate import Estimate, Forces
 from .inputs.car import Car
 from .inputs.grid import Grid
-from .inputs.unknowns import CHANGED, CHANGES, FACTOR_SPREAD, SAME, Unknowns
+from .inputs.unknowns import AXLES, CHANGED, CHANGES, FACTOR_SPREAD, FACTORS, SAME, Unknowns
 from .interval import BALANCE, MOTION, AddedForces
+from .linear_solution import LONGEST_STEP
 from .trust.contradiction import is_agreement
 
 FloatArray = npt.NDArray[np.float64]
@@ -38,16 +39,17 @@ ODDS, WRONG_SPREAD = 0.05, 10.0
 #: Factor of the prior odds of an effect for each coefficient after the first. Judgement: of effects that a drive does
 #: not separate, the simpler one is the more likely.
 FURTHER = 0.5
-#: Effects whose coefficients are estimated, rounds of that, and a change of a standardized coefficient that ends them.
-#: Convention: computing time.
-COMPARED, FITTED, SMALL_CHANGE = 4, 4, 0.1
+#: Effects whose coefficients are estimated, rounds of that, and a change of a standardized coefficient that ends them;
+#: the most likely ones, with which the whole drive is estimated. Convention: computing time.
+COMPARED, FITTED, SMALL_CHANGE, REESTIMATED = 4, 4, 0.1, 2
 #: Probability from which an effect is reported. Coefficients are estimated if twice the gain before that can reach it.
 LIKELY = 0.05
+LIKELY_ODDS = float(np.log(LIKELY / (1.0 - LIKELY)))
 #: Error of the form of a tire over its side force. Judgement: a Magic Formula differs from bench data by about 1 %, of
 #: which its factors and the car take the larger part.
 FORM_ERROR = 0.003
-#: Step of a coefficient for derivatives, in its standard deviations.
-STEP = 0.02
+#: Step of a coefficient for derivatives, in its standard deviations, and of a slip angle, rad.
+STEP, SLIP_STEP = 0.02, 1e-4
 
 
 @dataclass(frozen=True)
@@ -112,12 +114,22 @@ class Rival:
 
     - `u`: standardized deviations of its coefficients. `probability`: of this explanation. `agrees`: whether the car
       agrees with its file if the tires lack the effect.
+    - `gain`: logarithm of its evidence over that of none, whose part `power` counts.
     """
 
     missing: Missing | None
     u: FloatArray
-    probability: float = 0.0
+    probability: float = 1.0
     agrees: bool = False
+    gain: float = 0.0
+    power: float = 1.0
+
+    @property
+    def log_odds(self) -> float:
+        """Logarithm of the odds over no effect."""
+        if not self.missing:
+            return 0.0
+        return float(self.gain * self.power + np.log(ODDS) + (len(self.missing.center) - 1) * np.log(FURTHER))
 
 
 @dataclass(frozen=True)
@@ -132,19 +144,61 @@ class DriveExplanation:
 def rivals_of(base: DriveExplanation, unknowns: Unknowns, car: Car, tires: dict[str, Tire]) -> list[Rival]:
     """Return no effect and the most likely ones, with their probabilities about the estimate; likely ones first."""
     if not base.estimate.converged:
-        return [Rival(None, np.zeros(0), 1.0)]
+        return [Rival(None, np.zeros(0))]
     without = _with_wrong_car(*base.estimate.information(base.grid, np.zeros((len(base.grid.t), 2, 0))), unknowns)
-    rivals, logs = [Rival(None, np.zeros(0))], [0.0]
+    rivals = [Rival(None, np.zeros(0))]
     residuals = base.estimate.residuals.values[:, -len(BALANCE) :].T
-    length = np.mean([correlation_length(row, base.grid.segment) for row in residuals])
+    length = float(np.mean([correlation_length(row, base.grid.segment) for row in residuals]))
     factors, motion = factor_values(unknowns, base.estimate.z), motion_of(base.grid, base.estimate, unknowns, car)
-    for missing, u, power in _shortlist(base, motion, tires, factors, float(length)):
+    for missing, u, power in _shortlist(base, motion, tires, factors, length):
         evidence, u, agrees = _fitted(base, motion, unknowns, missing, u, factors)
-        rivals.append(Rival(missing, u, agrees=agrees))
-        logs.append(float((evidence - without) * power / length) + _log_prior(missing))
-    share = np.exp(np.array(logs) - max(logs))
+        rivals.append(Rival(missing, u, agrees=agrees, gain=evidence - without, power=power / length))
+    return _ranked(rivals)
+
+
+def _ranked(rivals: Sequence[Rival]) -> list[Rival]:
+    """Return explanations with their probabilities, likely ones first."""
+    logs = np.array([rival.log_odds for rival in rivals])
+    share = np.exp(logs - logs.max())
     ranked = [replace(rival, probability=float(p)) for rival, p in zip(rivals, share / share.sum(), strict=True)]
     return sorted(ranked, key=lambda rival: -graded(rival.probability))
+
+
+def reestimated(
+    ranked: Sequence[Rival], base: DriveExplanation, unknowns: Unknowns,
+    refit: Callable[[Rival], DriveExplanation | None],
+) -> tuple[list[Rival], dict[str, DriveExplanation]]:  # fmt: skip
+    """Return the explanations compared by estimates of the whole drive with likely effects, and these by name.
+
+    About an estimate without an effect, other unknowns and the noise have taken a part of it, and the linearized
+    evidence is too small. One power for all likelihoods is that of the effect that explains most: a coarsened
+    likelihood has one, and the effects compete with each other.
+    """
+    likely = [rival for rival in ranked if rival.missing and rival.log_odds > LIKELY_ODDS][:REESTIMATED]
+    fitted = {rival.missing.name: refit(rival) for rival in likely if rival.missing}
+    estimates = {name: explanation for name, explanation in fitted.items() if explanation}
+    if not estimates:
+        return list(ranked), {}
+    evidence = _whole_evidence(base, unknowns)
+    gains = {name: _whole_evidence(explanation, unknowns) - evidence for name, explanation in estimates.items()}
+    strongest = max(gains, key=lambda name: graded(gains[name]))
+    power = next(rival.power for rival in ranked if rival.missing and rival.missing.name == strongest)
+    rivals = []
+    for rival in ranked:
+        name = rival.missing.name if rival.missing else ""
+        if name in estimates:
+            u = estimates[name].estimate.z[len(unknowns) :][: len(rival.u)]
+            rival = replace(rival, u=u, gain=gains[name], power=power)
+        rivals.append(rival)
+    return _ranked(rivals), estimates
+
+
+def _whole_evidence(explanation: DriveExplanation, unknowns: Unknowns) -> float:
+    """Return the logarithm of the evidence of an estimate of the whole drive, with a wrong entry of the car or none."""
+    estimate, grid = explanation.estimate, explanation.grid
+    information, score = estimate.information(grid, np.zeros((len(grid.t), 2, 0)))
+    wrong = _with_wrong_car(information, score, unknowns) - evidence_of(information, score, np.ones(len(score)))
+    return estimate.evidence + wrong
 
 
 def lacking(ranked: Sequence[Rival]) -> float:
@@ -156,10 +210,6 @@ def explaining(ranked: Sequence[Rival]) -> tuple[str, ...]:
     """Return the effects that explain a drive as well as another car would: with one, the car agrees with its file."""
     none = next(rival.probability for rival in ranked if not rival.missing)
     return tuple(rival.missing.name for rival in ranked if rival.missing and rival.agrees and rival.probability > none)
-
-
-def _log_prior(missing: Missing) -> float:
-    return float(np.log(ODDS) + (len(missing.center) - 1) * np.log(FURTHER))
 
 
 def _with_wrong_car(information: FloatArray, score: FloatArray, unknowns: Unknowns) -> float:
@@ -205,24 +255,65 @@ def _fitted(
     return float(evidence), u, is_agreement(z[:n_car], covariance[:n_car, :n_car])
 
 
+def nearby(rival: Rival, base: DriveExplanation, unknowns: Unknowns, car: Car) -> Estimate:
+    """Return an estimate without an effect at the coefficients of one, with factors that give the same side forces."""
+    missing, estimate = rival.missing, base.estimate
+    assert missing is not None
+    motion, z = motion_of(base.grid, estimate, unknowns, car), estimate.z.copy()
+    wanted = motion.side_forces(missing.off(factor_values(unknowns, z)))
+
+    def rest(z: FloatArray) -> FloatArray:
+        return np.nan_to_num(motion.side_forces(missing.on(rival.u, factor_values(unknowns, z))) - wanted).ravel()
+
+    places = [unknowns.factor(*pair) for pair in unknowns.factors]
+    for _ in range(FITTED):
+        at = rest(z)
+        columns = [(rest(z + STEP * (np.arange(len(z)) == i)) - at) / STEP for i in places]
+        change = np.linalg.lstsq(np.stack(columns, axis=1), -at, rcond=1e-6)[0]
+        z[places] += np.clip(change, -LONGEST_STEP, LONGEST_STEP)
+    n = len(unknowns)
+    return replace(estimate, z=np.concatenate([z[:n], rival.u, z[n:]]))
+
+
 def forces_of(rival: Rival, unknowns: Unknowns, car: Car, base: DriveExplanation) -> Forces:
-    """Return the forces of an effect about the motion, the factors and the coefficients that are estimated so far."""
+    """Return the forces of an effect about the motion, the factors and the coefficients that are estimated so far.
+
+    They are linear in the factors and in the slip angles, too: of a tire with the effect, these change other forces
+    than of one without.
+    """
     missing, n, further = rival.missing, len(unknowns), len(rival.u)
     assert missing is not None
 
     def forces(grid: Grid, states: FloatArray, z: FloatArray) -> AddedForces:
         u = z[n : n + further] if len(z) > n else rival.u
         motion = motion_of(grid, replace(base.estimate, states=states, z=z), unknowns, car)
-        factors = factor_values(unknowns, z)
-        without = motion.side_forces(missing.off(factors))
 
-        def added(u: FloatArray) -> FloatArray:
-            return np.nan_to_num(motion.side_forces(missing.on(u, factors)) - without)
+        def without(z: FloatArray, motion: Motion = motion) -> FloatArray:
+            return motion.side_forces(missing.off(factor_values(unknowns, z)))
 
-        at = added(u)
-        columns = [(added(u + STEP * (np.arange(further) == i)) - at) / STEP for i in range(further)]
-        by_u = np.stack(columns, axis=2)
-        return AddedForces(at - by_u @ u, by_u, np.zeros((*at.shape, len(MOTION))), further)
+        def added(u: FloatArray, z: FloatArray, off: FloatArray, motion: Motion = motion) -> FloatArray:
+            return np.nan_to_num(motion.side_forces(missing.on(u, factor_values(unknowns, z))) - off)
+
+        off = without(z)
+        at, columns = added(u, z, off), []
+        by_factor = {}
+        for name in FACTORS:  # of both axles at once
+            moved = z.copy()
+            moved[[unknowns.factor(axle, name) for axle in AXLES]] += STEP
+            by_factor[name] = (added(u, moved, without(moved)) - at) / STEP
+        for axle, name in unknowns.factors:
+            columns.append(np.where([axle == other for other in AXLES], by_factor[name], 0.0))
+        columns += [(added(u + STEP * (np.arange(further) == i), z, off) - at) / STEP for i in range(further)]
+        by_last = np.stack(columns, axis=2)
+        middle = (states[grid.left] + states[grid.right])[:, : len(MOTION)] / 2
+        turned = motion.turned(SLIP_STEP)
+        by_slip = (added(u, z, without(z, turned), turned) - at) / SLIP_STEP
+        entries = unknowns.car_values(car, z)
+        arms = np.array([entries["cg_to_front"], -entries["cg_to_rear"]])
+        by_vy = by_slip / middle[:, :1]
+        slopes = np.stack([np.zeros_like(at), by_vy, by_vy * arms], axis=2)
+        offset = at - by_last @ np.concatenate([z[len(unknowns.car) : n], u]) - np.einsum("kim,km->ki", slopes, middle)
+        return AddedForces(offset, by_last, slopes, further)
 
     return forces
 
@@ -255,7 +346,7 @@ def _shortlist(
     for i, (missing, u, _) in enumerate(columns):
         spread = np.concatenate([np.ones(n), np.arange(len(columns)) == i])
         gain = powers[i] * (evidence_of(information, score, spread) - without)
-        likely = 2.0 * gain / length + _log_prior(missing) > np.log(LIKELY / (1.0 - LIKELY))
+        likely = Rival(missing, u, gain=2.0 * gain, power=1.0 / length).log_odds > LIKELY_ODDS
         if likely and gain > gains.get(missing.name, (0.0,))[0]:
             gains[missing.name] = gain, missing, u, powers[i]
     ranked = sorted(gains.values(), key=lambda entry: -entry[0])[:COMPARED]

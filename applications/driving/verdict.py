@@ -66,8 +66,9 @@ class EffectFinding:
 class DriveVerdict:
     """The verdict.
 
-    - `car`: entries that contradict the car file; `contradiction`: all of them together. `left_out`: how the tires
-      predict, None for a drive too short for that.
+    - `car`: entries that contradict the car file; `check`: others that deviate further than any one of a right file
+      would in 95 % of drives; `contradiction`: all of them together. `left_out`: how the tires predict, None for a
+      drive too short for that.
     - `better`: whether something was found of the tires, and they predict better.
     - `unknown`: axles whose side force the tires do not explain.
     - `lines`: the verdict in words.
@@ -75,6 +76,7 @@ class DriveVerdict:
 
     tires: Annotated[tuple[TireDifference, ...], "differences of the tires"]
     car: tuple[CarFinding, ...]
+    check: tuple[CarFinding, ...]
     contradiction: Contradiction
     left_out: LeftOut | None
     effect: Annotated[str | None, "of the library, that the new tires have"]
@@ -113,28 +115,18 @@ def verdict_on(
         for name, factor in factors[axle].items()
         if (axle, name) in certain
     )
-    values, chances = unknowns.car_values(car, estimate.z), chances_of_entries(estimate, unknowns)
-    deviations = np.sqrt(np.diag(estimate.covariance))
-    of_car = tuple(
-        CarFinding(name, values[name], car.values[name], float(z), wrong[name])
-        for name, z, deviation in zip(unknowns.car, estimate.z, deviations, strict=False)
-        if (contradiction.of_car or (estimate.converged and not contradiction.certain))
-        and wrong[name] > CERTAIN
-        and chances[name] < 1.0 - CERTAIN
-        and abs(z) > WIDTH * deviation
-        and contradiction_of(estimate, unknowns, name).p > 1.0 - CERTAIN
-    )
+    of_car, check = car_findings(estimate, unknowns, car, wrong, contradiction)
     if contradiction.certain and not of_car and lacking(ranked) > CERTAIN:  # other tires explain more than another car
         contradiction = replace(contradiction, explained=False)
-    # Prediction has one vote of two, as for the factors.
-    vote = 1.0 if best.missing or lacking(ranked) < 0.5 else 0.5
+    # Prediction has one vote of two, as for the factors; that of an estimate without an optimum is none.
+    vote = 0.5 if ranked[0].missing and ranked[0].probability > CERTAIN and not best.missing else 1.0
     likely = tuple(
         EffectFinding(rival.missing.name, rival.missing.values(rival.u), vote * rival.probability)
         for rival in ranked
         if rival.missing and rival.probability > LIKELY
     )
     unknown = unexplained_axles(estimate)
-    lines = [*_factor_lines(findings, factors), where, *_car_lines(of_car, unknown, estimate)]
+    lines = [*_factor_lines(findings, factors), where, *_car_lines(of_car, check, unknown, estimate)]
     if best.missing:
         lines.insert(0, _effects_line(likely))
     elif likely:
@@ -146,8 +138,29 @@ def verdict_on(
     lines.append(_prediction_line(predicted, bool(findings or best.missing)))
     effect = best.missing.name if best.missing else None
     return DriveVerdict(
-        findings, of_car, contradiction, predicted, effect, likely, vote * lacking(ranked), unknown, tuple(lines)
+        findings, of_car, check, contradiction, predicted, effect, likely, vote * lacking(ranked), unknown, tuple(lines)
     )
+
+
+def car_findings(
+    estimate: Estimate, unknowns: Unknowns, car: Car, wrong: Mapping[str, float], contradiction: Contradiction
+) -> tuple[tuple[CarFinding, ...], tuple[CarFinding, ...]]:
+    """Return the entries of a car that are wrong in its file, and those to be checked: see `DriveVerdict`."""
+    if not (contradiction.of_car or (estimate.converged and not contradiction.certain)):
+        return (), ()
+    values, chances = unknowns.car_values(car, estimate.z), chances_of_entries(estimate, unknowns)
+    deviations = np.sqrt(np.diag(estimate.covariance))
+    deviating = [
+        CarFinding(name, values[name], car.values[name], float(z), wrong[name])
+        for name, z, deviation in zip(unknowns.car, estimate.z, deviations, strict=False)
+        if chances[name] < 1.0 - CERTAIN and abs(z) > WIDTH * deviation
+    ]
+    in_error = tuple(
+        entry
+        for entry in deviating
+        if entry.probability > CERTAIN and contradiction_of(estimate, unknowns, entry.name).p > 1.0 - CERTAIN
+    )
+    return in_error, tuple(entry for entry in deviating if entry not in in_error)
 
 
 def unexplained_axles(estimate: Estimate) -> tuple[str, ...]:
@@ -223,12 +236,17 @@ def _factor_lines(findings: tuple[TireDifference, ...], factors: Mapping[str, Ma
     return lines
 
 
-def _car_lines(of_car: tuple[CarFinding, ...], unknown: tuple[str, ...], estimate: Estimate) -> list[str]:
+def _car_lines(
+    of_car: tuple[CarFinding, ...], check: tuple[CarFinding, ...], unknown: tuple[str, ...], estimate: Estimate
+) -> list[str]:
     lines = [
         f"car: {ENTRIES[entry.name].meaning} is {'higher' if entry.deviation > 0.0 else 'lower'} than in its file: "
-        f"{entry.value:.4g} instead of {entry.given:.4g} {ENTRIES[entry.name].unit}, "
-        f"{abs(entry.deviation):.1f} standard deviations"
+        f"{_deviation(entry)}"
         for entry in of_car
+    ]
+    lines += [
+        f"car: check the {ENTRIES[entry.name].meaning}, which may be wrong in its file: {_deviation(entry)}"
+        for entry in check
     ]
     lines += [
         f"{axle} axle: the motion requires side forces that no factor explains: "
@@ -236,6 +254,13 @@ def _car_lines(of_car: tuple[CarFinding, ...], unknown: tuple[str, ...], estimat
         for axle in unknown
     ]
     return lines
+
+
+def _deviation(entry: CarFinding) -> str:
+    return (
+        f"{entry.value:.4g} instead of {entry.given:.4g} {ENTRIES[entry.name].unit}, {abs(entry.deviation):.1f} "
+        "standard deviations"
+    )
 
 
 #: Name and unit of an input, and what its value is multiplied by.

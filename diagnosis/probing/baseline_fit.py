@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
+from ...numerics.arrays import FloatArray
 from ...numerics.periodic_lines import periodic_lines
 from ...numerics.ties import graded
 from ...symbolic.declarations import Coefficient
@@ -21,8 +21,6 @@ from ..signals.signals import Signals
 from ..signals.simulation import Simulator
 from ..signals.skew import between_rows
 from .candidates import declared_candidate, varies
-
-FloatArray = npt.NDArray[np.float64]
 
 #: The slip that generates each force.
 OWN_SLIP = {"Fx": "kappa", "Fy": "alpha"}
@@ -68,19 +66,9 @@ def baseline_coefficients(tire: Tire, signals: Signals) -> tuple[str, ...]:
 def fit_baseline(tire: Tire, signals: Signals, *, fitted: bool) -> tuple[LeastSquares, Solution]:
     """Fit the baseline model.
 
-    Parameters
-    ----------
-    tire : Tire
-        The baseline model. Its coefficients are initial values if ``fitted``; otherwise only nominal values are used.
-    signals : Signals
-    fitted : bool
-        Whether the coefficients are those of a fitted tire, not defaults.
-
-    Returns
-    -------
-    LeastSquares
-        With weights from the estimated noise.
-    Solution
+    `tire`: the baseline model. `fitted`: whether its coefficients are those of a fitted tire, which are initial values,
+    not defaults; otherwise only nominal values are used. Returns: the problem, with weights from the estimated noise,
+    and its solution.
     """
     free = baseline_coefficients(tire, signals)
     simulator = Simulator(tire, signals)
@@ -132,11 +120,10 @@ def _with_periodic_lines(problem: LeastSquares, solution: Solution) -> LeastSqua
         axes["distance"] = signals.named()["distance"]
     simulated = signals.measured - solution.residual
     lines = periodic_lines(axes, problem.weighted(solution.residual), problem.inverse_noise > 0.0, simulated)
-    disturbances = problem.disturbances
     noise = np.array([1.0 / np.median(row[row > 0.0]) if (row > 0.0).any() else 1.0 for row in problem.inverse_noise])
-    for line in lines:
-        disturbances = disturbances.with_waves(line, axes[line.over], noise, signals.channels)
-    return replace(problem, disturbances=disturbances) if lines else problem
+    if not lines:
+        return problem
+    return replace(problem, disturbances=problem.disturbances.with_lines(lines, axes, noise, signals.channels))
 
 
 def _starts(tire: Tire, signals: Signals, free: tuple[str, ...], fitted: bool) -> list[FloatArray]:

@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from ...numerics.arrays import FloatArray
 from ...symbolic.detection import Detection
 from ..signals.skew import delay_response
 from ..thresholds import SIDE
 from .effect_probing import Screen
 
-FloatArray = npt.NDArray[np.float64]
-
-#: Share of an effect's norm from which the response of a single coefficient is compared as well. Not recorded.
+#: Share of an effect's norm from which the response of a single coefficient is compared as well. Convention: less
+#: than a sixth of the power is not what makes two effects alike.
 MIN_SHARE = 0.4
 
 #: Sensor errors that are confounded with effects: the input and its error, rad, rad and 1.
@@ -67,19 +66,11 @@ def correlations(
     the best linear combination of the other responses. The responses to the remaining coefficients and to the
     disturbances of the recording are projected out of both.
     """
-    solution = screen.solution
-    of_recording = [False] * len(screen.problem.disturbances.names)
-    of_effect = np.array([name in coefficients for name in solution.free] + of_recording)
-    parameters = solution.parameters.copy()
-    declarations = screen.problem.simulator.symbolic_model.coefficients
-    index = screen.problem.simulator.index
-    values = np.array(
-        [
-            parameters[index[name]] - declarations[name].default
-            for name in np.array(solution.free)[of_effect[: len(solution.free)]]
-        ]
-    )
-    response = screen.tangent[:, :, of_effect] @ values
+    solution, simulator = screen.solution, screen.problem.simulator
+    declarations, names = simulator.symbolic_model.coefficients, [n for n in solution.free if n in coefficients]
+    values = np.array([solution.parameters[simulator.index[name]] - declarations[name].default for name in names])
+    of_effect = np.zeros(screen.tangent.shape[-1], dtype=bool)
+    of_effect[[solution.free.index(name) for name in names]] = True
     rest = screen.tangent[:, :, ~of_effect].reshape(-1, int((~of_effect).sum()))
     normal = rest.T @ rest + np.diag(screen.prior_precision[~of_effect])
 
@@ -87,10 +78,9 @@ def correlations(
         flat = columns.reshape(rest.shape[0], -1)
         return np.asarray(flat - rest @ np.linalg.solve(normal, rest.T @ flat))
 
-    projected = projected_out(response)[:, 0]
     parts = projected_out(screen.tangent[:, :, of_effect] * values)
-    sizes = np.linalg.norm(parts, axis=0)
-    size = float(np.linalg.norm(projected))
+    projected = parts.sum(axis=1)
+    sizes, size = np.linalg.norm(parts, axis=0), float(np.linalg.norm(projected))
     directions = [projected / max(size, 1e-300)]  # the total response, and large single ones
     directions += [
         part / own_size for part, own_size in zip(parts.T, sizes, strict=True) if own_size > MIN_SHARE * size > 0.0

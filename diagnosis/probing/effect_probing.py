@@ -8,8 +8,8 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 
+from ...numerics.arrays import FloatArray, IntArray
 from ...numerics.block_regression import BlockSums, autocovariance, block_sums, coloured_covariance, regression, wald_p
 from ...symbolic.detection import Form, Probe
 from ..least_squares import LeastSquares, Solution
@@ -18,10 +18,7 @@ from ..thresholds import FREE_PRIOR, MIN_INDEPENDENT_SHARE, MIN_ROWS_OF_BLOCK
 from .baseline_fit import readable
 from .candidates import Candidate, counts_from_neutral, is_testable
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
-
-#: Longest lag of the noise covariance in the test, s; the block jackknife covers longer correlations. Not recorded.
+#: Longest lag of the noise covariance in the test, s; the block jackknife covers longer correlations. Convention.
 MAX_CORRELATION_TIME = 1.0
 
 
@@ -31,27 +28,17 @@ class Response:
 
     - `columns`, shape (n_channels, n, k): weighted responses, one per probe.
     - `estimate`, shape (k,): amplitudes, in units of the probes.
-    - `p_coloured`, `p_blocks`: p-values of the Wald test: from the autocovariance of the noise, and from the jackknife
-      over blocks.
-    - `error`, shape (k,): standard errors of the estimate, the larger of the two.
-    - `loss`, shape (n_blocks,): Cross-validated loss of each block with the response.
+    - `p_coloured`: p-value of the Wald test from the autocovariance of the noise.
+    - `error`, shape (k,): standard errors of the estimate: the larger one of those from the autocovariance of the noise
+      and from the jackknife over blocks.
     - `independent_share`: largest share of a response's norm that is orthogonal to the baseline's tangent space.
-    - `size`: root mean square of the largest response, in noise standard deviations.
     """
 
     columns: FloatArray
     estimate: FloatArray
     p_coloured: float
-    p_blocks: float
     error: FloatArray
-    loss: FloatArray
     independent_share: float
-    size: float
-
-    @property
-    def p(self) -> float:
-        """The larger of the two p-values."""
-        return max(self.p_coloured, self.p_blocks)
 
 
 class Screen:
@@ -137,13 +124,9 @@ class Screen:
         free = self.project(columns)
         independent, size = np.sqrt(np.sum(free**2, axis=(0, 1))), np.sqrt(np.sum(columns**2, axis=(0, 1)))
         testable = independent > np.maximum(MIN_INDEPENDENT_SHARE * size, 1e-6)
-        rows = max(int((self.problem.inverse_noise > 0.0).sum()), 1)
         share = float(np.max(independent / np.maximum(size, 1e-300)))
         if not testable.any():
-            nothing = np.zeros(k)
-            return Response(
-                columns, nothing, 1.0, 1.0, nothing + np.inf, self.baseline.loss, share, float(size.max() / rows**0.5)
-            )
+            return Response(columns, np.zeros(k), 1.0, np.full(k, np.inf), share)
         sums = self._extended(columns)
         q = self.tangent.shape[-1]
         prior = np.concatenate([self.prior_precision, np.full(k, FREE_PRIOR**-2.0)])
@@ -153,10 +136,8 @@ class Screen:
         jackknife = fit.jackknife[q:, q:]
         estimate = fit.estimate[q:]
         use = np.ix_(testable, testable)
-        p_coloured = wald_p(estimate[testable], coloured[use])
-        p_blocks = wald_p(estimate[testable], jackknife[use], self.n_blocks)
         error = np.sqrt(np.maximum(np.diag(coloured), np.diag(jackknife)))
-        return Response(columns, estimate, p_coloured, p_blocks, error, fit.loss, share, float(size.max() / rows**0.5))
+        return Response(columns, estimate, wald_p(estimate[testable], coloured[use]), error, share)
 
     def _extended(self, columns: FloatArray) -> BlockSums:
         """Return the cross products by block of the tangent space with columns appended."""

@@ -9,24 +9,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from ...boundary.errors import DataError
 from ...fmu import export
+from ...fmu.comparison.check import compared_columns, directly, largest_difference, times_of
 from ...fmu.comparison.compared import EVALUATION_TOLERANCE
 from ...fmu.simulation.simulate import loaded
 from ...measurements import Recording, TableLike, recording_from, recordings_from
 from ...measurements.recording import distinct
 from ...measurements.turn_slip import with_turn_slip
-from ...tires import TABLE_INPUTS
-from ...tires.evaluation import Conventions, evaluate
 from ...tires.tire import Tire
 from ..verdict.result import Diagnosis
-
-FloatArray = npt.NDArray[np.float64]
-#: Time step of a table without a column t, s.
-STEP = 0.01
 
 
 def export_and_simulate(
@@ -85,41 +79,26 @@ def export_and_simulate(
 def simulated_error(path: str | Path, tire: Tire, recording: Recording) -> tuple[pd.DataFrame, float]:
     """Simulate an FMU over a recording; a new run starts where time decreases.
 
-    Parameters
-    ----------
-    path : str or Path
-    tire : Tire
-        The tire in the FMU, for direct evaluation.
-    recording : Recording
-
-    Returns
-    -------
-    DataFrame
-        Measured minus simulated, ISO signs, by measured channel.
-    float
-        Largest |FMU - direct| / (1 + |direct|).
+    `tire`: the one in the FMU, for direct evaluation. Returns: measured minus simulated by measured channel, ISO signs;
+    the largest |FMU - direct| / (1 + |direct|).
     """
-    table = recording.with_signs("iso").table
-    measured = [name for name in recording.measured() if name in tire.outputs]
-    if not measured:
-        raise DataError(f"{recording.source}: no measured output that the tire computes ({', '.join(tire.outputs)})")
-    time = table["t"].to_numpy(dtype=np.float64) if "t" in table else STEP * np.arange(len(table), dtype=np.float64)
+    recording = recording.with_signs("iso")
+    table, time = recording.table, times_of(recording.table)
     cuts = [0, *(np.flatnonzero(np.diff(time) < 0.0) + 1).tolist(), len(table)]
     runs = [slice(first, last) for first, last in pairwise(cuts)]
-    outputs = list(tire.outputs)
     with loaded(path) as slave:
-        inputs = {variable.name for variable in slave.description.modelVariables if variable.causality == "input"}
-        present = [name for name in TABLE_INPUTS if name in inputs and name in table]
+        variables = {variable.name: variable for variable in slave.description.modelVariables}
+        present, measured, outputs = compared_columns(variables, recording, path)
         rows = table[present].to_numpy(dtype=np.float64)
         if not np.isfinite(rows).all():
             row, column = np.argwhere(~np.isfinite(rows))[0]
             raise DataError(f"{recording.source}: row {row + 1}: {present[column]} is not a finite number")
-        simulated = np.vstack([slave.run(run, time, rows, present, outputs) for run in runs])
+        simulated = pd.DataFrame(
+            np.vstack([slave.run(run, time, rows, present, outputs) for run in runs]), columns=outputs
+        )
     given = table[present].assign(t=time)
-    direct = np.vstack([evaluate(tire, given.iloc[run], Conventions(hold=True))[outputs].to_numpy() for run in runs])
-    difference = float(np.max(np.abs(simulated - direct) / (1.0 + np.abs(direct))))
-    answer = pd.DataFrame(simulated, columns=outputs, index=table.index)
-    return table[measured] - answer[measured], difference if np.isfinite(difference) else float("inf")
+    difference = largest_difference(directly(tire, (given.iloc[run] for run in runs)), simulated)
+    return table[measured] - simulated.set_index(table.index)[measured], difference
 
 
 def _rms(error: pd.DataFrame) -> dict[str, float]:

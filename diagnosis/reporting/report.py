@@ -17,9 +17,7 @@ from ...measurements.provenance import provenance
 from ...tires.tire import Tire
 from ..explanations.answer import percent
 from ..verdict.result import Diagnosis
-from .form_figure import form_figure
-from .gain_figure import gain_figure
-from .memory_figure import memory_figure
+from .effect_figures import form_figure, gain_figure, memory_figure
 from .residual_figure import residual_location_figure
 
 #: The parts of a recording in the words of the page.

@@ -11,7 +11,7 @@ from ...drawing.figure import Cells, Figure, Panel, Series
 from ...drawing.labels import axis_label, per_si
 from ...drawing.style import BLUE, DASHED, RED, SOLID
 from ...numerics.arrays import FloatArray
-from ..thresholds import MIN_ROWS_OF_CELL
+from ..verdict.residual_location import MIN_ROWS_OF_CELL
 
 #: Mean residual at the ends of the color scale, in noise standard deviations.
 FULL = 3.0
@@ -62,17 +62,13 @@ def residual_location_figure(
 
 
 def _map_panel(title: str, shown: Mapping[str, Any]) -> Panel:
-    x, y = (np.asarray(edges) * _scale(name) for name, edges in zip(shown["over"], shown["edges"], strict=True))
+    x, y = (np.asarray(edges) * per_si(name) for name, edges in zip(shown["over"], shown["edges"], strict=True))
     means = np.array([[np.nan if cell is None else cell for cell in row] for row in shown["mean"]], dtype=np.float64)
     counts = np.asarray(shown["count"])
     means = np.where(counts >= MIN_ROWS_OF_CELL, means, np.nan)
-    first, second = ("distance (m)" if name == "distance" else axis_label(name) for name in shown["over"])
+    first, second = map(axis_label, shown["over"])
     return Panel(
         first, second, title=f"{title}: largest mean {shown['worst']['mean']:+.1f}",
         x_limits=(x[0], x[-1]), y_limits=(y[0], y[-1]), cells=Cells(x, y, means, counts, True, FULL, MEAN),
         width=4.2, height=3.0,
     )  # fmt: skip
-
-
-def _scale(name: str) -> float:
-    return 1.0 if name == "distance" else per_si(name)

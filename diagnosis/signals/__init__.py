@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from .disturbances import disturbances_of, load_error_responses, reported_disturbances
     from .measurement_artefacts import quantisation, ripple
     from .outliers import OUTLIER
-    from .signals import FORMULA_SIGNS, signals_of
+    from .signals import FORMULA_SIGNS, HOLDOUT_EVERY, signals_of
     from .simulation import Simulator
     from .skew import between_rows
 

@@ -8,23 +8,30 @@ proportion, as if friction and slip stiffness had a memory.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
+from math import hypot, sqrt
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from ...measurements.virtual_bench.bench_errors import cross_talk, half_waves
+from ...measurements.virtual_bench.bench_errors import (
+    CROSS_TALK_PRIOR_SHARE,
+    DRIFT_WAVES,
+    MAX_CROSS_TALK,
+    cross_talk,
+    half_waves,
+)
+from ...numerics.arrays import FloatArray
 from ...numerics.periodic_lines import PeriodicLine
 from ...tires.states.transient import followed
-from ..thresholds import CROSS_TALK_PRIOR_SHARE, DRIFT_WAVES, FREE_PRIOR, MAX_CROSS_TALK
+from ..thresholds import FREE_PRIOR
 from .signals import Signals
 from .simulation import Simulator
 
-FloatArray = npt.NDArray[np.float64]
-
-#: Prior standard deviation of drift, in noise standard deviations. Not recorded.
+#: Prior standard deviation of drift, in noise standard deviations. Convention: a drift beyond the noise is seen in the
+#: bench and repaired.
 DRIFT_PRIOR = 1.0
 
 #: How the names of cross-talk begin, before Fx_in_Fy.
@@ -72,28 +79,16 @@ class Disturbances:
             self.added.difference(names), self.lines,
         )  # fmt: skip
 
-    def with_waves(
-        self, line: PeriodicLine, at: FloatArray, noise: FloatArray, channels: Sequence[str]
+    def with_lines(
+        self, lines: Sequence[PeriodicLine], axes: Mapping[str, FloatArray], noise: FloatArray, channels: Sequence[str]
     ) -> Disturbances:
-        """Return the disturbances with a periodic disturbance of all channels.
+        """Return the disturbances with periodic disturbances of all channels.
 
-        `at`, shape (n,): time or distance at the compared rows. `noise`, shape (n_channels,).
+        `axes`, shape (n,): time and distance at the compared rows. `noise`, shape (n_channels,).
         """
-        names, columns, deviation = [], [], []
-        number = 1 + len(self.lines)
-        for i, channel in enumerate(channels):
-            for part, wave in zip(("cosine", "sine"), line.waves(at), strict=True):
-                column = np.zeros(self.columns.shape[:2])
-                column[i] = wave
-                names.append(f"wave{number}_{part}_{channel}")
-                columns.append(column)
-                deviation.append(FREE_PRIOR * noise[i])
-        extended = self.with_columns(tuple(names), np.stack(columns, axis=-1), np.array(deviation))
-        return replace(extended, lines=(*self.lines, line))
-
-    def with_columns(self, names: tuple[str, ...], columns: FloatArray, deviation: FloatArray) -> Disturbances:
-        """Return the disturbances with further disturbances of the recording."""
-        return replace(self.extended(names, columns, deviation), added=self.added)
+        names, columns, index = _columns(_waves(lines, axes, channels), self.columns.shape[:2])
+        extended = self.extended(names, columns, FREE_PRIOR * noise[index])
+        return replace(extended, added=self.added, lines=tuple(lines))
 
     def extended(self, names: tuple[str, ...], columns: FloatArray, deviation: FloatArray) -> Disturbances:
         """Return the disturbances with additional columns, for structure that no coefficient of the model explains."""
@@ -106,33 +101,53 @@ class Disturbances:
         )
 
 
+#: Names of disturbances with the index of the channel that each changes, and its change per unit, shape (n,).
+Changes = Iterator[tuple[str, int, FloatArray]]
+
+
+def _slow(share: FloatArray, number: int, channels: Sequence[str]) -> Changes:
+    """Yield offset and drift of each channel at shares of the recording that have passed, with a number of waves."""
+    for i, channel in enumerate(channels):
+        for k, wave in enumerate(half_waves(share, number)):
+            yield f"drift{k}_{channel}" if k else f"offset_{channel}", i, wave
+
+
+def _cross_talk(channels: Sequence[str], measured: FloatArray, radius: float) -> Changes:
+    for pair, target, change in cross_talk(channels, measured, radius):
+        yield f"{CROSS_TALK}{pair}", target, change
+
+
+def _waves(lines: Iterable[PeriodicLine], axes: Mapping[str, FloatArray], channels: Sequence[str]) -> Changes:
+    for number, line in enumerate(lines, start=1):
+        for i, channel in enumerate(channels):
+            for part, wave in zip(("cosine", "sine"), line.waves(axes[line.over]), strict=True):
+                yield f"wave{number}_{part}_{channel}", i, wave
+
+
+def _columns(changes: Changes, shape: tuple[int, ...]) -> tuple[tuple[str, ...], FloatArray, list[int]]:
+    """Return names, columns of shape (n_channels, n, n_names), and the index of the channel of each."""
+    names, channels, values = zip(*changes, strict=True)
+    columns = np.zeros((*shape, len(names)))
+    columns[channels, :, range(len(names))] = values
+    return names, columns, list(channels)
+
+
 def disturbances_of(signals: Signals, noise: FloatArray, radius: float) -> Disturbances:
     """Return the disturbances that a recording may have.
 
     `noise`, shape (n_channels,): standard deviation of each channel's noise. `radius`, m: unloaded radius, the length
     to which cross-talk of a force into a moment refers.
     """
-    n_channels, n = signals.measured.shape
-    waves = half_waves(passed(signals, signals.t[signals.rows]), DRIFT_WAVES if signals.timed else 0)
-    names, columns, deviation = [], [], []
-    for i, channel in enumerate(signals.channels):
-        for k, wave in enumerate(waves):
-            column = np.zeros((n_channels, n))
-            column[i] = wave
-            names.append(f"{_slow_name(k)}_{channel}")
-            columns.append(column)
-            deviation.append(noise[i] * (FREE_PRIOR if k == 0 else DRIFT_PRIOR))
-    for pair, target, change in cross_talk(signals.channels, signals.measured, radius):
-        column = np.zeros((n_channels, n))
-        column[target] = change
-        names.append(f"{CROSS_TALK}{pair}")
-        columns.append(column)
-        deviation.append(CROSS_TALK_PRIOR_SHARE * MAX_CROSS_TALK[pair])
-    return Disturbances(tuple(names), np.stack(columns, axis=-1), np.array(deviation))
-
-
-def _slow_name(k: int) -> str:
-    return "offset" if k == 0 else f"drift{k}"
+    slow = _slow(passed(signals, signals.t[signals.rows]), DRIFT_WAVES if signals.timed else 0, signals.channels)
+    changes = chain(slow, _cross_talk(signals.channels, signals.measured, radius))
+    names, columns, channels = _columns(changes, signals.measured.shape)
+    deviation = [
+        CROSS_TALK_PRIOR_SHARE * MAX_CROSS_TALK[name.removeprefix(CROSS_TALK)]
+        if name.startswith(CROSS_TALK)
+        else noise[i] * (FREE_PRIOR if name.startswith("offset") else DRIFT_PRIOR)
+        for name, i in zip(names, channels, strict=True)
+    ]
+    return Disturbances(names, columns, np.array(deviation))
 
 
 def passed(signals: Signals, t: FloatArray) -> FloatArray:
@@ -150,38 +165,47 @@ def reported_disturbances(disturbances: Disturbances, values: FloatArray, signal
     waves over the recording) and removed_over (start and end of these waves, s).
     """
     named = dict(zip(disturbances.names, values.tolist(), strict=True))
-    drift = {
-        channel: float(
-            np.sqrt(sum(v**2 for name, v in named.items() if name.startswith("drift") and name.endswith(channel)) / 2.0)
-        )
-        for channel in signals.channels
-    }
-    t = signals.t[signals.rows]
-    return {
-        "periodic": _reported_waves(disturbances, named, signals.channels),
-        "skew": signals.skew,
-        "removed": removed_from(disturbances, values, signals),
-        "removed_over": [float(t[0]), float(t[-1])],
-        "offset": {channel: named[f"offset_{channel}"] for channel in signals.channels},
-        "drift": drift,
-        "cross_talk": {name.removeprefix(CROSS_TALK): v for name, v in named.items() if name.startswith(CROSS_TALK)},
-        "input_noise": dict(signals.origin.noise),
-    }
-
-
-def removed_from(disturbances: Disturbances, values: FloatArray, signals: Signals) -> dict[str, dict[str, Any]]:
-    """Return what is subtracted from the residuals of each channel: offset, and drift as amplitudes of half waves.
-
-    `values`, shape (n_disturbances,).
-    """
-    named = dict(zip(disturbances.names, values.tolist(), strict=True))
-    return {
+    removed: dict[str, dict[str, Any]] = {
         channel: {
             "offset": named[f"offset_{channel}"],
             "drift": [v for name, v in named.items() if name.startswith("drift") and name.endswith(f"_{channel}")],
         }
         for channel in signals.channels
     }
+    t = signals.t[signals.rows]
+    return {
+        "periodic": _reported_waves(disturbances, named, signals.channels),
+        "skew": signals.skew,
+        "removed": removed,
+        "removed_over": [float(t[0]), float(t[-1])],
+        "offset": {channel: slow["offset"] for channel, slow in removed.items()},
+        "drift": {channel: hypot(*slow["drift"]) / sqrt(2.0) for channel, slow in removed.items()},
+        "cross_talk": {name.removeprefix(CROSS_TALK): v for name, v in named.items() if name.startswith(CROSS_TALK)},
+        "input_noise": dict(signals.origin.noise),
+    }
+
+
+def removed_at(
+    disturbances: Disturbances, values: FloatArray, signals: Signals, t: FloatArray, measured: FloatArray, radius: float
+) -> FloatArray:
+    """Return what the disturbances contribute to the forces in every row of a recording, shape (n_channels, n_rows).
+
+    `values`, shape (n_disturbances,). `t`, shape (n_rows,), s; without a recorded time, the number of the row.
+    `measured`, shape (n_channels, n_rows): forces, in the signs of the formula. `radius`, m: unloaded radius.
+    """
+    named = dict(zip(disturbances.names, values.tolist(), strict=True))
+    axes, removed = {"t": t}, np.zeros_like(measured)
+    if any(line.over == "distance" for line in disturbances.lines):
+        distance = signals.delayed(-signals.skew).named()["distance"]
+        axes["distance"] = np.interp(np.arange(len(t)), signals.table_rows, distance)
+    changes = chain(
+        _slow(passed(signals, t), DRIFT_WAVES, signals.channels),
+        _cross_talk(signals.channels, np.nan_to_num(measured), radius),
+        _waves(disturbances.lines, axes, signals.channels),
+    )
+    for name, i, change in changes:
+        removed[i] += named.get(name, 0.0) * change
+    return removed
 
 
 def _reported_waves(

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-import numpy.typing as npt
 
+from ...numerics.arrays import IndexArray
 from ...symbolic.added.effect import owners_of
 from ...symbolic.added.state import State
 from ...tires.tire import Tire
 
 
-def amplitudes_of(tire: Tire) -> dict[str, npt.NDArray[np.intp]]:
+def amplitudes_of(tire: Tire) -> dict[str, IndexArray]:
     """Return for each state of an effect that the tire lacks the coefficients without which it does not act.
 
     They are indices in the parameters of the model.

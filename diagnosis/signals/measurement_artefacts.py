@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from ...measurements import Recording
+from ...numerics.arrays import FloatArray
 from ...numerics.smoothing import HALF_WIDTHS
 from ...numerics.wheel_periodicity import once_per_revolution
 from ...symbolic.channels import OUTPUTS
@@ -15,8 +15,6 @@ from ...tires.tire import Tire
 from .disturbances import Disturbances, reported_disturbances
 from .predicted_temperature import SURROUNDINGS, TEMPERATURE
 from .signals import Signals
-
-FloatArray = npt.NDArray[np.float64]
 
 #: A pause of this many time steps ends a segment.
 PAUSE = 5.0

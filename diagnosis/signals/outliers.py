@@ -3,35 +3,23 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 
-FloatArray = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
+from ...numerics.arrays import BoolArray, FloatArray
 
-#: Outliers exceed twice this number of robust standard deviations of the short-range residual. Not recorded.
+#: Outliers exceed twice this number of robust standard deviations of the short-range residual. Convention: twice,
+#: because noise in proportion to the force is larger than its typical value where the force is.
 OUTLIER = 7.0
-#: Rows over which the short-range residual is centred. Not recorded.
+#: Rows over which the short-range residual is centred. Convention: the mean of 15 rows has a quarter of their noise.
 LOCAL_ROWS = 15
 
 
 def short_range(residual: FloatArray, used: BoolArray) -> tuple[FloatArray, BoolArray]:
     """Return the difference of a residual from its moving average, and the rows that are used and no outliers.
 
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        Finite.
-    used : ndarray of bool, shape (n,)
+    `residual`, shape (n,): finite. `used`, shape (n,). Returns: both of shape (n,); the difference is 0 in rows that
+    are not used.
 
-    Returns
-    -------
-    ndarray, shape (n,)
-        0 in rows that are not used.
-    ndarray of bool, shape (n,)
-
-    Examples
-    --------
     >>> residual = np.random.default_rng(0).normal(size=500)
     >>> residual[[7, 300]] = 60.0
     >>> np.flatnonzero(~short_range(residual, np.ones(500, dtype=bool))[1]).tolist()

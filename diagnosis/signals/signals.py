@@ -10,11 +10,11 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 from scipy.interpolate import PchipInterpolator
 
 from ...boundary.errors import DataError
+from ...numerics.arrays import BoolArray, FloatArray, IntArray
 from ...numerics.smoothing import smoothed
 from ...symbolic.channels import OUTPUTS
 from ...tires.signs import convert_signs
@@ -22,19 +22,18 @@ from ...tires.states.transient import rolled_distance
 from ...tires.tire import Tire
 from ..thresholds import (
     BLOCK_LENGTH,
-    HOLDOUT_EVERY,
     MAX_BLOCKS,
     MAX_ROWS,
     MIN_ROWS_OF_BLOCK,
     MIN_VARIATION,
 )
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
-
+#: Every n-th block is in the hold-out set, which no fit uses. Convention.
+HOLDOUT_EVERY = 8
 #: Minimum number of rows under load. Derived from `MIN_BLOCKS`: a block then has about 16 rows.
 MIN_ROWS = 200
-#: In time steps: a longer step is a gap in time, which separates segments of smoothing. Not recorded.
+#: In time steps: a longer step is a gap in time, which separates segments of smoothing. Convention, as of a recording
+#: (`Recording.segments`).
 TIME_GAP = 5.0
 #: Least number of blocks. A jackknife covariance of k responses requires more than k + 1 blocks. Convention.
 MIN_BLOCKS = 12
@@ -90,9 +89,9 @@ class Signals:
     channels: tuple[str, ...]
     output_index: IntArray
     measured: FloatArray
-    present: npt.NDArray[np.bool_]
+    present: BoolArray
     block: IntArray
-    holdout: npt.NDArray[np.bool_]
+    holdout: BoolArray
     origin: InputOrigin
     timed: bool
     excluded_channels: Mapping[str, str] = field(default_factory=dict)

@@ -14,9 +14,9 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from ...measurements.state_starts import estimated_starts
+from ...numerics.arrays import FloatArray, IndexArray
 from ...tires.code import Code, chosen_derivatives, fastest_code
 from ...tires.code.given_lines import GivenLines, given_lines
 from ...tires.states.equilibrium import equilibrium
@@ -25,9 +25,6 @@ from ...tires.states.transient import Course, lagged_course, lateral_slip, segme
 from ...tires.tire import Tire
 from .effect_states import amplitudes_of, groups_of
 from .signals import Signals
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.intp]
 
 #: Results that are remembered: those of the current and the tried parameters, each with one coefficient moved.
 REMEMBERED = 4
@@ -149,7 +146,7 @@ class Simulator:
         other._store()
         return other
 
-    def _inactive_inputs(self) -> list[tuple[int, IntArray, FloatArray]]:
+    def _inactive_inputs(self) -> list[tuple[int, IndexArray, FloatArray]]:
         """Return input row, coefficient indices and their values for each on-demand effect that the tire lacks."""
         values, inputs = self.tire.parameters(), list(self.tire.inputs)
         inactive = []
@@ -386,7 +383,7 @@ class Simulator:
                 jacobian[:, :, i] = (self.forces(moved) - self.forces(parameters)) / step
         return jacobian
 
-    def _entries(self, free: tuple[str, ...]) -> tuple[IntArray, IntArray, IntArray]:
+    def _entries(self, free: tuple[str, ...]) -> tuple[IndexArray, IndexArray, IndexArray]:
         """Return entries of the generated Jacobian by free coefficients, and the channel and column of each."""
         forces, coefficients = self._code.entries
         channel_of = {int(force): i for i, force in enumerate(self.signals.output_index)}

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 from scipy.ndimage import maximum_filter1d
 
-from ..thresholds import MAX_SKEW
+from ...measurements.virtual_bench.bench_errors import MAX_SKEW
+from ...numerics.arrays import FloatArray
 from .simulation import Simulator
-
-FloatArray = npt.NDArray[np.float64]
 
 
 def delay_response(simulator: Simulator, parameters: FloatArray) -> FloatArray:

@@ -6,20 +6,19 @@ quantity, so that it can be added to the model equations.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from ...numerics.arrays import FloatArray
 from ...symbolic.model import Model
 from ...tires.tire import Tire
 from ..probing.candidates import excited, varies
 from ..signals.signals import Signals
 from ..signals.simulation import Simulator
-from .past import Adding, Past, add_rates_and_memory
-
-FloatArray = npt.NDArray[np.float64]
+from .past import Described, rates_and_memory
 
 #: Inputs of the steady-state core. Structure in these alone is an error of the functional form, not a missing effect.
 CORE_INPUTS = frozenset({"alpha", "kappa", "Fz"})
@@ -36,7 +35,6 @@ class Feature:
     - `expressible`: whether the text is a formula of inputs and nominal values.
     - `formula`: of a rate or memory: a formula that reads states and resembles it, or ''.
     - `states`: the states that this formula requires, of `past.STATES`.
-    - `parts`: texts of the two features of a product.
     - `slips`: the slips that it contains other than as the magnitude of both.
     """
 
@@ -47,7 +45,6 @@ class Feature:
     expressible: bool = True
     formula: str = ""
     states: tuple[str, ...] = ()
-    parts: tuple[str, ...] = ()
     slips: frozenset[str] = frozenset()
 
     @property
@@ -58,19 +55,19 @@ class Feature:
     def __mul__(self, other: Feature) -> Feature:
         formulas = self.in_effect_file, other.in_effect_file
         return Feature(
-            f"{_bracketed(self.text)}*{_bracketed(other.text)}",
+            f"{bracketed(self.text)}*{bracketed(other.text)}",
             self.depends_on | other.depends_on,
             self.values * other.values,
             self.odd != other.odd,
             self.expressible and other.expressible,
-            "*".join(map(_bracketed, formulas)) if all(formulas) else "",
+            "*".join(map(bracketed, formulas)) if all(formulas) else "",
             tuple(dict.fromkeys((*self.states, *other.states))),
-            (self.text, other.text),
             self.slips | other.slips,
         )
 
 
-def _bracketed(text: str) -> str:
+def bracketed(text: str) -> str:
+    """Return a formula as a factor of a product."""
     return f"({text})" if " " in text else text
 
 
@@ -112,6 +109,19 @@ LOCATIONS = {
     "longitudinal slip": ("term", ("shift_x",)),
     "aligning moment": ("term", ("residual_moment",)),
 }
+#: Formulas of features in inputs and nominal values, dimensionless and of order 1. The heat of sliding is there with
+#: speed and without it, as speed would stand for the load otherwise. MIDDLE is the mean temperature.
+FORMULAS = (
+    "Fz/FNOMIN - 1", "3*(p/NOMPRES - 1)", "2*absolute(phit)*UNLOADED_RADIUS", "(T - MIDDLE)/20", "distance/1000",
+    "5*absolute(tan(alpha))*absolute(V)/LONGVL", "3*(absolute(V)/LONGVL - 1)", "10*absolute(gamma)",
+    "5*absolute(tan(alpha))", "5*absolute(kappa)", "5*sqrt(tan(alpha)**2 + kappa**2)",
+    "5*sqrt(tan(alpha)**2 + kappa**2)*Fz/FNOMIN", "5*sqrt(tan(alpha)**2 + kappa**2)*absolute(V)/LONGVL*Fz/FNOMIN",
+    "5*absolute(tan(alpha))*Fz/FNOMIN", "5*absolute(tan(alpha))*absolute(V)/LONGVL*Fz/FNOMIN",
+    "10*gamma", "5*tan(alpha)", "5*kappa",
+)  # fmt: skip
+#: Those that change their sign under mirroring left to right.
+ODD = ("10*gamma", "5*tan(alpha)")
+FUNCTIONS = {"absolute": np.absolute, "sqrt": np.sqrt, "tan": np.tan}
 #: The slip without which the quantity of a role changes nothing.
 SLIP_OF_ROLE = {
     "friction_x": "kappa",
@@ -177,65 +187,31 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
     An input that does not vary is in no formula; a memory of several inputs depends on those that vary.
     """
     named = dict(zip(signals.names, signals.inputs, strict=True))
-    nominal = tire.values
     even_ones: list[Feature] = []
     odd_ones: list[Feature] = []
-    rows = signals.rows
     constant = frozenset(name for name in signals.names if not varies(signals, tire, name))
-
-    def add(text: str, depends: str, values: FloatArray, *, odd: bool = False, past: Past | None = None) -> None:
-        at = values[rows]
-        size = float(np.std(at))
-        names = frozenset(depends.split())
+    past = rates_and_memory(signals.t, named) if signals.timed else ()
+    for text, depends, every, odd, formula, states in (*_of_inputs(named, tire), *past):
+        values, names = every[signals.rows], frozenset(depends.split())
         rates = {name[1:].partition("/")[0] for name in names if name.endswith("/dt")}
-        if constant & (rates if past else names):
-            return
+        if constant & (rates if states else names):
+            continue
         names -= constant
-        if size > 1e-9 and names & (signals.origin.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}):
+        sources = signals.origin.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}
+        if float(np.std(values)) > 1e-9 and names & sources:
             slips = names & {"alpha", "kappa"}
             slips = slips if len(slips) == 1 else frozenset()
-            formula, states = (past.formula, past.states) if past else ("", ())
-            feature = Feature(text, names, at, odd, past is None, formula, states, slips=slips)
+            feature = Feature(text, names, values, odd, not states, formula, states, slips)
             (odd_ones if odd else even_ones).append(feature)
-
-    slip = np.sqrt(np.tan(named["alpha"]) ** 2 + named["kappa"] ** 2)
-    load = named["Fz"] / nominal["FNOMIN"]
-    has_speed = "V" in named and varies(signals, tire, "V") and "LONGVL" in nominal
-    speed = np.abs(named["V"]) / nominal["LONGVL"] if has_speed else np.ones_like(load)
-    add("Fz/FNOMIN - 1", "Fz", load - 1.0)
-    _add_conditions(add, signals, tire, named)
-    if has_speed:
-        add("5*absolute(tan(alpha))*absolute(V)/LONGVL", "alpha V", 5.0 * np.abs(np.tan(named["alpha"])) * speed)
-        add("3*(absolute(V)/LONGVL - 1)", "V", 3.0 * (speed - 1.0))
-    if "gamma" in named:
-        add("10*absolute(gamma)", "gamma", 10.0 * np.abs(named["gamma"]))
-    add("5*absolute(tan(alpha))", "alpha", 5.0 * np.abs(np.tan(named["alpha"])))
-    add("5*absolute(kappa)", "kappa", 5.0 * np.abs(named["kappa"]))
-    add("5*sqrt(tan(alpha)**2 + kappa**2)", "alpha kappa", 5.0 * slip)
-    sliding = {"5*sqrt(tan(alpha)**2 + kappa**2)": ("alpha kappa", slip),
-               "5*absolute(tan(alpha))": ("alpha", np.abs(np.tan(named["alpha"])))}  # fmt: skip
-    for text, (depends, values) in sliding.items():  # with and without speed, which would stand for the load otherwise
-        add(f"{text}*Fz/FNOMIN", f"{depends} Fz", 5.0 * values * load)
-        if has_speed:
-            add(f"{text}*absolute(V)/LONGVL*Fz/FNOMIN", f"{depends} Fz V", 5.0 * values * speed * load)
-    if "gamma" in named:
-        add("10*gamma", "gamma", 10.0 * named["gamma"], odd=True)
-    add("5*tan(alpha)", "alpha", 5.0 * np.tan(named["alpha"]), odd=True)
-    add("5*kappa", "kappa", 5.0 * named["kappa"])
-    if signals.timed:
-        add_rates_and_memory(add, signals.t, named)
     return even_ones, odd_ones
 
 
-def _add_conditions(add: Adding, signals: Signals, tire: Tire, named: Mapping[str, FloatArray]) -> None:
-    """Add features of the recorded operating conditions: pressure, turn slip, temperature, distance."""
-    nominal = tire.values
-    if "p" in named and "p" in signals.origin.recorded and "NOMPRES" in nominal:
-        add("3*(p/NOMPRES - 1)", "p", 3.0 * (named["p"] / nominal["NOMPRES"] - 1.0))
-    if "phit" in signals.origin.recorded and "phit" in named:
-        add("2*absolute(phit)*UNLOADED_RADIUS", "phit", 2.0 * np.abs(named["phit"]) * nominal["UNLOADED_RADIUS"])
-    if "T" in signals.origin.recorded and "T" in named:
-        middle = round(float(named["T"].mean()))
-        add(f"(T - {middle})/20", "T", (named["T"] - middle) / 20.0)
-    if signals.timed and "distance" in named:
-        add("distance/1000", "distance", named["distance"] / 1000.0)
+def _of_inputs(named: Mapping[str, FloatArray], tire: Tire) -> Iterator[Described]:
+    """Yield the features of inputs whose nominal values the tire has."""
+    middle = str(round(float(named["T"].mean()))) if "T" in named else ""
+    for text in (formula.replace("MIDDLE", middle) for formula in FORMULAS):
+        read = set(re.findall(r"[A-Za-z]\w*", text)) - FUNCTIONS.keys()
+        inputs = read & named.keys()
+        if read - inputs <= tire.values.keys():
+            values = eval(text, {**FUNCTIONS, **{name: named.get(name, tire.values.get(name)) for name in read}})
+            yield text, " ".join(inputs), values, text in ODD, "", ()

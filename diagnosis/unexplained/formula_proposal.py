@@ -11,17 +11,16 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
 from ...boundary.errors import EffectError
-from ...boundary.escaping import toml_string
+from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
-from ...symbolic.added import AddedEffect, read_effect
+from ...symbolic.added import AddedEffect, effect_from
 from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 from ..probing.effect_probing import Screen
 from ..signals.simulation import Simulator
-from .features import Feature, Location, determined, directions, features, locations_of
+from .features import Feature, Location, bracketed, determined, directions, features, locations_of
 from .past import STATES
 
 
@@ -66,45 +65,25 @@ class AddedFormula:
 
 def effect_of(structure: UnexplainedStructure) -> AddedEffect:
     """Return structure as an effect; rates and memories become states."""
-    names = [f"FOUND{i + 1}" for i in range(len(structure.terms))]
-    variables = "_".join(re.sub(r"\W", "", variable) for variable in structure.depends_on).lower()
-    states = dict.fromkeys(state for term in structure.terms for state in term.states)
-    text = (
-        f'name = "found_{variables}"\nphysics = "{structure.location.name} changes with '
-        f'{", ".join(structure.depends_on)}"\nsource = "proposed by the diagnosis of a recording"\n[coefficients]\n'
-        + _declarations(structure, names)
-        + "".join(map(_table_of, states))
-        + _acts(structure, names)
-    )
-    return read_effect(text, f"found_{variables}.toml")
-
-
-def _declarations(structure: UnexplainedStructure, names: Sequence[str]) -> str:
-    """Return the declarations of the coefficients of structure, a line each."""
-    flips = ", flips = true" if structure.location.flips else ""
-    return "".join(
-        f'{name} = {{description = {toml_string(f"found: {term.text}")}, unit = "1", lower = {-_bound(size)!r}, '
-        f"upper = {_bound(size)!r}{flips}}}\n"
-        for name, term, size in zip(names, structure.terms, structure.sizes, strict=True)
-    )
-
-
-def _acts(structure: UnexplainedStructure, names: Sequence[str]) -> str:
-    """Return how the terms of structure act on its quantities, a table each."""
-    location = structure.location
-    total = " + ".join(f"{name}*({term.in_effect_file})" for name, term in zip(names, structure.terms, strict=True))
-    per = f"{location.per}*" if location.per else ""
-    value = f"1 + {total}" if location.how == "factor" else f"{per}({total})"
-    return "".join(f'[[acts]]\non = "{quantity}"\n{location.how} = "{value}"\n' for quantity in location.quantities)
-
-
-def _table_of(state: str) -> str:
-    """Return the table of a state in an effect file."""
-    rows = [
-        f"{key} = " + (toml_string(value) if isinstance(value, str) else f"[{', '.join(map(toml_string, value))}]")
-        for key, value in STATES[state].items()
-    ]
-    return "\n".join((f"[states.{state}]", *rows, ""))
+    location, depends_on = structure.location, structure.depends_on
+    numbered = {f"FOUND{number}": term for number, term in enumerate(structure.terms, start=1)}
+    total = " + ".join(f"{name}*({term.in_effect_file})" for name, term in numbered.items())
+    value = f"1 + {total}" if location.how == "factor" else f"{location.per}{'*' * bool(location.per)}({total})"
+    bounds = [max(abs(float(size)), 1e-4) * COEFFICIENT_BOUND_FACTOR for size in structure.sizes]
+    flips = {"flips": True} if location.flips else {}
+    name = "found_" + "_".join(re.sub(r"\W", "", variable) for variable in depends_on).lower()
+    table = {
+        "name": name,
+        "physics": f"{location.name} changes with {', '.join(depends_on)}",
+        "source": "proposed by the diagnosis of a recording",
+        "coefficients": {
+            coefficient: {"description": f"found: {term.text}", "unit": "1", "lower": -bound, "upper": bound, **flips}
+            for (coefficient, term), bound in zip(numbered.items(), bounds, strict=True)
+        },
+        "states": {state: dict(STATES[state]) for term in structure.terms for state in term.states},
+        "acts": [{"on": quantity, location.how: value} for quantity in location.quantities],
+    }
+    return effect_from(table, f"{name}.toml")
 
 
 def unknown_of(structure: UnexplainedStructure, effect: AddedEffect, added: AddedFormula | str) -> Unknown:
@@ -134,10 +113,6 @@ _MEASUREMENTS = {
     "dFz/dt": "step the load at constant slip, at two speeds",
     "memory": "hold the slip after a sweep, and repeat the sweep after a rest",
 }
-
-
-def _bound(size: float) -> float:
-    return max(abs(float(size)), 1e-4) * COEFFICIENT_BOUND_FACTOR
 
 
 def with_formula(
@@ -189,16 +164,10 @@ class UnexplainedStructure:
 
         `sizes`: one per term.
         """
-        terms = " ".join(f"{value:+.3g}*{_bracketed(term)}" for value, term in zip(sizes, self.terms, strict=True))
+        terms = " ".join(f"{value:+.3g}*{bracketed(term.text)}" for value, term in zip(sizes, self.terms, strict=True))
         head = "1 " if self.location.how == "factor" else ""
         return f"{' and '.join(self.location.quantities)}, {self.location.how}: {head}{terms}"
 
-
-def _bracketed(term: Feature) -> str:
-    return f"({term.text})" if " " in term.text else term.text
-
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Number of features whose evidence is computed. Convention: computing time.
 SHORTLIST = 60

@@ -6,18 +6,14 @@ a direction of change becomes the hysteresis of a lagged slip, a rate the differ
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Protocol
+from collections.abc import Iterator, Mapping
 
 import numpy as np
-import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 
+from ...numerics.arrays import FloatArray
 from ...tires.states.transient import recursion
 from ..thresholds import SIDE
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Time constant of the lag whose difference from its input replaces a rate, s.
 RATE_LAG = 0.1
@@ -37,29 +33,13 @@ STATES: Mapping[str, Mapping[str, str | tuple[str, ...]]] = {
 }
 
 
-@dataclass(frozen=True)
-class Past:
-    """How an effect file expresses a rate or a memory.
-
-    - `formula`: reads `states`.
-    - `states`: names in `STATES`, with those that they read.
-    """
-
-    formula: str
-    states: tuple[str, ...]
+#: A feature before it has rows: its text, the variables that it depends on, its values at all rows, whether it is odd,
+#: and the formula and the states by which an effect file expresses a rate or a memory.
+Described = tuple[str, str, FloatArray, bool, str, tuple[str, ...]]
 
 
-class Adding(Protocol):
-    """Adds a feature."""
-
-    def __call__(
-        self, text: str, depends: str, values: FloatArray, *, odd: bool = False, past: Past | None = None
-    ) -> None:
-        """Add a feature with its text, the variables it depends on, and its values at all rows."""
-
-
-def add_rates_and_memory(add: Adding, t: FloatArray, named: Mapping[str, FloatArray]) -> None:
-    """Add features of rates of change and of memory: first-order lags of the inputs.
+def rates_and_memory(t: FloatArray, named: Mapping[str, FloatArray]) -> Iterator[Described]:
+    """Yield features of rates of change and of memory: first-order lags of the inputs.
 
     `t`, shape (m,), s. `named`, shape (m,): inputs.
     """
@@ -73,41 +53,31 @@ def add_rates_and_memory(add: Adding, t: FloatArray, named: Mapping[str, FloatAr
         usable = np.where(np.isfinite(slope), slope, 0.0)
         return np.asarray(uniform_filter1d(usable, width, mode="nearest"))
 
-    turning = rate("alpha")
-    typical = 0.3 * float(np.sqrt(np.mean(turning**2))) + 1e-9
-    add("rate of alpha", "dalpha/dt", turning / (3.3 * typical), odd=True,
-        past=_difference("alpha", "found_late_alpha", 3.3 * typical))  # fmt: skip
-    add("direction of alpha's change", "dalpha/dt memory", np.tanh(turning / typical), odd=True,
-        past=Past("found_alpha_direction", ("found_followed_alpha", "found_alpha_direction")))  # fmt: skip
-    loading = np.tanh(turning / typical) * np.tanh(named["alpha"] / SIDE)
-    add("alpha growing or falling", "dalpha/dt memory alpha", loading, past=_signed("alpha"))
-    changing = rate("kappa")
-    typical = 0.3 * float(np.sqrt(np.mean(changing**2))) + 1e-9
-    add("direction of kappa's change", "dkappa/dt memory", np.tanh(changing / typical),
-        past=Past("found_kappa_direction", ("found_followed_kappa", "found_kappa_direction")))  # fmt: skip
-    add("kappa growing or falling", "dkappa/dt memory kappa",
-        np.tanh(changing / typical) * np.tanh(named["kappa"] / SIDE), past=_signed("kappa"))  # fmt: skip
+    def difference(drive: str, state: str, unit: float) -> tuple[str, tuple[str, ...]]:
+        """Return a rate in multiples of a unit as the difference between an input and its lag."""
+        return f"{1.0 / (RATE_LAG * unit):.4g}*({drive} - {state})", (state,)
+
+    for slip, odd in (("alpha", True), ("kappa", False)):
+        turning = rate(slip)
+        typical = 0.3 * float(np.sqrt(np.mean(turning**2))) + 1e-9
+        direction, state = np.tanh(turning / typical), f"found_{slip}_direction"
+        states = (f"found_followed_{slip}", state)
+        if odd:
+            unit = 3.3 * typical
+            yield "rate of alpha", "dalpha/dt", turning / unit, odd, *difference("alpha", "found_late_alpha", unit)
+        yield f"direction of {slip}'s change", f"d{slip}/dt memory", direction, odd, state, states
+        signed = direction * np.tanh(named[slip] / SIDE)
+        formula = f"{state}*tanh({slip}/{SIDE})"
+        yield f"{slip} growing or falling", f"d{slip}/dt memory {slip}", signed, False, formula, states
     pressing = rate("Fz")
-    typical = float(np.std(pressing)) + 1e-9
-    add("rate of Fz", "dFz/dt", pressing / typical, past=_difference("Fz", "found_late_load", typical))
+    unit = float(np.std(pressing)) + 1e-9
+    yield "rate of Fz", "dFz/dt", pressing / unit, False, *difference("Fz", "found_late_load", unit)
+    slide = np.abs(np.tan(named["alpha"])) + np.abs(named["kappa"])
     for seconds in (1.0, 5.0):
-        slide = np.abs(np.tan(named["alpha"])) + np.abs(named["kappa"])
-        name = f"found_recent_slip_{seconds:g}"
-        add(f"slip of the last {seconds:g} s", "memory alpha kappa",
-            5.0 * _low_pass(slide, step / seconds), past=Past(f"5*{name}", (name,)))  # fmt: skip
-    add("alpha of the last 0.3 s", "dalpha/dt memory", 5.0 * _low_pass(named["alpha"], step / 0.3), odd=True,
-        past=Past("5*found_recent_alpha", ("found_recent_alpha",)))  # fmt: skip
-
-
-def _signed(slip: str) -> Past:
-    """Return whether a slip grows or falls: the direction of its change, and its sign."""
-    state = f"found_{slip}_direction"
-    return Past(f"{state}*tanh({slip}/{SIDE})", (f"found_followed_{slip}", state))
-
-
-def _difference(drive: str, state: str, unit: float) -> Past:
-    """Return a rate in multiples of a unit as the difference between an input and its lag."""
-    return Past(f"{1.0 / (RATE_LAG * unit):.4g}*({drive} - {state})", (state,))
+        name, values = f"found_recent_slip_{seconds:g}", 5.0 * _low_pass(slide, step / seconds)
+        yield f"slip of the last {seconds:g} s", "memory alpha kappa", values, False, f"5*{name}", (name,)
+    values, name = 5.0 * _low_pass(named["alpha"], step / 0.3), "found_recent_alpha"
+    yield "alpha of the last 0.3 s", "dalpha/dt memory", values, True, f"5*{name}", (name,)
 
 
 def _low_pass(values: FloatArray, share: float) -> FloatArray:

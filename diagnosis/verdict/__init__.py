@@ -8,10 +8,17 @@ from ...boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
     from .adequacy import Adequacy, adequacies
-    from .delivery import density_gain, reasons_against
     from .extrapolation import MAX_CHANGE, Extrapolation, extrapolations, outside
     from .findings import CoefficientInterval, FoundEffect
-    from .fit_error import DeliveredResiduals, delivered_residuals, fit_errors, floors_of
+    from .fit_error import (
+        DeliveredResiduals,
+        delivered_residuals,
+        density_gain,
+        error_splits,
+        fit_errors,
+        reasons_against,
+        residual_of,
+    )
     from .improved_tire import tire_of
     from .parts import Identifiability
     from .residual_location import residual_maps, time_course

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite
+from math import hypot, isfinite
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from ...numerics.noise_floor import NoiseFloor
+from ...drawing.labels import drawn_unit, range_text
+from ...numerics.noise_floor import ErrorSplit
 from ...numerics.ties import graded
-from ..signals.range_text import range_text
-from ..thresholds import INADEQUATE
 
+#: Residual over noise floor above which a channel lacks something that was not identified. Convention: a missing part
+#: as large as the floor gives 1.4.
+INADEQUATE = 1.5
 #: Parts of a residual above this share of its noise floor are named. Convention.
 SHOWN = 0.5
 
@@ -22,16 +24,15 @@ SHOWN = 0.5
 class Adequacy:
     """The residual of one channel compared with its noise floor.
 
-    - `residual`, `floor`: root mean square on the fitted rows, N or N m (`Diagnosis.gap`: train, after and
-      floor_with_history).
+    - `residual`, `floor`: root mean square on the fitted rows, N or N m (`Diagnosis.gap`: train, after and floor).
     - `location`: where the mean residual is largest.
     - `over`: the inputs of that location.
     - `of_inputs`, `of_past`: the parts of the residual, N or N m, that a smooth function of the recorded inputs
-      explains, and that the direction in which slips change or slow time explains beside them. Squares of both and of
-      the floor add up to that of the residual.
+      explains, and that depends on time or the past beside them. Squares of both and of the floor add up to that of
+      the residual.
     - `lacks`: where the tire gives too much or too little, in words, or ''.
-    - `memory`: whether the residual is above the floor and is explained by the direction in which slips change or by
-      slow time, not by the recorded inputs alone.
+    - `memory`: whether the residual is far above the floor, because it depends on time or the past, and not because of
+      the recorded inputs alone.
     """
 
     JSON_KEYS: ClassVar = (
@@ -45,7 +46,7 @@ class Adequacy:
     over: tuple[str, ...]
     memory: bool
     of_inputs: Annotated[float, "part of the residual that follows the recorded inputs"] = 0.0
-    of_past: Annotated[float, "part of the residual that follows the direction of slip or slow time"] = 0.0
+    of_past: Annotated[float, "part of the residual that depends on time or the past"] = 0.0
     lacks: Annotated[str, "where the tire gives too much or too little, in words, or empty"] = ""
 
     @property
@@ -72,7 +73,7 @@ class Adequacy:
         >>> print(channel)
         Fy (residual 2.2 times the noise floor of 18.6 N: 30 N of it follow the recorded inputs; largest at Fz 450 N)
         """
-        unit = "N" if self.channel.startswith("F") else "N m"
+        unit = drawn_unit(self.channel)
         causes = ((self.of_inputs, "the recorded inputs"), (self.of_past, "time or the past"))
         parts = [(size, cause) for size, cause in causes if size > SHOWN * self.floor]
         follows = ", ".join(
@@ -86,15 +87,15 @@ class Adequacy:
 
 def adequacies(
     residuals: Mapping[str, float],
-    floors: Mapping[str, NoiseFloor],
+    splits: Mapping[str, ErrorSplit],
     maps: Sequence[Mapping[str, Any]],
     lacks: Mapping[str, str],
 ) -> tuple[Adequacy, ...]:
     """Return the adequacy of each channel.
 
-    `residuals`: root mean square residual of the delivered tire by channel, on the fitted rows. `maps`: residual maps
-    of the improved model (`residual_location.residual_maps`). `lacks`: where it gives too much or too little,
-    in words.
+    `residuals`: root mean square residual of the delivered tire by channel, on the fitted rows. `splits`: its parts.
+    `maps`: residual maps of the improved model (`residual_location.residual_maps`). `lacks`: where it gives too much or
+    too little, in words.
     """
     rated = []
     for channel, residual in residuals.items():
@@ -107,16 +108,9 @@ def adequacies(
                 range_text(name, lower, upper)
                 for name, lower, upper in zip(over, worst["from"], worst["to"], strict=True)
             )
-        floor = floors[channel]
-        memory = INADEQUATE * floor.with_history < residual <= INADEQUATE * floor.floor
-        of_inputs, of_past = _difference(residual, floor.floor), _difference(floor.floor, floor.with_history)
-        lacking = lacks.get(channel, "") if of_inputs > SHOWN * floor.with_history else ""
-        rated.append(
-            Adequacy(channel, residual, floor.with_history, location, over, memory, of_inputs, of_past, lacking)
-        )
+        floor, of_past = splits[channel].floor, hypot(splits[channel].time, splits[channel].repeats)
+        of_inputs = float(np.sqrt(np.maximum(residual**2 - floor**2 - of_past**2, 0.0)))
+        memory = INADEQUATE * floor < residual <= INADEQUATE * hypot(floor, of_past)
+        lacking = lacks.get(channel, "") if of_inputs > SHOWN * floor else ""
+        rated.append(Adequacy(channel, residual, floor, location, over, memory, of_inputs, of_past, lacking))
     return tuple(rated)
-
-
-def _difference(whole: float, part: float) -> float:
-    """Return the root of the difference of squares of two root mean squares, 0 if the part is larger; NaN remains."""
-    return float(np.sqrt(np.maximum(whole**2 - part**2, 0.0)))

@@ -9,11 +9,11 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import stdtrit
 
 from ...measurements import Recording
-from ...numerics.noise_floor import NoiseFloor
+from ...numerics.arrays import FloatArray
+from ...numerics.noise_floor import ErrorSplit
 from ...numerics.ties import graded
 from ...tires.tire import Tire
 from ..explanations.answer import Answer, OneOf
@@ -27,10 +27,9 @@ from ..probing.effect_probing import Screen, Tried, tried
 from ..signals.disturbances import reported_disturbances
 from ..signals.measurement_artefacts import recording_errors
 from ..signals.signals import FORMULA_SIGNS, Signals
-from ..thresholds import CHANNEL_SHARE, REPORTED
+from ..thresholds import REPORTED
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy, adequacies
-from .delivery import reasons_against
 from .detectability import detectable_sizes
 from .extrapolation import Extrapolation, extrapolations
 from .findings import CoefficientInterval, FormCorrection, FoundEffect, Size
@@ -38,18 +37,18 @@ from .fit_error import (
     DeliveredResiduals,
     FitErrors,
     delivered_residuals,
+    error_splits,
     fit_errors,
     fitted_residuals,
-    floors_of,
+    reasons_against,
+    residual_of,
     without_skew,
 )
 from .improved_tire import tire_of
 from .parts import DiagnosisRun, Identifiability, Improvement, Misfit
 from .residual_location import residual_maps, scale_errors, time_course
 from .result import Diagnosis
-from .verdict import verdict_sentences
-
-FloatArray = npt.NDArray[np.float64]
+from .verdict import CHANNEL_SHARE, verdict_sentences
 
 #: Share of the evidence in the reported stretches of time. Convention.
 REPORTED_EVIDENCE = 0.67
@@ -94,7 +93,7 @@ class _Delivery:
     final: Screen
     residuals: DeliveredResiduals
     errors: FitErrors
-    floors: dict[str, NoiseFloor]
+    splits: dict[str, ErrorSplit]
 
 
 def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
@@ -107,7 +106,7 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
     against, final = delivery.against, delivery.final
     where_after = residual_maps(final)
     after = {name: errors["after"] for name, errors in delivery.errors["train"].items()}
-    adequacy = adequacies(after, delivery.floors, where_after, scale_errors(final))
+    adequacy = adequacies(after, delivery.splits, where_after, scale_errors(final))
     unknown = _unknown(fits, adequacy, delivered=not against)
     lacking = {name: candidate for name, candidate in outcome.candidates.items() if name not in fits.effects}
     tested = tried(fits.after, lacking)
@@ -176,19 +175,25 @@ def _delivery(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -
     # The equations of all effects are compiled already; those of the delivered tires alone would take seconds.
     complete = tuple(replace(either, added=fits.start.added) for either in (base_tire, tire))
     recording = without_skew(outcome.recording, outcome.signals)
-    residuals = judged = delivered_residuals(complete, recording, (before, after), outcome.signals.table_rows)
-    floors = floors_of(recording, residuals, outcome.signals.channels)
-    errors = compared = fit_errors(before, after, residuals, floors)
+    of_base, of_improved = (
+        residual_of(either, fit, recording) for either, fit in zip(complete, (before, after), strict=True)
+    )
+    residuals = judged = delivered_residuals(of_base, of_improved, before.signals, outcome.signals.table_rows)
+    errors = compared = fit_errors(before, after, residuals)
     if set(tire.states) - set(base_tire.states) and outcome.signals.timed:
         judged = fitted_residuals(before, after)
-        compared = fit_errors(before, after, judged, floors)
+        compared = fit_errors(before, after, judged)
     against: tuple[str, ...] = ()
     if added or fits.refinements or fits.form:
         against = reasons_against(compared, judged)
-    if not against:
-        return _Delivery(base_tire, tire, (), after, residuals, errors, floors)
-    errors = fit_errors(before, before, replace(residuals, after=residuals.before), floors)
-    return _Delivery(base_tire, base_tire, against, before, residuals, errors, floors)
+    splits = error_splits(of_base if against else of_improved, residuals, recording, outcome.signals.channels)
+    if against:
+        tire, after, errors = base_tire, before, fit_errors(before, before, replace(residuals, after=residuals.before))
+    with_floor = {
+        part: {name: {**error, "floor": splits[name].floor} for name, error in by_channel.items()}
+        for part, by_channel in errors.items()
+    }
+    return _Delivery(base_tire, tire, against, after, residuals, with_floor, splits)
 
 
 def _next_measurements(

@@ -24,23 +24,9 @@ def detectable_sizes(
 ) -> tuple[dict[str, dict[str, float]], dict[str, str]]:
     """Return the smallest identifiable change of the forces by effect, and the effects that are not identifiable.
 
-    Parameters
-    ----------
-    screen : Screen
-        Of the improved model.
-    candidates : mapping of str to Candidate
-        Those that the improved model lacks.
-    tested : sequence of Tried
-        Their responses in the residual of the improved model.
-    start : Tire
-        The baseline model.
-
-    Returns
-    -------
-    dict of str to dict of str to float
-        By effect and channel: root mean square, N and N m.
-    dict of str to str
-        By effect: the reason why this recording cannot identify it.
+    `screen`: of the improved model. `candidates`: those that it lacks. `tested`: their responses in its residual.
+    `start`: the baseline model. Returns: by effect and channel: root mean square, N and N m; by effect: the reason why
+    this recording cannot identify it.
     """
     signals, inverse_noise = screen.signals, screen.problem.inverse_noise
     threshold = float(np.sqrt(chdtri(1, EFFECT_P / max(len(tested), 1))))

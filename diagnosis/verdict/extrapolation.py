@@ -7,14 +7,12 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
+from ...drawing.labels import range_text
+from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
 from ...symbolic.declarations import Quantity
 from ..least_squares import LeastSquares, Solution
-from ..signals.range_text import range_text
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Distance outside an input's range at which an effect is evaluated, as a share of the range and of the distance to the
 #: limit of the physical range, and the change of its part of a force, relative to the force, that is reported as

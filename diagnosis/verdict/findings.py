@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
+
+from ...numerics.arrays import FloatArray
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,7 @@ class Size(NamedTuple):
     largest: float
 
     @classmethod
-    def by_channel(cls, channels: Sequence[str], change: npt.NDArray[np.float64]) -> dict[str, Size]:
+    def by_channel(cls, channels: Sequence[str], change: FloatArray) -> dict[str, Size]:
         """Return the sizes of a change of the forces, shape (n_channels, n), without channels that do not change."""
         rows = zip(channels, change, strict=True)
         return {name: cls(float(np.sqrt(np.mean(row**2))), float(np.abs(row).max())) for name, row in rows if row.any()}

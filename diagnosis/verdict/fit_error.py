@@ -1,29 +1,30 @@
-"""Fit error of the delivered tires and noise floor: training, cross-validation, hold-out.
+"""Fit error of the delivered tires and its parts: training, cross-validation, hold-out; and which tire is delivered.
 
 The residuals are those of the tires that a diagnosis delivers, evaluated over the recording as `tirefmu evaluate` does.
-Offsets and drift of the recording are subtracted; they are in the result (`Diagnosis.recording`, ``removed``).
+Offsets and drift of the recording are subtracted; they are in the result (`Diagnosis.recording`, ``removed``). The
+improved tire is delivered if its predictive density on the hold-out set is the larger one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from ...drawing.labels import drawn_unit
 from ...measurements import Recording
 from ...measurements.state_starts import with_fitted_starts
-from ...numerics.noise_floor import NoiseFloor, noise_floor
+from ...numerics.arrays import BoolArray, FloatArray, IntArray
+from ...numerics.noise_floor import ErrorSplit, error_split
+from ...numerics.ties import graded
 from ...tires.evaluation import Conventions, evaluate
 from ...tires.signs import convert_signs
 from ...tires.tire import Tire
 from ..probing.effect_probing import Screen
+from ..signals.disturbances import removed_at
 from ..signals.outliers import short_range
 from ..signals.signals import FORMULA_SIGNS, Signals
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 FitErrors = dict[str, dict[str, dict[str, float]]]
 
@@ -38,16 +39,14 @@ class DeliveredResiduals:
     - `used`, shape (n_channels, m): false if a channel was not measured or is an outlier.
     - `holdout`, shape (m,).
     - `compared`, shape (n,): positions of the rows that the diagnosis compared.
-    - `block`, shape (m,): time block of each row.
     """
 
     rows: IntArray
     before: FloatArray
     after: FloatArray
-    used: npt.NDArray[np.bool_]
-    holdout: npt.NDArray[np.bool_]
+    used: BoolArray
+    holdout: BoolArray
     compared: IntArray
-    block: IntArray
 
     def outlier_rows(self, channels: Sequence[str]) -> dict[str, list[int]]:
         """Return the rows that are outliers by channel, counted from 0."""
@@ -58,24 +57,20 @@ class DeliveredResiduals:
         }
 
 
-def delivered_residuals(
-    tires: Iterable[Tire], recording: Recording, screens: tuple[Screen, Screen], rows: IntArray
-) -> DeliveredResiduals:
-    """Return the residuals of both tires over a recording.
+def delivered_residuals(before: FloatArray, after: FloatArray, signals: Signals, rows: IntArray) -> DeliveredResiduals:
+    """Return the residuals of both tires over the compared rows of a recording.
 
-    `tires`: baseline tire and improved tire. `recording`: without skew (`without_skew`). `screens`: of their solutions.
-    Offsets, drift, cross-talk and waves of the recording are subtracted. `rows`, shape (m,): the compared rows.
+    `before`, `after`, shape (n_channels, n_rows): of the baseline tire and the improved tire (`residual_of`).
+    `signals`: of their solutions. `rows`, shape (m,): the compared rows.
     """
-    signals = screens[0].signals
-    first, last = (_residual(tire, recording, screen, rows) for tire, screen in zip(tires, screens, strict=True))
+    first, last = before[:, rows], after[:, rows]
     used = np.stack([short_range(np.nan_to_num(row), np.isfinite(row))[1] for row in first])
     compared = np.searchsorted(rows, signals.table_rows)
     used[:, compared] &= signals.present
     holdout = np.zeros(len(rows), dtype=bool)
     for start, end in signals.holdout_stretches():
         holdout[compared[start] : compared[end] + 1] = True
-    block = signals.block[np.maximum(np.searchsorted(compared, np.arange(len(rows)), side="right") - 1, 0)]
-    return DeliveredResiduals(rows, first, last, used, holdout, compared, block)
+    return DeliveredResiduals(rows, first, last, used, holdout, compared)
 
 
 def fitted_residuals(before: Screen, after: Screen) -> DeliveredResiduals:
@@ -87,7 +82,7 @@ def fitted_residuals(before: Screen, after: Screen) -> DeliveredResiduals:
     signals, compared = after.signals, np.arange(len(after.signals.rows))
     return DeliveredResiduals(
         signals.table_rows, before.solution.residual, after.solution.residual, signals.present, signals.holdout,
-        compared, signals.block,
+        compared,
     )  # fmt: skip
 
 
@@ -104,33 +99,52 @@ def without_skew(recording: Recording, signals: Signals) -> Recording:
     return replace(recording, table=table.assign(**dict(zip(names, late, strict=True))))
 
 
-def _residual(tire: Tire, recording: Recording, screen: Screen, rows: IntArray) -> FloatArray:
-    signals, removed = screen.signals, screen.problem.disturbances.columns @ screen.solution.disturbance
+def residual_of(tire: Tire, screen: Screen, recording: Recording) -> FloatArray:
+    """Return the residual of a tire in every row of a recording, shape (n_channels, n_rows), N and N m.
+
+    `screen`: of the solution of the tire. `recording`: without skew (`without_skew`). Offsets, drift, cross-talk and
+    waves of the recording are subtracted. NaN if a channel was not measured.
+    """
     recording = with_fitted_starts(tire, recording)
     inputs = [name for name in recording.table if name == "t" or name in tire.inputs]
     computed = evaluate(tire, recording.table[inputs], Conventions(recording.signs))
-    channels = list(signals.channels)
+    channels = list(screen.signals.channels)
     both = (convert_signs(table[channels], recording.signs, FORMULA_SIGNS) for table in (recording.table, computed))
-    measured, simulated = (table.to_numpy(dtype=np.float64)[rows].T for table in both)
+    measured, simulated = (table.to_numpy(dtype=np.float64).T for table in both)
+    t = recording.table["t"].to_numpy(np.float64) if "t" in recording.table else np.arange(float(len(recording)))
+    radius = tire.values["UNLOADED_RADIUS"]
+    removed = removed_at(screen.problem.disturbances, screen.solution.disturbance, screen.signals, t, measured, radius)
     return np.asarray(measured - simulated - removed)
 
 
-def floors_of(recording: Recording, residuals: DeliveredResiduals, channels: Sequence[str]) -> dict[str, NoiseFloor]:
-    """Return the noise floor of each channel on the fitted rows (`tirefmu.numerics.noise_floor`).
+def error_splits(
+    residual: FloatArray, residuals: DeliveredResiduals, recording: Recording, channels: Sequence[str]
+) -> dict[str, ErrorSplit]:
+    """Return the noise floor of each channel and the other parts of its error (`tirefmu.numerics.noise_floor`).
 
-    `residuals`: of this recording; a smooth function is added to the improved tire.
+    They are those of the compared rows and of the rows between them, outside the hold-out set, without outliers: a
+    floor must not depend on how many rows are compared. `residual`: of the delivered tire (`residual_of`).
     """
-    rest = np.where(residuals.used & ~residuals.holdout, residuals.after, np.nan)
-    return noise_floor(recording.table.iloc[residuals.rows], dict(zip(channels, rest, strict=True)))
+    table, segment = recording.table, np.zeros(len(recording.table), dtype=np.int64)
+    for number, rows in enumerate(recording.segments()):
+        segment[rows] = number
+    every, begins = int(np.diff(residuals.rows).min()), residuals.rows[~residuals.holdout]
+    followed = begins[np.isin(begins + every, residuals.rows)]
+    fitted = np.unique(np.concatenate([begins, *(followed + offset for offset in range(1, every))]))
+    rest = {}
+    for name, row, used in zip(channels, residual, residuals.used, strict=True):
+        scatter = short_range(np.nan_to_num(row[fitted]), np.isfinite(row[fitted]))[1]
+        rest[name] = np.full(len(row), np.nan)
+        rest[name][fitted[scatter]] = row[fitted[scatter]]
+        rest[name][residuals.rows[~used]] = np.nan
+    return error_split(table, rest, segment)
 
 
-def fit_errors(
-    before: Screen, after: Screen, residuals: DeliveredResiduals, floors: dict[str, NoiseFloor]
-) -> FitErrors:
+def fit_errors(before: Screen, after: Screen, residuals: DeliveredResiduals) -> FitErrors:
     """Return root mean square residuals of the delivered tires, with all errors of the recording removed.
 
     `before`, `after`: of the solutions of the baseline model and the improved model. `residuals`: of both delivered
-    tires. Returns: train, cv, holdout -> channel -> before, after, floor, floor_with_history.
+    tires. Returns: train, cv, holdout -> channel -> before, after.
     """
     compared, used = residuals.compared, residuals.used
     both = (residuals.before, residuals.after)
@@ -145,12 +159,7 @@ def fit_errors(
     }
     return {
         part: {
-            name: {
-                "before": _rms(rows[0][i], mask[i]),
-                "after": _rms(rows[1][i], mask[i]),
-                "floor": floors[name].floor,
-                "floor_with_history": floors[name].with_history,
-            }
+            name: {"before": _rms(rows[0][i], mask[i]), "after": _rms(rows[1][i], mask[i])}
             for i, name in enumerate(after.signals.channels)
         }
         for part, (rows, mask) in parts.items()
@@ -167,5 +176,39 @@ def _change_without_block(screen: Screen) -> FloatArray:
     return np.where(inverse_noise > 0.0, change / np.where(inverse_noise > 0.0, inverse_noise, 1.0), 0.0)
 
 
-def _rms(residual: FloatArray, present: npt.NDArray[np.bool_]) -> float:
+def _rms(residual: FloatArray, present: BoolArray) -> float:
     return float(np.sqrt(np.mean(residual[present] ** 2))) if present.any() else float("nan")
+
+
+def reasons_against(errors: FitErrors, residuals: DeliveredResiduals) -> tuple[str, ...]:
+    """Return the reason why an improved tire is not delivered, or nothing.
+
+    `errors`: of the delivered tires (`fit_errors`). `residuals`: of the same tires, from which the errors are
+    computed.
+    """
+    gain = density_gain(residuals)
+    if gain.sum() >= 0.0:  # NaN is a reason
+        return ()
+    worst = list(errors["holdout"])[int(np.argmin(graded(gain)))]  # of NaN, the first one
+    error, unit = errors["holdout"][worst], drawn_unit(worst)
+    return (
+        f"it predicts the hold-out set worse than the baseline tire ({worst}: {error['after']:.3g} instead of "
+        f"{error['before']:.3g} {unit})",
+    )
+
+
+def density_gain(residuals: DeliveredResiduals) -> FloatArray:
+    """Return by how much the logarithm of the predictive density of the hold-out set increases, shape (n_channels,).
+
+    Residuals are normal with the standard deviation that the tire has on the fitted rows: a tire that fits these better
+    is more certain, and loses more where it is wrong.
+    """
+    return np.asarray(_log_density(residuals, residuals.after) - _log_density(residuals, residuals.before))
+
+
+def _log_density(residuals: DeliveredResiduals, rows: FloatArray) -> FloatArray:
+    squares = np.where(residuals.used, rows, 0.0) ** 2
+    fitted, held = residuals.used & ~residuals.holdout, residuals.used & residuals.holdout
+    variance = np.sum(squares, axis=1, where=fitted) / np.maximum(fitted.sum(axis=1), 1)
+    variance = np.where(variance > 0.0, variance, 1e-300)
+    return np.asarray(-0.5 * (held.sum(axis=1) * np.log(variance) + np.sum(squares, axis=1, where=held) / variance))

@@ -6,20 +6,19 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from ...drawing.labels import range_text
+from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
 from ...symbolic.channels import CHANNELS
 from ..probing.candidates import varies
 from ..probing.effect_probing import Screen
-from ..signals.range_text import range_text
-from ..thresholds import MIN_ROWS_OF_CELL
-
-FloatArray = npt.NDArray[np.float64]
 
 #: The pairs of inputs over which residuals are mapped.
 PAIRS = (("alpha", "kappa"), ("Fz", "gamma"), ("p", "T"), ("V", "distance"))
 CELLS = 8
+#: Minimum number of rows of a cell whose mean is shown. Derived: its standard error is then a third of the noise.
+MIN_ROWS_OF_CELL = 10
 #: Least share of the squared residual that scales of the force explain for a text. Convention.
 SCALED_SHARE = 0.1
 

@@ -70,7 +70,7 @@ class Diagnosis:
     """
 
     #: Version of diagnosis.json. New keys increment the second number, changed meanings the first.
-    version: ClassVar[str] = "4.3"
+    version: ClassVar[str] = "5.0"
     JSON_KEYS: ClassVar = (
         "version", "headline", "verdict", "found", "answer.reported as explanations", "one_of", "answer.probabilities",
         "confounded as confounded_with", "confounded_with as correlation", "next_measurement", "unknown",
@@ -205,9 +205,9 @@ class Diagnosis:
     def gap(self) -> Mapping[str, Mapping[str, Mapping[str, float]]]:
         """Root mean square residuals by rows (train, cv, holdout) and channel, N and N m.
 
-        before, after, floor, floor_with_history: of the fitted tires over the compared rows with all errors of the
-        recording removed (`recording`), and noise floors (`tirefmu.numerics.noise_floor`). ``after`` is the residual of
-        the delivered tire.
+        before, after, floor: of the fitted tires over the compared rows with all errors of the recording removed
+        (`recording`), and the noise floor (`tirefmu.numerics.noise_floor`). ``after`` is the residual of the delivered
+        tire.
         """
         return self.misfit.gap
 

@@ -6,13 +6,15 @@ from collections.abc import Mapping, Sequence
 from math import hypot
 from typing import Any
 
+from ...drawing.labels import drawn_unit
 from ...numerics.ties import graded
 from ..explanations.answer import OneOf, percent
-from ..thresholds import CHANNEL_SHARE
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
 from .findings import FoundEffect
 
+#: A channel is reported for an effect from this share of the largest channel's power. Convention.
+CHANNEL_SHARE = 0.02
 _NOTHING, _UNIDENTIFIED = "nothing material is missing", "no effect is identified as missing"
 
 
@@ -132,7 +134,8 @@ def _removed(waves: Sequence[Mapping[str, Any]], adequacy: Sequence[Adequacy]) -
         amplitudes = sizes.setdefault(period, {})
         amplitudes |= {name: hypot(amplitudes.get(name, 0.0), wave["amplitude"][name]) for name in floors}
     texts = [
-        f"{size:.3g} {_unit(name)} in {name} every {every} (amplitude, {size / floors[name]:.1f} times the noise floor)"
+        f"{size:.3g} {drawn_unit(name)} in {name} every {every} (amplitude, {size / floors[name]:.1f} times the noise "
+        "floor)"
         for every, amplitudes in sizes.items()
         for name, size in amplitudes.items()
         if (size / floors[name]) ** 2
@@ -141,16 +144,12 @@ def _removed(waves: Sequence[Mapping[str, Any]], adequacy: Sequence[Adequacy]) -
     return f"removed as a periodic disturbance of the recording: {'; '.join(texts)}" if texts else ""
 
 
-def _unit(channel: str) -> str:
-    return "N" if channel.startswith("F") else "N m"
-
-
 def _nothing(adequacy: Sequence[Adequacy], detectable: Mapping[str, Mapping[str, float]]) -> str:
     channels = [rated.channel for rated in adequacy]
     sizes = {
         channel: sorted(limits[channel] for limits in detectable.values() if channel in limits) for channel in channels
     }
     text = ", ".join(
-        f"{size[len(size) // 2]:.2g} {_unit(channel)} in {channel}" for channel, size in sizes.items() if size
+        f"{size[len(size) // 2]:.2g} {drawn_unit(channel)} in {channel}" for channel, size in sizes.items() if size
     )
     return f"{_NOTHING} (smallest detectable effect, median: {text})"

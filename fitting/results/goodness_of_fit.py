@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 
 from ...numerics.arrays import FloatArray
+from ...numerics.noise_floor import ErrorSplit, error_split
 from ...tires.code import fastest_code
 from ...tires.tire import Tire
-from ..checks.error_split import ErrorSplit, error_split
 from ..checks.residuals import Residuals
 from ..data.fit_data import FitData
 from ..problem.rows import BLOCK, Rows
@@ -36,7 +36,7 @@ def channel_fits(data: FitData, residuals: Residuals, effective: FloatArray) -> 
                 quality = included[index].quality[:3]
                 channels.append(
                     ChannelFit(
-                        name, channel, units[channel], n, rmse, r2, uncentred, split.noise,
+                        name, channel, units[channel], n, rmse, r2, uncentred, split.floor,
                         float(effective[number, index]), *quality, split.inputs, split.time, split.repeats,
                     )
                 )  # fmt: skip

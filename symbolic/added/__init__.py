@@ -11,10 +11,11 @@ from collections.abc import Iterable
 from functools import lru_cache
 
 from .effect import AddedEffect
-from .file import effect_schema, effect_text, read_effect
+from .file import effect_from, effect_schema, effect_text, read_effect
 from .folder import declared_effects, installed_effects
 
-__all__ = ["AddedEffect", "effect_schema", "effect_text", "library", "packaged_library", "read_effect", "texts_digest"]
+__all__ = ["AddedEffect", "effect_from", "effect_schema", "effect_text", "library", "packaged_library", "read_effect",
+           "texts_digest"]  # fmt: skip
 
 
 @lru_cache(maxsize=1)

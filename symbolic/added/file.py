@@ -82,7 +82,11 @@ def read_effect(text: str, source: str) -> AddedEffect:
         If the text is not TOML, has an entry that an effect cannot have, uses a reserved name
         (`tirefmu.symbolic.reserved`), or exceeds the limits of formulas and texts.
     """
-    table = _parsed(text, source)
+    return effect_from(_parsed(text, source), source)
+
+
+def effect_from(table: dict[str, Any], source: str) -> AddedEffect:
+    """Return the effect that the content of a file declares, checked as by `read_effect`."""
     check_content(table, effect_schema(), source, EffectError)
     effect = _effect(table, source)
     acts = tuple(_checked(act, f"{source}: [[acts]]") for act in effect.acts)

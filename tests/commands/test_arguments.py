@@ -8,7 +8,6 @@ import pytest
 
 import tirefmu
 from tirefmu.boundary.errors import DataError, FmuError, TirefmuError, TirError, UnknownName, WrongType
-from tirefmu.diagnosis import residual_map
 from tirefmu.fitting import assign_folds, cross_validate, draw_figures, fit
 from tirefmu.fmu.packaging.export import fmi_version
 from tirefmu.measurements import Noise, Recording, alpha_sweeps, recording_from, recordings_from
@@ -92,7 +91,6 @@ def test_invalid_tires_are_rejected_by_name(wrong, bench, tmp_path):
         "evaluate": lambda: tirefmu.evaluate(wrong, bench),
         "draw": lambda: tirefmu.draw(wrong, tmp_path / "figures"),
         "export": lambda: tirefmu.export(wrong, tmp_path / "x.fmu"),
-        "map": lambda: residual_map(wrong, bench, "Fy"),
         "bench": lambda: tirefmu.VirtualBench(wrong),
     }
     for name, function in functions.items():

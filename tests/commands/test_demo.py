@@ -35,7 +35,7 @@ def test_the_end_to_end_workflow(command, tmp_path, monkeypatch):
     missing = reported["missing_effect"]
     assert (missing["effect"], missing["channel"]) == ("camber_thrust", "Fy")
     assert missing["rmse_without"] > 1.2 * missing["rmse_with"]
-    assert missing["largest_mean_residual_with"] < 0.5 * missing["largest_mean_residual_without"]
+    assert missing["explained_by_inputs_with"] < 0.5 * missing["explained_by_inputs_without"]
     # The diagnosis identifies the missing effect and adds it.
     diagnosis = reported["diagnosis"]
     assert diagnosis["found"] == ["camber_thrust"]

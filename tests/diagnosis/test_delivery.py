@@ -24,7 +24,7 @@ from tirefmu.diagnosis.verdict import (
     reasons_against,
     verdict_sentences,
 )
-from tirefmu.numerics.noise_floor import NoiseFloor
+from tirefmu.numerics.noise_floor import ErrorSplit
 
 from .independent import kinds as independent
 from .recomputation import recomputed
@@ -64,8 +64,8 @@ def test_a_channel_has_one_residual(worn):
     reported = diagnosis.to_json()
     for channel, one in reported["adequacy"].items():
         gap = reported["gap"]["train"][channel]
-        assert (one["residual"], one["floor"]) == (gap["after"], gap["floor_with_history"])
-        assert gap["floor_with_history"] <= gap["floor"] <= gap["after"]
+        assert (one["residual"], one["floor"]) == (gap["after"], gap["floor"])
+        assert gap["floor"] <= gap["after"]
 
 
 @pytest.mark.slow
@@ -119,7 +119,7 @@ def compared(seed=0, fx=0.0, fy=0.0, of_fy=1.0):
     before = noise + np.array([[0.0], [of_fy]]) * np.sin(np.arange(6000) / 40.0)
     after = noise + np.stack([np.broadcast_to(one, 6000) for one in (fx, fy)])
     known = np.ones((2, 6000), dtype=bool)
-    return DeliveredResiduals(np.arange(6000), before, after, known, block % 8 == 5, np.arange(6000), block)
+    return DeliveredResiduals(np.arange(6000), before, after, known, block % 8 == 5, np.arange(6000))
 
 
 def judged(residuals):
@@ -136,8 +136,7 @@ def judged(residuals):
 
 
 def test_a_tire_that_predicts_the_holdout_set_worse_is_not_delivered():
-    wave, block = np.cos(np.arange(6000) / 23.0), compared().block
-    held = block % 8 == 5
+    wave, held = np.cos(np.arange(6000) / 23.0), compared().holdout
     assert judged(compared()) == ()
     assert "(Fx: " in judged(compared(fx=2.0 * wave, of_fy=0.0))[0]
     # Better on the fitted rows, worse on the others: it is more certain where it is wrong.
@@ -159,7 +158,7 @@ def test_the_density_is_that_of_the_residual_of_the_fitted_rows():
 
 
 def test_a_residual_far_above_the_floor_is_inadequate():
-    floors = {"Fx": NoiseFloor(10.0, 10.0), "Fy": NoiseFloor(19.0, 10.0)}
+    floors = {"Fx": ErrorSplit(10.0, 6.6, 0.0, 0.0), "Fy": ErrorSplit(10.0, 6.2, 16.0, 2.2)}
     fx, fy = adequacies({"Fx": 12.0, "Fy": 20.0}, floors, [], {"Fy": "the tire gives 9 % too little Fy"})
     assert (fx.adequate, fx.memory) == (True, False)
     assert (fy.adequate, fy.memory, fy.rating) == (False, True, "red")
@@ -172,7 +171,7 @@ def test_a_residual_far_above_the_floor_is_inadequate():
     unknown = Adequacy("Fx", 10.0, np.nan, "", (), False)
     assert (unknown.adequate, unknown.rating) == (None, "amber")
     assert Adequacy("Fx", 10.0, 0.0, "", (), False).adequate is False
-    numbers = NoiseFloor(np.float64(19.0), np.float64(10.0))  # of NumPy, as computations return them
+    numbers = ErrorSplit(*map(np.float64, (10.0, 6.2, 16.0, 2.2)))  # of NumPy, as computations return them
     (fy,) = adequacies({"Fy": np.float64(20.0)}, {"Fy": numbers}, [], {})
     assert (fy.adequate, fy.memory, fy.rating) == (False, True, "red")
 

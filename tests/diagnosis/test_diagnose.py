@@ -14,8 +14,7 @@ from tirefmu.boundary.escaping import visible
 from tirefmu.diagnosis import Diagnosis, diagnose
 from tirefmu.diagnosis.explanations import RankedExplanation
 from tirefmu.diagnosis.reporting import report
-from tirefmu.diagnosis.reporting.gain_figure import gain_figure
-from tirefmu.diagnosis.reporting.memory_figure import memory_figure
+from tirefmu.diagnosis.reporting.effect_figures import gain_figure, memory_figure
 from tirefmu.diagnosis.reporting.report import report_page
 from tirefmu.diagnosis.unexplained.formula_proposal import Unknown
 from tirefmu.diagnosis.verdict import (
@@ -228,7 +227,7 @@ def test_the_first_screen_has_the_next_measurement_the_picture_and_the_numbers(t
     assert numbers_below.partition("<h3>")[2].startswith("What each identified effect adds")
     for channel, one in diagnosis.gap["train"].items():
         (row,) = (text for text in first.split("<tr>") if text.startswith(f"<td>{channel} ("))
-        numbers = [f"{one[key]:.4g}" for key in ("before", "after", "floor_with_history")]
+        numbers = [f"{one[key]:.4g}" for key in ("before", "after", "floor")]
         assert re.findall(r'<td class="n">(\S+)</td>', row)[:3] == numbers
         assert f'">{channel}</td><td class="n">{numbers[0]}</td><td class="n">{numbers[1]}</td>' in page.replace(
             f"<td>{channel}", f'<td class="">{channel}'

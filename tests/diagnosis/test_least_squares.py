@@ -10,7 +10,6 @@ import pytest
 from tirefmu.diagnosis import LeastSquares
 from tirefmu.diagnosis.explanations import balanced
 from tirefmu.diagnosis.signals import reported_disturbances
-from tirefmu.diagnosis.thresholds import MAX_CROSS_TALK
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire
@@ -156,11 +155,12 @@ def test_a_coefficient_may_be_differentiated_twice(problem, at_true_values):
 
 
 def test_large_cross_talk_is_not_a_disturbance(problem):
+    """Large is more than three standard deviations of its prior."""
     disturbances = problem.disturbances
     values = np.full(len(disturbances.names), 1e3)
-    values[disturbances.names.index("cross_talk_Fx_in_Fy")] = 0.9 * MAX_CROSS_TALK["Fx_in_Fy"]
-    values[disturbances.names.index("cross_talk_Fy_in_Mz")] = -0.9 * MAX_CROSS_TALK["Fy_in_Mz"]
-    values[disturbances.names.index("cross_talk_Fy_in_Fx")] = -1.1 * MAX_CROSS_TALK["Fy_in_Fx"]
+    for pair, share in (("Fx_in_Fy", 0.9), ("Fy_in_Mz", -0.9), ("Fy_in_Fx", -1.1)):
+        index = disturbances.names.index(f"cross_talk_{pair}")
+        values[index] = 3.0 * share * disturbances.deviation[index]
     assert disturbances.implausible(values) == ("cross_talk_Fy_in_Fx",)
     plausible = disturbances.without(disturbances.implausible(values))
     assert set(disturbances.names) - set(plausible.names) == {"cross_talk_Fy_in_Fx"}

@@ -5,20 +5,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tirefmu.diagnosis import diagnose
 from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.diagnosis.probing import reweighted
 from tirefmu.diagnosis.signals import OUTLIER, quantisation, ripple
 from tirefmu.diagnosis.verdict import (
     MAX_CHANGE,
     delivered_residuals,
+    error_splits,
     extrapolations,
     fit_errors,
-    floors_of,
     outside,
     residual_maps,
+    residual_of,
     time_course,
 )
-from tirefmu.measurements import Recording
+from tirefmu.fitting import fit
+from tirefmu.measurements import Recording, read_recording
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 
@@ -27,18 +30,47 @@ NOISE = {"Fx": 5.0, "Fy": 5.0, "Mz": 0.5}
 
 def test_the_noise_floor_equals_the_noise(at_true_values, tire, table):
     recording = Recording(table, "adapted-sae", "bench")
-    screens, signals = (at_true_values, at_true_values), at_true_values.signals
-    residuals = delivered_residuals((tire, tire), recording, screens, signals.table_rows)
-    floors = floors_of(recording, residuals, signals.channels)
-    assert {name: one.floor for name, one in floors.items()} == pytest.approx(NOISE, rel=0.1)
+    residual, signals = residual_of(tire, at_true_values, recording), at_true_values.signals
+    residuals = delivered_residuals(residual, residual, signals, signals.table_rows)
+    splits = error_splits(residual, residuals, recording, signals.channels)
+    assert {name: one.floor for name, one in splits.items()} == pytest.approx(NOISE, rel=0.1)
+
+
+def agree(fitted, diagnosis):
+    """Return the relative difference of the noise floors by channel, and its standard error by their different rows.
+
+    The diagnosis has no rows of the hold-out set, an eighth. Noise is as correlated as the residual of the fit.
+    """
+    floors = {name: one["floor"] for name, one in diagnosis.gap["train"].items()}
+    measured = [c for c in fitted.channels if c.channel in floors]
+    error = {c.channel: np.sqrt(1.0 / 7.0 / (2.0 * c.effective_rows)) for c in measured}
+    return {c.channel: floors[c.channel] / c.noise_floor - 1.0 for c in measured}, error
+
+
+def test_a_fit_and_a_diagnosis_state_the_same_noise_floor(tire, table):
+    recording = Recording(table, "adapted-sae", "bench")
+    fitted = fit([recording], "mf96", start=tire, effects=tire.has)
+    diagnosis = diagnose(recording, tire=fitted.tire, candidates=["camber_stiffness"])
+    difference, error = agree(fitted, diagnosis)
+    assert set(difference) == set(NOISE)
+    assert all(abs(difference[name]) < 4.0 * error[name] for name in NOISE), difference
+
+
+def test_they_are_the_same_for_a_measured_recording(data_folder):
+    measured = read_recording(data_folder / "cornering.mat")
+    recording = replace(measured, table=measured.table.iloc[::8].reset_index(drop=True))
+    fitted = fit([recording], "mf61")
+    difference, error = agree(fitted, diagnose(recording, tire=fitted.tire, candidates=["relax_lat"]))
+    assert set(difference) == {"Fy", "Mz", "Mx"}
+    assert all(abs(difference[name]) < 4.0 * error[name] for name in difference), difference
 
 
 def test_the_error_of_the_true_tire_is_the_noise(at_true_values, without_camber, tire, table):
     recording = Recording(table, "adapted-sae", "bench")
     screens, signals = (without_camber, at_true_values), at_true_values.signals
     without = replace(tire, values={**tire.values, "PVY3": -0.3})  # as wrong as the tire of the other recording
-    residuals = delivered_residuals((without, tire), recording, screens, signals.table_rows)
-    reported = fit_errors(*screens, residuals, floors_of(recording, residuals, signals.channels))
+    both = [residual_of(each, screen, recording) for each, screen in zip((without, tire), screens, strict=True)]
+    reported = fit_errors(*screens, delivered_residuals(*both, signals, signals.table_rows))
     for part in ("train", "cv", "holdout"):
         for channel, noise in NOISE.items():
             assert reported[part][channel]["after"] == pytest.approx(noise, rel=0.15)

@@ -8,8 +8,7 @@ import pytest
 
 from tirefmu.boundary.errors import DataError
 from tirefmu.diagnosis.probing.effect_probing import _edges
-from tirefmu.diagnosis.signals import signals_of
-from tirefmu.diagnosis.thresholds import HOLDOUT_EVERY
+from tirefmu.diagnosis.signals import HOLDOUT_EVERY, signals_of
 from tirefmu.tires import convert_signs
 
 OUTPUTS = ["Fx", "Fy", "Mz"]

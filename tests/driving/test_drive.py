@@ -17,16 +17,29 @@ import tirefmu
 from tests.json_schemas import check_file, objections
 from tirefmu.applications.driving import simulation
 from tirefmu.applications.driving.dynamics.lagging import behind_lags
-from tirefmu.applications.driving.effects import effect_columns, factor_values, motion_of
+from tirefmu.applications.driving.effects import Missing, effect_columns, factor_values, motion_of
 from tirefmu.applications.driving.estimate import estimated
 from tirefmu.applications.driving.factors import scaled_tires, withheld
 from tirefmu.applications.driving.figures import write_drive
 from tirefmu.applications.driving.inputs.car import Car
 from tirefmu.applications.driving.interval import interval_of
-from tirefmu.applications.driving.rivals import DriveExplanation, Rival, forces_of, probabilities_of
+from tirefmu.applications.driving.rivals import (
+    DriveExplanation,
+    Rival,
+    forces_of,
+    nearby,
+    probabilities_of,
+    reestimated,
+)
 from tirefmu.applications.driving.trust.contradiction import chances_of_entries, contradiction_of
 from tirefmu.applications.driving.trust.left_out import is_better
-from tirefmu.applications.driving.verdict import EffectFinding, _contradiction_line, _unidentified_line
+from tirefmu.applications.driving.verdict import (
+    EffectFinding,
+    _car_lines,
+    _contradiction_line,
+    _unidentified_line,
+    car_findings,
+)
 from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.commands.cli import main
 from tirefmu.diagnosis.diagnose import with_library
@@ -153,6 +166,52 @@ def test_a_gross_entry_is_one_although_all_together_are_unremarkable(answer):
     assert wrong["ratio"] < 0.05
 
 
+@pytest.mark.parametrize(
+    ("deviation", "found", "checked"), [(1.0, set(), set()), (3.8, set(), {"mass"}), (5.6, {"mass"}, set())]
+)
+def test_an_entry_that_may_be_wrong_is_to_be_checked(deviation, found, checked, answer):
+    estimate = with_deviations(answer, 0.3, mass=deviation, ratio=1.0)
+    wrong = dict.fromkeys(answer.unknowns.car, 0.99 if deviation > 5.0 else 0.5)
+    contradiction = contradiction_of(estimate, answer.unknowns)
+    named, check = car_findings(estimate, answer.unknowns, answer.car, wrong, contradiction)
+    assert ({entry.name for entry in named}, {entry.name for entry in check}) == (found, checked)
+    lines = _car_lines(named, check, (), estimate)
+    assert all("mass with driver and fuel" in line for line in lines)
+    assert ("check the mass" in " ".join(lines)) == bool(checked)
+    unfit = replace(estimate, converged=False)
+    contradiction = contradiction_of(unfit, answer.unknowns)
+    assert car_findings(unfit, answer.unknowns, answer.car, wrong, contradiction) == ((), ())
+
+
+def test_effects_compete_by_estimates_of_the_whole_drive(answer):
+    base, n = DriveExplanation(None, answer.grid, answer.estimate), len(answer.unknowns)
+    none = Rival(None, np.zeros(0))
+    first, second, third, unlikely = (
+        Rival(
+            Missing(name, answer.tires, {"PDY2": 0.0}, {"PDY2": 1.0}, frozenset()), np.zeros(1), gain=gain, power=power
+        )
+        for name, gain, power in (("a", 10.0, 0.2), ("b", 8.0, 0.9), ("c", 9.0, 0.5), ("d", -5.0, 0.5))
+    )
+    evidence = {"a": 40.0, "b": 30.0}
+
+    def refit(rival):
+        more = evidence.get(rival.missing.name)
+        whole = replace(answer.estimate, evidence=answer.estimate.evidence + (more or 0.0))
+        return DriveExplanation(rival.missing, answer.grid, whole) if more else None
+
+    ranked, estimates = reestimated([none, first, second, third, unlikely], base, answer.unknowns, refit)
+    by_name = {rival.missing.name if rival.missing else "": rival for rival in ranked}
+    assert set(estimates) == {"a", "b"}
+    # By their own powers, the one that explains less would be the likely one.
+    assert by_name["a"].log_odds - by_name["b"].log_odds == pytest.approx(0.2 * 10.0)
+    assert by_name["a"].u[0] == answer.estimate.z[n]
+    assert by_name["c"].gain == third.gain
+    assert sum(rival.probability for rival in ranked) == pytest.approx(1.0)
+    assert [rival.probability for rival in ranked] == sorted((rival.probability for rival in ranked), reverse=True)
+    # An effect without an optimum, and an unlikely one, have no estimate.
+    assert reestimated([third, none, unlikely], base, answer.unknowns, refit) == ([third, none, unlikely], {})
+
+
 def test_a_small_change_that_is_certain_is_a_change(answer):
     size = answer.unknowns.spread[-1]
     for error, value, changed in ((0.01, 1.06, True), (0.01, 1.01, False), (0.05, 1.06, False), (0.05, 1.4, True)):
@@ -260,7 +319,6 @@ def relaxing(car):
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=True, reason="0.27 m for 0.36 m about an estimate whose delay took a part of the relaxation")
 def test_a_relaxation_length_is_that_of_the_truth(relaxing):
     answer, length = relaxing
     likely = {finding.effect: finding.coefficients for finding in answer.verdict.effects}
@@ -289,8 +347,9 @@ def test_a_drive_estimated_with_an_effect_has_it_in_its_tires(relaxing):
         answer.car, answer.tires, answer.unknowns, sampled=answer.grid.sampled, spins=CORNERS, step=answer.grid.step
     )
     forces = forces_of(Rival(missing, u), answer.unknowns, answer.car, base)
+    near = nearby(Rival(missing, u), base, answer.unknowns, answer.car)
     grid, estimate = estimated(
-        answer.grid, interval, answer.unknowns, answer.estimate.states, answer.log, answer.car, forces, answer.estimate
+        answer.grid, interval, answer.unknowns, answer.estimate.states, answer.log, answer.car, forces, near
     )
     assert estimate.converged
     assert estimate.evidence > answer.estimate.evidence

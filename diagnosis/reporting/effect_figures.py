@@ -1,23 +1,32 @@
-"""Figure of the memory of a tire: force and residual for growing and falling slip, before and after, and its states."""
+"""Figures of what the improved tire adds: the gain of each effect, memories, and the correction of the form.
+
+The gain of an effect is the force that is missing without it, over the input that it acts through. A memory is shown
+as force and residual for growing and falling slip, before and after, and as its states. The correction of the form is
+shown as its share of a force over slip, at loads of the tested range.
+"""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
-from ...drawing.figure import Figure, Panel, Series
-from ...drawing.labels import axis_label, drawn_unit, per_si
-from ...drawing.style import BLACK, BLUE, DASHED, RED, SOLID
+from ...drawing.figure import Figure, Panel, Series, in_rows
+from ...drawing.labels import axis_label, drawn_unit, note, per_si
+from ...drawing.residual_panels import INPUTS, bins
+from ...drawing.style import BLACK, BLUE, DASHED, GRAY, RED, SOLID
+from ...numerics.arrays import BoolArray, FloatArray
 from ...numerics.ties import graded
 from ...symbolic.quantities import ALPHA, KAPPA
 from ...tires.evaluation import Conventions, evaluate
+from ...tires.signs import convert_signs
 from ...tires.tire import Tire
-from ..thresholds import MIN_ROWS_OF_CELL
+from ..explanations.form import without_form
+from ..verdict.findings import FoundEffect
+from ..verdict.residual_location import MIN_ROWS_OF_CELL
 from ..verdict.result import Diagnosis
 from .residual_figure import coincide
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Intervals of slip whose means are drawn, and the minimum number of rows of an interval of a force.
 INTERVALS, MIN_ROWS_OF_FORCE = 24, 2
@@ -27,6 +36,61 @@ LOAD_BAND = 0.08
 DIRECTIONS = (("size of slip grows", 1.0, RED, SOLID), ("falls", -1.0, BLUE, DASHED))
 #: Seconds over which the direction of slip is determined.
 SMOOTHED = 0.1
+#: Points of a line; loads as quantiles of those of the recording, with their color and dashes. Conventions.
+POINTS = 121
+LOADS = ((0.1, BLUE, SOLID), (0.5, GRAY, DASHED), (0.9, RED, SOLID))
+
+
+def gain_figure(diagnosis: Diagnosis) -> Figure | None:
+    """Return a panel for each identified effect: the mean residual in its direction, without and with it.
+
+    None if the improved tire has none of the identified effects.
+    """
+    panels = [_gain_panel(diagnosis, finding) for finding in diagnosis.found if finding.effect in diagnosis.tire.has]
+    text = (
+        "measured minus computed, positive in the direction in which the effect acts, mean of rows with similar input "
+        "weighted by the effect's force; the offset of the recording is removed"
+    )
+    under = note(diagnosis.signs, text)
+    return Figure("diagnosis_gain", "What each identified effect adds", in_rows(panels), under) if panels else None
+
+
+def _gain_panel(diagnosis: Diagnosis, finding: FoundEffect) -> Panel:
+    tire, rows = diagnosis.tire, diagnosis.rows
+    without = replace(tire, effects=tire.has - {finding.effect})
+    error = diagnosis.gap["train"]
+    channel = min(finding.channels, key=lambda name: graded(error[name]["after"] / max(error[name]["before"], 1e-300)))
+    forces = [_evaluated(diagnosis, shown)[channel].to_numpy(dtype=np.float64) for shown in (without, tire)]
+    response = forces[1] - forces[0]
+    measured = _measured(diagnosis, channel)
+    through = _input(diagnosis, finding.effect)
+    at = convert_signs(rows[[through]], diagnosis.recording_signs, diagnosis.signs)[through]
+    x = at.to_numpy(dtype=np.float64) * per_si(through)
+    finite = np.isfinite(x) & np.isfinite(measured) & np.isfinite(response)
+    parts = [part for part in bins(x, finite) if np.abs(response[part]).any()]
+    lines = []
+    for force, label, color, dashes in zip(forces, ("without", "with"), (RED, BLUE), (DASHED, ()), strict=True):
+        lacking = (measured - force) * response
+        means = [lacking[part].sum() / np.abs(response[part]).sum() for part in parts]
+        centers = [float(np.median(x[part])) for part in parts]
+        lines.append(Series("line", centers, means, color, label, dashes, marker="o"))
+    y = f"{channel} that is missing ({drawn_unit(channel)})"
+    return Panel(axis_label(through, diagnosis.signs), y, tuple(lines), f"{finding.effect}: {channel}", across=(0.0,))
+
+
+def _input(diagnosis: Diagnosis, effect: str) -> str:
+    """Return the recorded input that an effect requires; otherwise the slip that varies most."""
+    detection = diagnosis.tire.symbolic_model.detections.get(effect)
+    required = [name for name in detection.requires if name in INPUTS] if detection else []
+    return next((name for name in required if name in diagnosis.rows), "") or _widest_slip(diagnosis.rows)
+
+
+def _measured(diagnosis: Diagnosis, channel: str) -> FloatArray:
+    """Return the measured force without the offset of the recording, in the signs of the recording."""
+    offset = diagnosis.recording["removed"][channel]["offset"]
+    signs = diagnosis.signs, diagnosis.recording_signs
+    converted = float(convert_signs(pd.DataFrame({channel: [offset]}), *signs)[channel].iloc[0])
+    return np.asarray(diagnosis.rows[channel], dtype=np.float64) - converted
 
 
 def memory_figure(diagnosis: Diagnosis, channel: str) -> Figure:
@@ -36,9 +100,7 @@ def memory_figure(diagnosis: Diagnosis, channel: str) -> Figure:
 
     `diagnosis`: of a recording with time, whose improved tire has states.
     """
-    slip = max(
-        (n for n in (ALPHA.name, KAPPA.name) if n in diagnosis.rows), key=lambda n: graded(np.ptp(diagnosis.rows[n]))
-    )
+    slip = _widest_slip(diagnosis.rows)
     tires = ((diagnosis.base_tire, "baseline tire"), (diagnosis.tire, "improved tire"))
     forces, residuals = [], []
     for tire, title in tires:
@@ -60,7 +122,13 @@ def _unit(tire: Tire, state: str) -> str:
     return "-" if unit == "1" else unit
 
 
+def _widest_slip(rows: pd.DataFrame) -> str:
+    """Return the slip that varies most in the rows of a recording."""
+    return max((name for name in (ALPHA.name, KAPPA.name) if name in rows), key=lambda name: graded(np.ptp(rows[name])))
+
+
 def _evaluated(diagnosis: Diagnosis, tire: Tire) -> pd.DataFrame:
+    """Return what a tire computes in the rows of a recording, in its signs."""
     inputs = [name for name in diagnosis.rows if name == "t" or name in tire.inputs]
     return evaluate(tire, diagnosis.rows[inputs], Conventions(diagnosis.recording_signs))
 
@@ -108,7 +176,7 @@ def _means(
     values: FloatArray,
     slip: str,
     direction: float,
-    chosen: npt.NDArray[np.bool_],
+    chosen: BoolArray,
     least: int,
 ) -> tuple[FloatArray, FloatArray]:
     """Return intervals of slip, in the drawn unit, and the mean value of the chosen rows of a direction in each."""
@@ -128,3 +196,28 @@ def _growth(t: FloatArray, slip: FloatArray) -> FloatArray:
     """Return the change of the size of a slip over a short time."""
     later, earlier = (np.interp(t + sign * SMOOTHED / 2.0, t, np.abs(slip)) for sign in (1.0, -1.0))
     return np.asarray(later - earlier)
+
+
+def form_figure(diagnosis: Diagnosis) -> Figure:
+    """Return the change of each corrected channel by the correction over the slip that varies most.
+
+    `diagnosis`: with a correction of the form.
+    """
+    rows = diagnosis.rows
+    slip = _widest_slip(rows)
+    at = np.linspace(rows[slip].min(), rows[slip].max(), POINTS)
+    plain, panels = without_form(diagnosis.tire), dict[str, list[Series]]()
+    for quantile, color, dashes in LOADS:
+        load = float(np.quantile(np.abs(rows["Fz"]), quantile))
+        sign = float(np.sign(rows["Fz"].median()))
+        table = pd.DataFrame({slip: at, "Fz": sign * load})
+        with_it, without = (tire.evaluate(table, signs=diagnosis.recording_signs) for tire in (diagnosis.tire, plain))
+        for channel in diagnosis.form.channels:
+            change = (with_it[channel] - without[channel]).to_numpy() * per_si(channel)
+            line = Series("line", at * per_si(slip), change, color, f"Fz {load:.0f} N", dashes)
+            panels.setdefault(channel, []).append(line)
+    drawn = tuple(
+        Panel(axis_label(slip), f"correction of {channel} ({drawn_unit(channel)})", tuple(lines), across=(0.0,))
+        for channel, lines in panels.items()
+    )
+    return Figure("form", "Correction of the formula's own form", (drawn,))
