@@ -209,10 +209,13 @@ def _climbed(table: Table, linear: Linearization) -> Move:
     """Extend the leading explanation while an extension leads, or until the noise is to be estimated again."""
     table = table.with_refit(refitted(table.shared, Explanation(), [table.absent], linear.simulator))
     yield table
-    for explanation in (linear.static, linear.explanation):
-        if explanation.parts not in table.refits:
-            start = linear.solution.parameters
-            table = table.with_refit(refitted(table.shared, explanation, [start], linear.simulator))
+    if linear.explanation.parts:
+        start, static = linear.solution.parameters, linear.static
+        whole = refitted(table.shared, linear.explanation, [start], linear.simulator)
+        table = table.with_refit(whole)
+        yield table
+        if static.parts not in table.refits:
+            table = table.with_refit(refitted(table.shared, static, [table.without(whole, static)], linear.simulator))
             yield table
     before = None
     while before is not table.leader and _growth(table) <= GROWTH:
