@@ -25,7 +25,7 @@ from .evidence import Projected, inflation
 from .explanation import UNKNOWN, Explanation
 from .linearization import Addition, Linearization, forget_columns
 from .refit import Refitted, Shared, refitted, shared_problem, some_rows, with_terms
-from .table import Parts, Table, fold_evidences
+from .table import FAR, Parts, Table, fold_evidences
 from .terms import form_errors
 
 FloatArray = npt.NDArray[np.float64]
@@ -36,9 +36,6 @@ Move = Generator[Table, None, Table]
 #: are extended under each of these; growth of the variance of the noise after which it is estimated again. Conventions:
 #: computing time.
 ESTIMATES, SETTLED, COMPARED, GROWTH = 5, 2, 6, 1.5
-#: Score, relative to the most probable one, below which an explanation is not tried again under another noise: three
-#: margins. Convention: computing time.
-FAR = 3.0 * REFIT_MARGIN
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,10 +239,10 @@ def _settled(table: Table) -> Move:
 
 
 def reduced(table: Table, refit: Refitted) -> Move:
-    """Refit an explanation without each of its parts."""
+    """Refit an explanation without each of its parts, except those that the roots need."""
     for part in refit.explanation.parts:
         less = refit.explanation.without(part)
-        if less.parts not in table.refits:
+        if less.parts not in table.refits and not table.needs(part):
             table.report(f"comparing {part} with other explanations")
             start = table.without(refit, less)
             begins = [start, table.with_absent_core(start, refit)]
@@ -297,7 +294,9 @@ def exchanged(table: Table, refit: Refitted) -> Move:
     The linear problem at the explanation without it says little about what acts through time: all others follow then.
     """
     for part in refit.explanation.effects:
-        less = table.refits[refit.explanation.without(part).parts]
+        less = table.refits.get(refit.explanation.without(part).parts)
+        if less is None:
+            continue
         table, possible = table.possible(less.linear)
         others = [addition for addition in possible if addition.name != part]
         for name, best in rivals_of(in_place_of(part, refit.linear, others), others).items():

@@ -24,6 +24,10 @@ from .refit import Refitted, Shared
 FloatArray = npt.NDArray[np.float64]
 Parts = tuple[str, ...]
 
+#: Score, relative to the most probable one, below which an explanation is not tried again under another noise, nor what
+#: is missed by it: three margins. Convention: computing time.
+FAR = 3.0 * REFIT_MARGIN
+
 
 @dataclass(frozen=True, eq=False)
 class Table:
@@ -120,6 +124,16 @@ class Table:
         best = max(divided[parts] for parts in self.refits)
         near = [refit for parts, refit in self.refits.items() if divided[parts] > best + REFIT_MARGIN]
         return [leader, *(refit for refit in near if refit is not leader)]
+
+    def needs(self, part: str) -> bool:
+        """Return whether the roots have a part, and all are far behind without it."""
+        roots, scores, divided = self.roots, self.scores, self.divided()
+        best = max(divided.values())
+        less = [tuple(name for name in root if name != part) for root in roots]
+        return all(part in root for root in roots) and all(
+            parts in self.refits and scores[parts] < scores[roots[0]] + FAR and divided[parts] < best + FAR
+            for parts in less
+        )
 
     def probable_with(self, formula: Refitted, parts: Parts) -> bool:
         """Return whether an explanation is more probable with a formula: a better tire alone is no unknown effect."""
