@@ -435,3 +435,10 @@ def test_a_step_between_two_rows_is_not_a_measurement(at_true_values, problem):
     largest = 1e-3 * np.abs(simulator.forces(parameters)).max(axis=1)
     assert np.all(np.median(slow, axis=1) < largest)  # Mz of this model has a kink at alpha = 0 in combined slip
     assert np.all(np.median(wide[:, far], axis=1) < largest)
+
+
+def test_a_part_is_needed_if_all_that_lead_were_compared_without_it_and_are_far_behind():
+    table = table_of({(): 0.0, ("lag",): 200.0, ("heat", "lag"): 210.0, ("heat",): 5.0}, set())
+    assert table.needs("lag")
+    assert not table.needs("heat")  # the most probable one lacks it
+    assert not table_of({(): 0.0, ("heat", "lag"): 210.0}, set()).needs("lag")  # not compared
