@@ -12,17 +12,15 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 
 from ...measurements.virtual_bench.bench_errors import half_waves
+from ...numerics.arrays import FloatArray
 from ..signals.disturbances import LAGS, load_error_responses, passed
 from ..signals.signals import Signals
 from ..signals.simulation import Simulator
 from ..thresholds import BLOCK_LENGTH, DRIFT_WAVES, MAX_SKEW
 from ..unexplained.features import CORE_INPUTS
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Drift that may explain structure: largest number of half waves, and prior standard deviation of the k-th one times k,
 #: in noise standard deviations. The quotient is derived: a random walk has it. The size and the number are conventions.

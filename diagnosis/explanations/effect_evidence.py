@@ -7,15 +7,12 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import chdtrc, ndtri
 
+from ...numerics.arrays import FloatArray, IntArray
 from ...numerics.block_regression import error_of_sum
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 #: Number of long stretches in which an effect is judged. Convention.
 STRETCHES = 8

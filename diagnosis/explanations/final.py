@@ -12,8 +12,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from ...numerics.arrays import FloatArray
 from ...numerics.noise_model import Whitening, noise_parts
 from ...symbolic.detection import Form
 from ...tires.tire import Tire
@@ -34,8 +34,6 @@ from .effect_evidence import Evidence, effect_evidence
 from .explanation import Explanation
 from .form import Form as FormCorrection
 from .form import form_of
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Ratio of root mean square residuals, whitened to equal weights, above which the whitened fit is not used. Convention:
 #: the agreement that is required of reported residuals.

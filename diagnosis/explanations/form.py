@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-import numpy.typing as npt
 
 from ...boundary.errors import EffectError
+from ...numerics.arrays import BoolArray, FloatArray
 from ...numerics.block_regression import error_of_sum
 from ...symbolic.added import AddedEffect, read_effect
 from ...symbolic.model import Model
@@ -26,9 +26,6 @@ from ..signals.simulation import Simulator
 from ..thresholds import DISCREPANCIES, FINAL_ITERATIONS, FOLDS
 from .discrepancy import model_discrepancy
 from .evidence import folds_of, likelihood_power
-
-FloatArray = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
 
 #: The name of the effect, and how the names of its shares of bumps begin.
 FORM, PREFIX = "form", "FORM_"

@@ -6,16 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from ...numerics.arrays import FloatArray
 from ...symbolic.model import Model
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..thresholds import UNKNOWN_SHARE
 from ..unexplained.features import CORE_INPUTS, LOCATIONS, Location, determined, directions, features, locations_of
 from .explanation import Explanation, Term
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Variables of the past.
 PAST = frozenset({"memory", "dalpha/dt", "dkappa/dt", "dFz/dt", "distance", "V"})
