@@ -19,6 +19,7 @@ from ...numerics.arrays import FloatArray
 from ..signals.disturbances import LAGS, load_error_responses, passed
 from ..signals.signals import Signals
 from ..signals.simulation import Simulator
+from ..signals.skew import time_derivatives
 from ..thresholds import BLOCK_LENGTH, DRIFT_WAVES, MAX_SKEW
 from ..unexplained.features import CORE_INPUTS
 
@@ -146,12 +147,8 @@ def bench_errors(simulator: Simulator, parameters: FloatArray) -> tuple[FloatArr
     signals = simulator.signals
     if not signals.timed:
         return np.zeros((*signals.measured.shape, 0)), np.zeros(0)
-    at_all = simulator.with_signals(replace(signals, rows=np.arange(len(signals.t)))).forces(parameters)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rate = np.nan_to_num(np.gradient(at_all, signals.t, axis=1), posinf=0.0, neginf=0.0)
-        bend = np.nan_to_num(np.gradient(rate, signals.t, axis=1), posinf=0.0, neginf=0.0)
     step = float(np.median(np.diff(signals.t)))
-    columns = np.stack([-rate[:, signals.rows], bend[:, signals.rows]], axis=-1)
+    columns = time_derivatives(simulator, parameters) * [-1.0, 1.0]
     loads = load_error_responses(simulator, parameters)
     # A line between two rows is wrong by an eighth of the squared step times the second derivative.
     deviations = [0.5 * MAX_SKEW, step**2 / 8.0, *(LOAD_ERROR_PRIOR for _ in LAGS)]

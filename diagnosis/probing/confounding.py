@@ -8,7 +8,7 @@ import numpy as np
 
 from ...numerics.arrays import FloatArray
 from ...symbolic.detection import Detection
-from ..signals.skew import delay_response
+from ..signals.skew import time_derivatives
 from ..thresholds import SIDE
 from .effect_probing import Screen
 
@@ -51,7 +51,7 @@ def alias_columns(screen: Screen) -> dict[str, FloatArray]:
             response = simulator.jacobian(parameters, [leading])[:, :, 0] * parameters[simulator.index[leading]]
             changes[name] = response * np.tanh(named[slip] / SIDE)
     if problem.simulator.signals.timed:
-        changes[SKEW_OF_FORCES] = delay_response(simulator, parameters)
+        changes[SKEW_OF_FORCES] = -time_derivatives(simulator, parameters)[:, :, 0]
     return {name: (problem.inverse_noise * change)[:, :, None] for name, change in changes.items()}
 
 

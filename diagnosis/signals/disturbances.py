@@ -25,6 +25,7 @@ from ...measurements.virtual_bench.bench_errors import (
 )
 from ...numerics.arrays import FloatArray
 from ...numerics.periodic_lines import PeriodicLine
+from ...numerics.smoothing import rate_of
 from ...tires.states.transient import followed
 from ..thresholds import FREE_PRIOR
 from .signals import Signals
@@ -234,10 +235,8 @@ def load_error_responses(simulator: Simulator, parameters: FloatArray) -> FloatA
     `simulator`: of a recording with time. `parameters`, shape (n_parameters,).
     """
     signals = simulator.signals
-    named = dict(zip(signals.names, signals.inputs, strict=True))
-    slip = np.hypot(np.tan(named["alpha"]), named["kappa"])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rate = np.nan_to_num(np.gradient(slip, signals.t), posinf=0.0, neginf=0.0)
+    named = signals.everywhere.named()
+    rate = rate_of(np.hypot(np.tan(named["alpha"]), named["kappa"]), signals.t)
     direction = np.tanh(rate / (TURNING * float(np.sqrt(np.mean(rate**2))) + 1e-12))
     load, at = signals.names.index("Fz"), simulator.forces(parameters)
     responses = []

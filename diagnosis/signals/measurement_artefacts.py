@@ -11,13 +11,11 @@ from ...numerics.arrays import FloatArray
 from ...numerics.smoothing import HALF_WIDTHS
 from ...numerics.wheel_periodicity import once_per_revolution
 from ...symbolic.channels import OUTPUTS
+from ...tires.states.transient import segment_starts
 from ...tires.tire import Tire
 from .disturbances import Disturbances, reported_disturbances
 from .predicted_temperature import SURROUNDINGS, TEMPERATURE
 from .signals import Signals
-
-#: A pause of this many time steps ends a segment.
-PAUSE = 5.0
 
 
 def recording_errors(
@@ -53,11 +51,10 @@ def ripple(signals: Signals, residual: FloatArray, radius: float) -> dict[str, f
     if not signals.timed or "V" not in signals.origin.recorded or len(signals.rows) < 2:
         return {}
     t = signals.t[signals.rows]
-    inputs = dict(zip(signals.names, signals.inputs[:, signals.rows], strict=True))
+    inputs = signals.named()
     speed = inputs["V"] * (1.0 + inputs.get("kappa", 0.0))
     measured = [i for i, there in enumerate(signals.present) if there.any()]
-    pauses = np.diff(t, prepend=t[0]) > PAUSE * float(np.median(np.diff(t)))
-    segment = np.cumsum(pauses, dtype=np.int64)
+    segment = np.cumsum(segment_starts(t), dtype=np.int64)
     observed = np.where(signals.present, residual, np.nan)[measured]
     wave = once_per_revolution(t, speed, observed, segment, radius)
     if wave is None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -96,6 +97,11 @@ class Signals:
     timed: bool
     excluded_channels: Mapping[str, str] = field(default_factory=dict)
     skew: float = 0.0
+
+    @cached_property
+    def everywhere(self) -> Signals:
+        """The signals with forces at all rows of `t`, for what is simulated: no force was measured between them."""
+        return replace(self, rows=np.arange(len(self.t)))
 
     def delayed(self, seconds: float) -> Signals:
         """Return the signals with inputs that are delayed by a further time, s."""

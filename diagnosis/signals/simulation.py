@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
@@ -139,7 +139,7 @@ class Simulator:
         other = copy(self)
         other._driven_at = np.empty(0)
         other._remember()
-        every = other.with_signals(replace(self.signals, rows=np.arange(len(self.signals.t))))
+        every = other.with_signals(self.signals.everywhere)
         other._held = every.effective_inputs(parameters)[self._state_rows]
         other._driven_at = parameters.copy()
         other._remember()

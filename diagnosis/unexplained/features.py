@@ -186,7 +186,7 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
 
     An input that does not vary is in no formula; a memory of several inputs depends on those that vary.
     """
-    named = dict(zip(signals.names, signals.inputs, strict=True))
+    named = signals.everywhere.named()
     even_ones: list[Feature] = []
     odd_ones: list[Feature] = []
     constant = frozenset(name for name in signals.names if not varies(signals, tire, name))

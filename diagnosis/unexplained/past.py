@@ -12,6 +12,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from ...numerics.arrays import FloatArray
+from ...numerics.smoothing import rate_of
 from ...tires.states.transient import recursion
 from ..thresholds import SIDE
 
@@ -48,10 +49,7 @@ def rates_and_memory(t: FloatArray, named: Mapping[str, FloatArray]) -> Iterator
     width = max(3, round(0.1 / step))
 
     def rate(name: str) -> FloatArray:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            slope = np.gradient(named[name], t)
-        usable = np.where(np.isfinite(slope), slope, 0.0)
-        return np.asarray(uniform_filter1d(usable, width, mode="nearest"))
+        return np.asarray(uniform_filter1d(rate_of(named[name], t), width, mode="nearest"))
 
     def difference(drive: str, state: str, unit: float) -> tuple[str, tuple[str, ...]]:
         """Return a rate in multiples of a unit as the difference between an input and its lag."""

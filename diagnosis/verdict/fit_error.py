@@ -125,9 +125,6 @@ def error_splits(
     They are those of the compared rows and of the rows between them, outside the hold-out set, without outliers: a
     floor must not depend on how many rows are compared. `residual`: of the delivered tire (`residual_of`).
     """
-    table, segment = recording.table, np.zeros(len(recording.table), dtype=np.int64)
-    for number, rows in enumerate(recording.segments()):
-        segment[rows] = number
     every, begins = int(np.diff(residuals.rows).min()), residuals.rows[~residuals.holdout]
     followed = begins[np.isin(begins + every, residuals.rows)]
     fitted = np.unique(np.concatenate([begins, *(followed + offset for offset in range(1, every))]))
@@ -137,7 +134,7 @@ def error_splits(
         rest[name] = np.full(len(row), np.nan)
         rest[name][fitted[scatter]] = row[fitted[scatter]]
         rest[name][residuals.rows[~used]] = np.nan
-    return error_split(table, rest, segment)
+    return error_split(recording.table, rest, recording.segment_numbers())
 
 
 def fit_errors(before: Screen, after: Screen, residuals: DeliveredResiduals) -> FitErrors:
