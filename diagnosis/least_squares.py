@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -136,14 +136,6 @@ class LeastSquares:
             projected, first, lower, upper, lambda _, cost: tolerance * cost, DAMPING, steps=iterations, stop=self.stop
         )
         return self.at(projected.parameters(end.x), free)
-
-    def solve_without(self, solution: Solution, names: Collection[str], *, iterations: int) -> Solution:
-        """Fit from a solution without some coefficients: they get the values of a tire that lacks their effect."""
-        simulator, parameters = self.simulator, solution.parameters.copy()
-        indices = [simulator.index[name] for name in names]
-        parameters[indices] = simulator.tire.parameters()[indices]
-        free = tuple(name for name in solution.free if name not in names)
-        return self.solve(parameters, free, iterations=iterations)
 
     def at(self, parameters: FloatArray, free: Sequence[str]) -> Solution:
         """Return the solution at given parameters, with the best-fitting disturbances."""

@@ -203,9 +203,7 @@ def _whitened(problem: LeastSquares, solution: Solution, before: Screen) -> tupl
     """
     signals = problem.simulator.signals
     if not signals.timed:
-        screen = Screen(problem, solution)
-        screen.learn_noise({})
-        return before, solution, screen
+        return before, solution, Screen(problem, solution)
     t = signals.t[signals.rows]
     rest, step = problem.weighted(solution.residual), float(np.median(np.diff(t)))
     noise = tuple(noise_parts(*rows, step) for rows in zip(rest, problem.inverse_noise > 0.0, strict=True))
@@ -215,7 +213,6 @@ def _whitened(problem: LeastSquares, solution: Solution, before: Screen) -> tupl
         problem, whitened.solve(solution.parameters, solution.free, iterations=FINAL_ITERATIONS), solution
     )
     screen = Screen(whitened, whitened.at(final.parameters, final.free))
-    screen.learn_noise({})
     of_base = before.solution
     if of_base is solution:
         return Screen(before.problem, final), final, screen

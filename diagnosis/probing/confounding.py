@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -56,15 +56,15 @@ def alias_columns(screen: Screen) -> dict[str, FloatArray]:
 
 
 def correlations(
-    screen: Screen, coefficients: Sequence[str], others: Mapping[str, FloatArray], identified: Mapping[str, FloatArray]
+    screen: Screen, coefficients: Sequence[str], others: Iterable[tuple[str, FloatArray]]
 ) -> dict[str, float]:
     """Return the correlation of an identified effect's response with that of each other explanation.
 
     `screen`: of the solution with the identified effect. `coefficients`: coefficients of the identified effect.
-    `others`, shapes (n_channels, n, k): weighted responses of other explanations. `identified`: weighted responses of
-    the other identified effects, which are in the model. Returns: 0 to 1: the correlation of the effect's response with
-    the best linear combination of the other responses. The responses to the remaining coefficients and to the
-    disturbances of the recording are projected out of both.
+    `others`: other explanations, each with weighted responses of shape (n_channels, n, k); one may occur several times,
+    as only one of its time constants is right. Returns: 0 to 1: the largest correlation of the effect's response with
+    the best linear combination of the responses. The responses to the remaining coefficients and to the disturbances of
+    the recording are projected out of both.
     """
     solution, simulator = screen.solution, screen.problem.simulator
     declarations, names = simulator.symbolic_model.coefficients, [n for n in solution.free if n in coefficients]
@@ -86,7 +86,7 @@ def correlations(
         part / own_size for part, own_size in zip(parts.T, sizes, strict=True) if own_size > MIN_SHARE * size > 0.0
     ]
     correlation: dict[str, float] = {}
-    for name, columns in {**others, **identified}.items():
+    for name, columns in others:
         flat = columns.reshape(rest.shape[0], -1)
         other = projected_out(columns)
         norms = np.linalg.norm(flat, axis=0)
@@ -94,7 +94,8 @@ def correlations(
         if not other.shape[1] or size == 0.0:
             continue
         basis, _ = np.linalg.qr(other / np.linalg.norm(other, axis=0))
-        correlation[name] = max(float(np.linalg.norm(basis.T @ direction)) for direction in directions)
+        along = [float(np.linalg.norm(basis.T @ direction)) for direction in directions]
+        correlation[name] = max(correlation.get(name, 0.0), *along)
     return correlation
 
 

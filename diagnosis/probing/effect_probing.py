@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -59,7 +59,6 @@ class Screen:
         self.edges = _edges(self.signals.block, problem.inverse_noise)
         self.sums = block_sums(self.tangent, self.residual, self.edges)
         self.baseline = regression(self.sums, self.prior_precision, self.prior_gradient)
-        self._noise = self.residual
         self._baseline_forces = problem.simulator.forces(solution.parameters)
 
     @property
@@ -67,24 +66,16 @@ class Screen:
         """The number of blocks with data."""
         return len(self.edges) - 1
 
-    def stretches(self, number: int) -> IntArray:
-        """Return the edges of long stretches with equal numbers of blocks, rows, shape (number + 1,)."""
-        marks: IntArray = np.round(np.linspace(0, self.n_blocks, number + 1)).astype(np.int64)
-        return np.asarray(self.edges[marks])
-
-    def stretch_losses(self, edges: IntArray) -> FloatArray:
-        """Return the squared misfit of each stretch between edges with the estimate from the others."""
-        return regression(
-            block_sums(self.tangent, self.residual, edges), self.prior_precision, self.prior_gradient
-        ).loss
+    def losses(self, edges: IntArray) -> FloatArray:
+        """Return the squared misfit of each part between edges with the estimate from the others."""
+        sums = block_sums(self.tangent, self.residual, edges)
+        return regression(sums, self.prior_precision, self.prior_gradient).loss
 
     def columns(self, form: Form) -> FloatArray:
         """Return the weighted responses of the forces to a form's probes, shape (n_channels, n, k)."""
-        return np.stack([self._column(form, probe) for probe in form.probes], axis=-1)
-
-    def _column(self, form: Form, probe: Probe) -> FloatArray:
-        moved = self.problem.simulator.forces(probed(self.problem.simulator, self.solution, form, probe))
-        return self.problem.weighted(np.nan_to_num(moved - self._baseline_forces))
+        simulator = self.problem.simulator
+        moved = [simulator.forces(probed(simulator, self.solution, form, probe)) for probe in form.probes]
+        return self.problem.weighted(np.nan_to_num(np.stack(moved, axis=-1) - self._baseline_forces[:, :, None]))
 
     def project(self, columns: FloatArray) -> FloatArray:
         """Return columns with the baseline's tangent space projected out."""
@@ -92,23 +83,29 @@ class Screen:
         cross = self.tangent.reshape(-1, q).T @ columns.reshape(-1, k)
         return np.asarray(columns - self.tangent @ (self.baseline.inverse @ cross))
 
-    def learn_noise(self, responses: Mapping[int, FloatArray]) -> None:
-        """Estimate the noise as the part of the residual that no combination of responses explains."""
-        self._noise = self.residual
+    @cached_property
+    def covariance(self) -> FloatArray:
+        """The autocovariance of the noise, which is the residual (`autocovariance`)."""
+        return self._autocovariance(self.residual)
+
+    def learn_noise(self, responses: Sequence[FloatArray]) -> None:
+        """Let the noise be the part of the residual that no combination of responses explains."""
         if responses:
-            combined = np.concatenate([self.project(columns) for columns in responses.values()], axis=-1)
+            combined = np.concatenate([self.project(columns) for columns in responses], axis=-1)
             flat = combined.reshape(-1, combined.shape[-1])
             matrix = flat.T @ flat
             matrix += np.diag(1e-3 * np.diag(matrix) + 1e-9)
-            self._noise = self.residual - (combined @ np.linalg.solve(matrix, flat.T @ self.residual.ravel()))
-        t = self.signals.t[self.signals.rows]
+            explained = combined @ np.linalg.solve(matrix, flat.T @ self.residual.ravel())
+            self.covariance = self._autocovariance(self.residual - explained)
+
+    def _autocovariance(self, noise: FloatArray) -> FloatArray:
+        t, used = self.signals.t[self.signals.rows], self.problem.inverse_noise > 0.0
         step = float(np.median(np.diff(t))) if self.signals.timed else MAX_CORRELATION_TIME / 25.0
         lags = int(np.clip(MAX_CORRELATION_TIME / max(step, 1e-6), 5, 200))
-        self._noise = np.where(self.problem.inverse_noise > 0.0, self._noise, 0.0)
-        self.covariance = autocovariance(self._noise, self.problem.inverse_noise > 0.0, lags)
+        return autocovariance(np.where(used, noise, 0.0), used, lags)
 
     def standard_errors(self) -> FloatArray:
-        """Return standard errors of coefficients and disturbances, after `learn_noise`.
+        """Return standard errors of coefficients and disturbances.
 
         They are those of the sandwich estimator for coloured noise, or the mean with the jackknife's if that is larger.
         """
@@ -178,9 +175,9 @@ def tried(screen: Screen, candidates: Mapping[str, Candidate]) -> list[Tried]:
         for point in declared.points()
         if (form := unfitted(point, simulator, free)) is not None
     ]
-    columns = {i: screen.columns(form) for i, (_, form) in enumerate(forms)}
-    screen.learn_noise(columns)
-    return [Tried(name, form, screen.response(columns[i])) for i, (name, form) in enumerate(forms)]
+    responses = [screen.columns(form) for _, form in forms]
+    screen.learn_noise(responses)
+    return [Tried(*each, screen.response(columns)) for each, columns in zip(forms, responses, strict=True)]
 
 
 def probed(simulator: Simulator, solution: Solution, form: Form, probe: Probe) -> FloatArray:

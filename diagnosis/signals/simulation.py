@@ -7,7 +7,7 @@ stored. A simulator without such parameters solves states and forces together.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
@@ -127,6 +127,13 @@ class Simulator:
         other._driven_at = parameters.copy()
         other.forget()
         return other
+
+    def without(self, parameters: FloatArray, coefficients: Collection[str]) -> FloatArray:
+        """Return parameters in which some coefficients are those of the tire, which lacks their effects."""
+        absent = parameters.copy()
+        indices = [self.index[name] for name in coefficients]
+        absent[indices] = self._off[indices]
+        return absent
 
     def effective_inputs(self, parameters: FloatArray) -> FloatArray:
         """Return the inputs at the compared rows, shape (n_inputs, n), with lagged slips and states.

@@ -327,18 +327,14 @@ def _stretches(evidence: Evidence, signals: Signals) -> tuple[tuple[float, float
 
 def confounded_with(outcome: DiagnosisOutcome, tested: Sequence[Tried]) -> dict[str, dict[str, float]]:
     """Return the confounded explanations of each identified effect, with their correlation."""
-    fits, screen = outcome.final, outcome.final.after
-    others, confounded = _alternatives(tested), {}
+    fits, screen, confounded = outcome.final, outcome.final.after, dict[str, dict[str, float]]()
+    others = [*_alternatives(tested), *alias_columns(screen).items()]
     for name, coefficients in fits.effects.items():
-        identified = {
-            other: screen.tangent[:, :, [screen.solution.free.index(coefficient) for coefficient in owned]]
+        identified = [
+            (other, screen.tangent[:, :, [screen.solution.free.index(coefficient) for coefficient in owned]])
             for other, owned in fits.effects.items() if other != name
-        }  # fmt: skip
-        correlated = correlations(screen, coefficients, {**others, **alias_columns(screen)}, identified)
-        size: dict[str, float] = {}
-        for key, value in correlated.items():
-            other = key.partition(" ")[0]
-            size[other] = max(value, size.get(other, 0.0))
+        ]  # fmt: skip
+        size = correlations(screen, coefficients, [*others, *identified])
         contained = outcome.candidates[name].contains
         confounded[name] = {other: value for other, value in size.items() if value > REPORTED and other != contained}
         if "distance" in outcome.candidates[name].requires and "T" not in outcome.signals.origin.recorded:
@@ -346,15 +342,9 @@ def confounded_with(outcome: DiagnosisOutcome, tested: Sequence[Tried]) -> dict[
     return {name: others for name, others in confounded.items() if others}
 
 
-def _alternatives(tested: Sequence[Tried]) -> dict[str, FloatArray]:
-    """Return the weighted responses of effects that were not identified, by name.
-
-    Each point of a grid is an explanation of its own, since only one value of a time constant is right: its key is the
-    name, a space and a number.
-    """
-    columns: dict[str, FloatArray] = {}
-    for i, candidate in enumerate(tested):
-        key = f"{candidate.name} {i}" if candidate.form.grid else candidate.name
-        parts = [columns[key]] if key in columns else []
-        columns[key] = np.concatenate([*parts, candidate.response.columns], axis=-1)
-    return columns
+def _alternatives(tested: Sequence[Tried]) -> list[tuple[str, FloatArray]]:
+    """Return effects that were not identified, with their weighted responses, those of each point of a grid alone."""
+    grouped = dict[tuple[str, int], list[FloatArray]]()
+    for i, one in enumerate(tested):
+        grouped.setdefault((one.name, i if one.form.grid else -1), []).append(one.response.columns)
+    return [(name, np.concatenate(columns, axis=-1)) for (name, _), columns in grouped.items()]

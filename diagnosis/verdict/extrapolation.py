@@ -67,13 +67,11 @@ def extrapolations(
     that it depends on. Returns: in the order of the effects; without slips and time, whose range depends on the test
     program.
     """
-    signals, absent = problem.simulator.signals, problem.simulator.tire.parameters()
+    signals = problem.simulator.signals
     named = signals.named()
     extrapolated = []
     for effect, coefficients in effects.items():
-        without = solution.parameters.copy()
-        indices = [problem.simulator.index[name] for name in coefficients]
-        without[indices] = absent[indices]
+        without = problem.simulator.without(solution.parameters, coefficients)
         for name in inputs[effect]:
             if name not in named or name not in signals.origin.recorded or name in ("t", "alpha", "kappa"):
                 continue

@@ -53,21 +53,23 @@ def test_a_projection_is_orthogonal_to_the_tangent_space_and_idempotent(without_
 def test_a_zero_offset_is_confounded_with_a_shift(at_true_values):
     """An error of the slip angle is a horizontal shift; an error of the longitudinal slip is not."""
     aliases = alias_columns(at_true_values)
-    reported = correlations(at_true_values, ("PHY1",), aliases, {})
+    reported = correlations(at_true_values, ("PHY1",), aliases.items())
     assert reported["slip_angle_zero_offset"] > CONFOUNDED > reported["slip_zero_offset"]
     assert all(0.0 <= value <= 1.0 + 1e-9 for value in reported.values())
 
 
 def test_the_correlation_does_not_depend_on_size_and_sign(at_true_values):
     own = at_true_values.tangent[:, :, [5]]  # of PHY1
-    reported = correlations(at_true_values, ("PHY1",), {"itself": own, "reversed": -7.0 * own}, {"other": own * 0.0})
+    reported = correlations(
+        at_true_values, ("PHY1",), [("itself", own), ("reversed", -7.0 * own), ("other", own * 0.0)]
+    )
     assert reported == pytest.approx({"itself": 1.0, "reversed": 1.0})
 
 
 def test_correlations_ignore_responses_of_the_remaining_model(at_true_values):
     own, friction = at_true_values.tangent[:, :, [5]], at_true_values.tangent[:, :, [2]]  # of PHY1 and PDY1
     friction = friction * np.linalg.norm(own) / np.linalg.norm(friction)
-    reported = correlations(at_true_values, ("PHY1",), {"mixed": own + 2.0 * friction}, {})
+    reported = correlations(at_true_values, ("PHY1",), [("mixed", own + 2.0 * friction)])
     assert reported["mixed"] == pytest.approx(1.0, abs=1e-3)
 
 
