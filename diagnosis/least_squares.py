@@ -9,9 +9,10 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from ..numerics.arrays import FloatArray
+from ..numerics.arrays import BoolArray, FloatArray
 from ..numerics.gauss_newton import Damping, minimize
 from ..numerics.noise_model import Whitening
+from ..tires.tire import Tire
 from .signals.disturbances import Disturbances
 from .signals.simulation import Simulator
 from .weighted_columns import WeightedColumns, joined
@@ -61,6 +62,18 @@ class LeastSquares:
     def over(self, simulator: Simulator) -> LeastSquares:
         """Return the problem with another simulator, for the same rows."""
         return self._with_same_columns(replace(self, simulator=simulator))
+
+    def of_model(self, tire: Tire, solution: Solution, values: Mapping[str, float]) -> tuple[LeastSquares, FloatArray]:
+        """Return the problem with a tire that has a further effect, and parameters: of a solution, and given ones.
+
+        Raises `EffectError` if the model cannot have the effect.
+        """
+        own = self.simulator
+        simulator = Simulator(tire, own.signals.with_inputs_of(tire))  # its states are inputs
+        known = {name: solution.parameters[own.index[name]] for name in own.names} | values
+        parameters = tire.parameters()
+        parameters[[simulator.index[name] for name in known]] = list(known.values())
+        return replace(self, simulator=simulator.driven_at(parameters)), parameters
 
     def with_deviation(self, deviation: FloatArray) -> LeastSquares:
         """Return the problem with other prior deviations of the disturbances, shape (n_disturbances,)."""
@@ -244,6 +257,37 @@ class LeastSquares:
             disturbances=disturbances,
             whitening=None,
         )
+
+
+@dataclass(frozen=True, eq=False)
+class ExtendedModel:
+    """A model with a further effect, fitted.
+
+    - `tire`: the baseline model with the effect.
+    """
+
+    tire: Tire
+    problem: LeastSquares
+    solution: Solution
+
+
+def density_gains(before: FloatArray, after: FloatArray, fitted: BoolArray, judged: BoolArray) -> FloatArray:
+    """Return by how much the logarithm of the predictive density of each judged value increases, 0 for others.
+
+    Residuals are normal with the standard deviation that they have in the fitted rows of their channel: a tire that
+    fits these better is more certain, and loses more where it is wrong.
+
+    All have the shape (n_channels, n), as the result. A channel without fitted rows says nothing.
+    """
+    known = fitted.any(axis=1, keepdims=True)
+
+    def density(residual: FloatArray) -> FloatArray:
+        squares = np.where(fitted | judged, residual, 0.0) ** 2
+        power = np.sum(squares, axis=1, where=fitted, keepdims=True) / np.maximum(fitted.sum(axis=1, keepdims=True), 1)
+        variance = np.where(power > 0.0, power, 1e-300)
+        return np.where(judged & known, -0.5 * (np.log(variance) + squares / variance), 0.0)
+
+    return density(after) - density(before)
 
 
 class _Projected:

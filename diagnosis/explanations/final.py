@@ -20,19 +20,11 @@ from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS
-from ..unexplained.formula_proposal import (
-    AddedFormula,
-    UnexplainedStructure,
-    Unknown,
-    effect_of,
-    unknown_of,
-    with_formula,
-)
+from ..unexplained.formula_proposal import UnexplainedStructure, Unknown, proposed
 from .budget import Budget
 from .compare import ComparedExplanations
 from .effect_evidence import Evidence, effect_evidence
 from .explanation import Explanation
-from .form import Form as FormCorrection
 from .form import form_of
 
 #: Ratio of root mean square residuals, whitened to equal weights, above which the whitened fit is not used. Convention:
@@ -47,26 +39,16 @@ BALANCING = 2
 class Final:
     """The final fits of the baseline model and of the most probable explanation.
 
-    Attributes
-    ----------
-    before, after : Screen
-        Of the baseline model and of the model with the effects.
-    whitened : Screen
-        The same as `after` with whitened rows, for confidence intervals.
-    start : Tire
-        The baseline model with all effects that were tested, switched off, and with an added formula.
-    effects : mapping of str to tuple of str
-        The effects of the explanation and their free coefficients.
-    evidence : mapping of str to Evidence
-        For the same effects.
-    refinements : tuple of (str, Form)
-        Finer forms that the recording needs, each with its effect.
-    unknown : tuple of Unknown
-        The unknown component; at most one.
-    unknown_evidence : Evidence or None
-        For its formula, if this was added.
-    form : FormCorrection or None
-        The correction of the formula's own form in the model with the effects, if it predicts the hold-out set better.
+    - `before`, `after`: of the baseline model and of the model with the effects.
+    - `whitened`: the same as `after` with whitened rows, for confidence intervals.
+    - `start`: the baseline model with all effects that were tested, switched off, and with an added formula.
+    - `effects`: those of the explanation, and their free coefficients.
+    - `evidence`: for the same effects.
+    - `refinements`: finer forms that the recording needs, each with its effect.
+    - `unknown`: the unknown component; at most one.
+    - `unknown_evidence`: for its formula, if this was added.
+    - `form`, shape (n_channels, n): what the formula's own form errs by, N and N m, if the model with the effects has a
+      correction of it (`form_of`).
     """
 
     before: Screen
@@ -78,7 +60,7 @@ class Final:
     refinements: tuple[tuple[str, Form], ...]
     unknown: tuple[Unknown, ...]
     unknown_evidence: Evidence | None
-    form: FormCorrection | None = None
+    form: FloatArray | None = None
 
 
 def final_fits(
@@ -87,19 +69,9 @@ def final_fits(
 ) -> Final:  # fmt: skip
     """Return the final fits. When the time ends, fits stay where they are, and the form is not corrected.
 
-    Parameters
-    ----------
-    comparison : ComparedExplanations
-    problem : LeastSquares
-        Of the baseline model.
-    baseline : Solution
-    start : Tire
-        The baseline model with all effects that were tested, switched off.
-    budget : Budget
-    no_formula : str
-        The reason why the formula of an unknown component may not be added to the model, if any.
-    correct_form : bool
-        Whether the model may have a correction of the formula's own form.
+    `problem`, `baseline`: of the baseline model. `start`: the same with all effects that were tested, switched off.
+    `no_formula`: the reason why the formula of an unknown component may not be added to the model, if any.
+    `correct_form`: whether the model may have a correction of the formula's own form.
     """
     linear = comparison.leader.linear
     disturbances = problem.disturbances.without(linear.unneeded_cross_talk())
@@ -115,12 +87,19 @@ def final_fits(
     if freed > set(base.free):
         free = tuple(sorted(freed, key=linear.simulator.names.index))
         extended, solution = _fitted(driven(problem, linear.solution), linear.solution.parameters, free)
-    unknown, added = _unknown(comparison, start, extended, solution, budget, no_formula)
+    unknown, added = tuple[Unknown, ...](), None
+    if terms := linear.explanation.terms:
+        features = tuple(term.feature for term in terms)
+        structure = UnexplainedStructure(terms[0].location, features, comparison.leader.term_sizes)
+        budget.report("adding the proposed formula to the model equations")
+        part, added = proposed(structure, start, extended, solution, no_formula)
+        unknown = (part,)
+    change = None
     if added is not None:
         extended, solution, start = added.problem, added.solution, added.tire
-    form = form_of(extended, solution, start) if correct_form and not budget.late else None
-    if form is not None:
-        extended, solution, start = form.problem, form.solution, form.start
+    if correct_form and not budget.late and (found := form_of(extended, solution, start)):
+        corrected, change = found
+        extended, solution, start = corrected.problem, corrected.solution, corrected.tire
     for _ in range(BALANCING):
         extended, solution = _fitted(balanced(extended, solution), solution.parameters, solution.free)
     before = Screen(extended, solution)
@@ -131,9 +110,8 @@ def final_fits(
     after, explanation = Screen(extended, solution), linear.explanation
     effects = {name: _coefficients(name, explanation, after) for name in explanation.effects}
     evidence = {name: effect_evidence(after, coefficients) for name, coefficients in effects.items()}
-    formula = [declaration.name for declaration in added.effect.declarations] if added else []
-    of_formula = effect_evidence(after, formula) if added else None
-    return Final(before, after, whitened, start, effects, evidence, refinements, unknown, of_formula, form)
+    formula = added and effect_evidence(after, [declared.name for declared in added.tire.added[-1].declarations])
+    return Final(before, after, whitened, start, effects, evidence, refinements, unknown, formula, change)
 
 
 def driven(problem: LeastSquares, solution: Solution) -> LeastSquares:
@@ -146,23 +124,6 @@ def _fitted(problem: LeastSquares, start: FloatArray, free: Collection[str]) -> 
     solution = problem.solve(start, tuple(free), iterations=FINAL_ITERATIONS)
     after = driven(problem, solution)
     return after, after.at(solution.parameters, solution.free)
-
-
-def _unknown(
-    comparison: ComparedExplanations, start: Tire, problem: LeastSquares, solution: Solution,
-    budget: Budget, no_formula: str,
-) -> tuple[tuple[Unknown, ...], AddedFormula | None]:  # fmt: skip
-    """Return the report of the unknown component, and the model with its formula if possible."""
-    terms = comparison.leader.explanation.terms
-    if not terms:
-        return (), None
-    structure = UnexplainedStructure(
-        terms[0].location, tuple(term.feature for term in terms), comparison.leader.term_sizes
-    )
-    effect = effect_of(structure)
-    budget.report("adding the proposed formula to the model equations")
-    added = no_formula or with_formula(structure, effect, start, problem, solution)
-    return (unknown_of(structure, effect, added),), added if isinstance(added, AddedFormula) else None
 
 
 def _coefficients(effect: str, explanation: Explanation, after: Screen) -> tuple[str, ...]:
@@ -190,16 +151,7 @@ def _whitened(problem: LeastSquares, solution: Solution, before: Screen) -> tupl
     """Refit baseline and final model with whitened noise.
 
     Whitening amplifies errors in the functional form of a model: solutions that fit the rows much worse than without it
-    are not used.
-
-    Returns
-    -------
-    Screen
-        Of the baseline model.
-    Solution
-        Of the final model.
-    Screen
-        Of the final model with whitened rows.
+    are not used. Returns: the baseline model, the solution of the final model, and this model with whitened rows.
     """
     signals = problem.simulator.signals
     if not signals.timed:
@@ -208,21 +160,15 @@ def _whitened(problem: LeastSquares, solution: Solution, before: Screen) -> tupl
     rest, step = problem.weighted(solution.residual), float(np.median(np.diff(t)))
     noise = tuple(noise_parts(*rows, step) for rows in zip(rest, problem.inverse_noise > 0.0, strict=True))
     whitening = Whitening(noise, t, problem.inverse_noise)
+    final, base = _refitted(problem, solution, whitening), before.solution
+    base = final if base is solution else _refitted(before.problem, base, whitening)
     whitened = replace(problem, whitening=whitening)
-    final = _not_worse(
-        problem, whitened.solve(solution.parameters, solution.free, iterations=FINAL_ITERATIONS), solution
-    )
-    screen = Screen(whitened, whitened.at(final.parameters, final.free))
-    of_base = before.solution
-    if of_base is solution:
-        return Screen(before.problem, final), final, screen
-    first = replace(before.problem, whitening=whitening).solve(
-        of_base.parameters, of_base.free, iterations=FINAL_ITERATIONS
-    )
-    return Screen(before.problem, _not_worse(before.problem, first, of_base)), final, screen
+    return Screen(before.problem, base), final, Screen(whitened, whitened.at(final.parameters, final.free))
 
 
-def _not_worse(problem: LeastSquares, whitened: Solution, equal: Solution) -> Solution:
+def _refitted(problem: LeastSquares, equal: Solution, whitening: Whitening) -> Solution:
     """Return the whitened solution unless its misfit over rows of equal weight is much larger in a channel."""
-    squares = [np.sum(problem.weighted(solution.residual) ** 2, axis=1) for solution in (whitened, equal)]
-    return whitened if np.all(squares[0] <= MAX_WHITENED_MISFIT**2 * squares[1]) else equal
+    whitened = replace(problem, whitening=whitening)
+    other = whitened.solve(equal.parameters, equal.free, iterations=FINAL_ITERATIONS)
+    squares = [np.sum(problem.weighted(solution.residual) ** 2, axis=1) for solution in (other, equal)]
+    return other if np.all(squares[0] <= MAX_WHITENED_MISFIT**2 * squares[1]) else equal

@@ -155,7 +155,7 @@ def _form(fits: Final, *, delivered: bool) -> FormCorrection:
     """Return the sizes of the correction of the form by channel."""
     if fits.form is None:
         return FormCorrection({}, False)
-    return FormCorrection(Size.by_channel(fits.after.signals.channels, fits.form.change), delivered)
+    return FormCorrection(Size.by_channel(fits.after.signals.channels, fits.form), delivered)
 
 
 def _added(fits: Final) -> dict[str, tuple[str, ...]]:
@@ -171,7 +171,7 @@ def _delivery(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -
     fits = outcome.final
     before, after = fits.before, fits.after
     base_tire = tire_of(before.problem.simulator.tire, before.problem, before.solution, ())
-    tire = tire_of(fits.start, after.problem, after.solution, (*added, *((FORM,) if fits.form else ())))
+    tire = tire_of(fits.start, after.problem, after.solution, (*added, *((FORM,) if fits.form is not None else ())))
     # The equations of all effects are compiled already; those of the delivered tires alone would take seconds.
     complete = tuple(replace(either, added=fits.start.added) for either in (base_tire, tire))
     recording = without_skew(outcome.recording, outcome.signals)
@@ -184,7 +184,7 @@ def _delivery(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -
         judged = fitted_residuals(before, after)
         compared = fit_errors(before, after, judged)
     against: tuple[str, ...] = ()
-    if added or fits.refinements or fits.form:
+    if added or fits.refinements or fits.form is not None:
         against = reasons_against(compared, judged)
     splits = error_splits(of_base if against else of_improved, residuals, recording, outcome.signals.channels)
     if against:

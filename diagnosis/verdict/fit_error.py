@@ -21,6 +21,7 @@ from ...numerics.ties import graded
 from ...tires.evaluation import Conventions, evaluate
 from ...tires.signs import convert_signs
 from ...tires.tire import Tire
+from ..least_squares import density_gains
 from ..probing.effect_probing import Screen
 from ..signals.disturbances import removed_at
 from ..signals.outliers import short_range
@@ -195,17 +196,6 @@ def reasons_against(errors: FitErrors, residuals: DeliveredResiduals) -> tuple[s
 
 
 def density_gain(residuals: DeliveredResiduals) -> FloatArray:
-    """Return by how much the logarithm of the predictive density of the hold-out set increases, shape (n_channels,).
-
-    Residuals are normal with the standard deviation that the tire has on the fitted rows: a tire that fits these better
-    is more certain, and loses more where it is wrong.
-    """
-    return np.asarray(_log_density(residuals, residuals.after) - _log_density(residuals, residuals.before))
-
-
-def _log_density(residuals: DeliveredResiduals, rows: FloatArray) -> FloatArray:
-    squares = np.where(residuals.used, rows, 0.0) ** 2
+    """Return the increase of the logarithm of the predictive density of the hold-out set, shape (n_channels,)."""
     fitted, held = residuals.used & ~residuals.holdout, residuals.used & residuals.holdout
-    variance = np.sum(squares, axis=1, where=fitted) / np.maximum(fitted.sum(axis=1), 1)
-    variance = np.where(variance > 0.0, variance, 1e-300)
-    return np.asarray(-0.5 * (held.sum(axis=1) * np.log(variance) + np.sum(squares, axis=1, where=held) / variance))
+    return np.asarray(density_gains(residuals.before, residuals.after, fitted, held).sum(axis=1))

@@ -43,14 +43,14 @@ def test_what_the_formula_errs_by_is_corrected_on_rows_that_no_fit_used(made):
     problem, solution, start = made
     wrong = distorted(problem, 0.08)
     fitted = wrong.solve(solution.parameters, solution.free)
-    form = form_of(wrong, fitted, start)
+    form, change = form_of(wrong, fitted, start)
     signals = wrong.simulator.signals
     side = signals.channels.index("Fy")
     held = signals.present[side] & signals.holdout
     before, after = (np.sqrt(np.mean(one.residual[side][held] ** 2)) for one in (fitted, form.solution))
     assert after < 0.8 * before
-    assert np.sqrt(np.mean(form.change[side] ** 2)) > 0.3 * before
-    assert FORM in tire_of(form.start, form.problem, form.solution, [FORM]).has
+    assert np.sqrt(np.mean(change[side] ** 2)) > 0.3 * before
+    assert FORM in tire_of(form.tire, form.problem, form.solution, [FORM]).has
 
 
 def test_the_correction_is_zero_outside_the_tested_range():

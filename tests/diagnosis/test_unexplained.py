@@ -166,7 +166,7 @@ def test_a_formula_has_its_variables_and_sizes(at_true_values):
     structure = UnexplainedStructure(place, (camber,), (0.25,))
     assert structure.depends_on == ("Fz", "gamma")
     assert structure.formula.endswith("term: +0.25*10*absolute(gamma)")
-    assert structure.formula_with([-0.5]).endswith("term: -0.5*10*absolute(gamma)")
+    assert replace(structure, sizes=(-0.5,)).formula.endswith("term: -0.5*10*absolute(gamma)")
     effect = effect_of(structure)
     assert effect.name == "found_fz_gamma"
     assert [one.name for one in effect.declarations] == ["FOUND1"]
