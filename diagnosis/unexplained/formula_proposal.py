@@ -19,8 +19,7 @@ from ...symbolic.added import AddedEffect, effect_from
 from ...tires.tire import Tire
 from ..least_squares import ExtendedModel, LeastSquares, Solution
 from ..probing.effect_probing import Screen
-from .features import Feature, Location, bracketed, determined, directions, features, locations_of
-from .past import STATES
+from .features import STATES, Feature, Location, bracketed, directions, features, placed
 
 
 @dataclass(frozen=True)
@@ -149,18 +148,15 @@ class Dictionary:
     def __init__(self, screen: Screen) -> None:
         problem, signals = screen.problem, screen.signals
         self._weights = problem.inverse_noise
-        tire = problem.simulator.tire
-        even, odd = features(signals, tire)
-        simple = [feature for feature in even if feature.expressible]
+        even, odd = features(signals, problem.simulator.tire)
+        simple = [feature for feature in even if not feature.states]
         pairs = [feature * other for i, feature in enumerate(simple) for other in simple[i:]]
         odd_pairs = [feature * other for feature in odd for other in simple]
         self.acting = directions(problem.simulator, screen.solution.parameters)
-        self.terms: list[tuple[Location, Feature]] = [
+        self.terms = [
             (location, feature)
-            for location in locations_of(problem.simulator.symbolic_model)
+            for location, feature in placed(problem.simulator, [*even, *pairs], [*odd, *odd_pairs, *even])
             if np.any(self._weights * self.acting[location.name])
-            for feature in ([*even, *pairs] if location.how == "factor" else [*odd, *odd_pairs, *even])
-            if determined(location, feature, signals, tire)
         ]
 
     def column(self, i: int) -> FloatArray:
