@@ -174,6 +174,12 @@ class LeastSquares:
         gains = [float(np.subtract(*squares[:, signals.block == block].sum(axis=1))) for block in np.unique(blocks)]
         return np.asarray(gains) / total if total > 0.0 else np.zeros(len(gains))
 
+    def sizes(self, residual: FloatArray) -> FloatArray:
+        """Return the root mean square of a residual over noise in each channel, shape (n_channels,); 0 without rows."""
+        used = self.inverse_noise > 0.0
+        squares = np.sum((self.inverse_noise * residual) ** 2, axis=1, where=used)
+        return np.asarray(np.sqrt(squares / np.maximum(used.sum(axis=1), 1)))
+
     def misfit(self, parameters: FloatArray) -> FloatArray:
         """Return measured minus simulated forces, shape (n_channels, n)."""
         return self.simulator.signals.measured - self.simulator.forces(parameters)

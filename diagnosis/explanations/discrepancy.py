@@ -71,18 +71,10 @@ def fast_drift(signals: Signals, inverse_noise: FloatArray) -> tuple[FloatArray,
 
     `inverse_noise`, shape (n_channels, n): reciprocal standard deviation of the noise, 1/N and 1/(N m).
     """
-    waves = _fast_waves(signals)
-    columns, deviations = [], []
-    for i, row in enumerate(inverse_noise):
-        noise = 1.0 / float(np.median(row[row > 0.0])) if (row > 0.0).any() else 1.0
-        for k, wave in waves.items():
-            column = np.zeros(signals.measured.shape)
-            column[i] = wave
-            columns.append(column)
-            deviations.append(noise * FAST_DRIFT_PRIOR / k)
-    if not columns:
-        return np.zeros((*signals.measured.shape, 0)), np.zeros(0)
-    return np.stack(columns, axis=-1), np.array(deviations)
+    waves, rows = _fast_waves(signals), np.ones(signals.measured.shape)
+    functions = np.stack(list(waves.values()), axis=-1) if waves else np.zeros((rows.shape[1], 0))
+    noise = [1.0 / float(np.median(row[row > 0.0])) if (row > 0.0).any() else 1.0 for row in inverse_noise]
+    return _by_channel(rows, functions), np.array([size * FAST_DRIFT_PRIOR / k for size in noise for k in waves])
 
 
 def _fast_waves(signals: Signals) -> dict[int, FloatArray]:

@@ -140,9 +140,7 @@ def balanced(problem: LeastSquares, solution: Solution) -> LeastSquares:
     The comparison weights a channel by its short-range noise. A channel whose formula is inexact has a larger residual;
     the fit would then make the other channels worse for it.
     """
-    used = problem.inverse_noise > 0.0
-    sums = np.sum((problem.inverse_noise * solution.residual) ** 2, axis=1, where=used)
-    size = np.sqrt(sums / np.maximum(used.sum(axis=1), 1))
+    size = problem.sizes(solution.residual)
     relative = size / np.sqrt(np.mean(size[size > 0.0] ** 2)) if size.any() else np.ones_like(size)
     return replace(problem, inverse_noise=problem.inverse_noise / np.where(size > 0.0, relative, 1.0)[:, None])
 

@@ -55,7 +55,7 @@ def form_of(problem: LeastSquares, solution: Solution, start: Tire) -> tuple[Ext
     raised to the power of the comparison.
     """
     used, signals = problem.inverse_noise > 0.0, problem.simulator.signals
-    size = np.sqrt(np.sum((problem.inverse_noise * solution.residual) ** 2, axis=1) / np.maximum(used.sum(axis=1), 1))
+    size = problem.sizes(solution.residual)
     geometry = _geometry(signals, start)
     if geometry is None or FORM in start.has:
         return None

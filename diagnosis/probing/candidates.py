@@ -70,9 +70,7 @@ def declared_candidate(name: str, model: Model, present: frozenset[str] = frozen
     if detection and any(set(form.free) & declarations.keys() for form in detection.forms):
         forms = tuple(form for form in detection.forms if form.given in present)
         forms = forms or tuple(form for form in detection.forms if not form.given)
-        stateful = any(effect.states for effect in model.added if effect.name == name)
-        channels = detection.channels or CHANNELS
-        return Candidate(name, forms, detection.requires, channels, detection.contains, stateful, detection.rate)
+        return _candidate(name, model, detection, forms)
     of_model = name in {effect.name for effect in model.source.own_effects}
     if name not in model.effects or name in {effect.name for effect in model.added} or not (detection or of_model):
         return None
@@ -87,28 +85,23 @@ def declared_candidate(name: str, model: Model, present: frozenset[str] = frozen
 
 def _undeclared(name: str, model: Model) -> Candidate | None:
     """Return the candidate of a user-defined effect without declared forms."""
-    for effect in model.added:
-        if effect.name == name:
-            detection = effect.detection or Detection()
-            channels = detection.channels or CHANNELS
-            form, stateful = _by_bounds(effect.declarations), bool(effect.states)
-            return Candidate(name, (form,), detection.requires, channels, detection.contains, stateful, detection.rate)
-    return None
+    effect = next((effect for effect in model.added if effect.name == name), None)
+    return effect and _candidate(name, model, effect.detection or Detection(), (_by_bounds(effect.declarations),))
+
+
+def _candidate(name: str, model: Model, detection: Detection, forms: tuple[Form, ...]) -> Candidate:
+    stateful = any(effect.states for effect in model.added if effect.name == name)
+    channels = detection.channels or CHANNELS
+    return Candidate(name, forms, detection.requires, channels, detection.contains, stateful, detection.rate)
 
 
 def _by_bounds(declarations: Sequence[Coefficient]) -> Form:
     """Return the form that probes each coefficient by an eighth of its range."""
-    return Form.each(
-        {
-            declaration.name: (declaration.upper - declaration.default) / 8.0 + _limit(declaration)
-            for declaration in declarations
-        }
-    )
-
-
-def _limit(declaration: Coefficient) -> float:
-    """Return the default of a coefficient whose neutral value is outside its bounds, otherwise 0."""
-    return 0.0 if counts_from_neutral(declaration) else declaration.default
+    sizes = {}
+    for declaration in declarations:
+        start = 0.0 if counts_from_neutral(declaration) else declaration.default
+        sizes[declaration.name] = (declaration.upper - declaration.default) / 8.0 + start
+    return Form.each(sizes)
 
 
 def counts_from_neutral(declaration: Coefficient) -> bool:
