@@ -9,7 +9,7 @@ from dataclasses import replace
 from ..boundary.errors import UnknownName, no_single_text
 from ..boundary.named_options import named
 from ..measurements import Recording, TableLike, check_columns, recording_from
-from ..measurements.nominal_values import check_nominal
+from ..measurements.nominal_values import NOMINAL, check_nominal
 from ..measurements.turn_slip import with_turn_slip
 from ..numerics.one_thread import one_blas_thread
 from ..symbolic import DEFAULT_MODEL
@@ -34,15 +34,6 @@ from .signals.signals import FORMULA_SIGNS, signals_of
 from .verdict.composition import DiagnosisOutcome, composed
 from .verdict.improved_tire import tire_of
 from .verdict.result import Diagnosis
-
-#: Options of --nominal and the coefficients that they set.
-NOMINAL_COEFFICIENTS = {
-    "Fz0": ("FNOMIN",),
-    "p0": ("NOMPRES", "INFLPRES"),
-    "R0": ("UNLOADED_RADIUS",),
-    "V0": ("LONGVL",),
-}
-
 
 #: The steps of a diagnosis, as reported to its progress callback.
 STEPS = ("fitting the baseline model", "comparing explanations", "fitting the best explanation")
@@ -200,13 +191,13 @@ def _start_model(
         from ..fitting.data.dimensions import dimensions
         from ..fitting.setup import nominal_values
 
-        declared, values = model_named(model), dict[str, float]()
-        for name, value in (nominal or {}).items():
-            values |= dict.fromkeys(set(NOMINAL_COEFFICIENTS[name]) & declared.coefficients.keys(), value)
-        sizes = {
-            name: value for name, value in dimensions([recording], None)[0].items() if name in declared.coefficients
-        }
-        values = nominal_values(declared, recording.with_signs(FORMULA_SIGNS).table, values, sizes, [])
+        declared = model_named(model)
+        named = {NOMINAL[name]: value for name, value in (nominal or {}).items()}
+        given, sizes = (
+            {name: value for name, value in known.items() if name in declared.coefficients}
+            for known in (named, dimensions([recording], None)[0])
+        )
+        values = nominal_values(declared, recording.with_signs(FORMULA_SIGNS).table, given, sizes, [])
         no_single_text("effects", effects)
         tire = Tire(model, values, effects=tuple(effects), signs=FORMULA_SIGNS)
     return with_library(tire, user_defined)

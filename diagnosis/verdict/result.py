@@ -271,19 +271,13 @@ class Diagnosis:
         """The effects that the diagnosis wrote itself."""
         return tuple(part.effect for part in self.unknown if part.effect is not None)
 
-    @property
-    def _summarized(
-        self,
-    ) -> tuple[tuple[str, ...], tuple[FoundEffect, ...], Mapping[str, Mapping[str, float]], int, str]:
-        return (self.headline, *self.sentences), self.found, self.gap["holdout"], len(self.rows), self.signs
-
     def __repr__(self) -> str:
         """Return the verdict, the findings with their evidence, and the hold-out error before and after."""
-        return diagnosis_text(*self._summarized)
+        return diagnosis_text(self)
 
     def _repr_html_(self) -> str:
         """Return the summary with a table of coefficients, for a notebook."""
-        return diagnosis_html(*self._summarized)
+        return diagnosis_html(self)
 
     def holdout_mask(self, n: int) -> npt.NDArray[np.bool_]:
         """Return which of a recording's n rows are in the hold-out set.
