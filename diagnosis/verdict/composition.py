@@ -14,7 +14,9 @@ from scipy.special import stdtrit
 from ...measurements import Recording
 from ...numerics.arrays import FloatArray
 from ...numerics.noise_floor import ErrorSplit
+from ...numerics.smoothing import HALF_WIDTHS
 from ...numerics.ties import graded
+from ...symbolic.channels import OUTPUTS
 from ...tires.tire import Tire
 from ..explanations.answer import Answer, OneOf
 from ..explanations.effect_evidence import Evidence
@@ -25,13 +27,14 @@ from ..probing.candidates import Candidate
 from ..probing.confounding import UNRECORDED_TEMPERATURE, alias_columns, correlations, separating_measurement
 from ..probing.effect_probing import Screen, Tried, tried
 from ..signals.disturbances import reported_disturbances
-from ..signals.measurement_artefacts import recording_errors
+from ..signals.measurement_artefacts import quantisation, ripple
+from ..signals.predicted_temperature import SURROUNDINGS, TEMPERATURE
 from ..signals.signals import FORMULA_SIGNS, Signals
 from ..thresholds import REPORTED
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy, adequacies
 from .detectability import detectable_sizes
-from .extrapolation import Extrapolation, extrapolations
+from .extrapolation import extrapolations
 from .findings import CoefficientInterval, FormCorrection, FoundEffect, Size
 from .fit_error import (
     DeliveredResiduals,
@@ -115,12 +118,14 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
     refined = tuple(f"{name}: {', '.join(form.free)}" for name, form in fits.refinements)
     detectable, not_identifiable = detectable_sizes(fits.after, lacking, tested, fits.start)
     of_recording = _recording_errors(outcome, delivery)
+    read = {name: _inputs_of(outcome, name) for name in added}
     one_of = outcome.answer.one_of(finding.effect for finding in findings)
     sentences = verdict_sentences(
         findings, unknown, confounded, refined, adequacy, detectable, against, of_recording,
         one_of=one_of, stopped=bool(outcome.stopped),
     )  # fmt: skip
-    form = _form(fits, delivered=not against)
+    errors_of_form = {} if fits.form is None else Size.by_channel(signals.channels, fits.form)
+    form = FormCorrection(errors_of_form, fits.form is not None and not against)
     sentences += [form.sentence] * form.delivered
     if outcome.stopped:
         sentences[0] = f"Best explanation so far, {outcome.stopped}: {sentences[0]}"
@@ -140,7 +145,7 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
             detectable, not_identifiable, _next_measurements(outcome, one_of, confounded, unknown)
         ),
         misfit=Misfit(delivery.errors, residual_maps(fits.before), where_after, time_course(fits.before, final)),
-        improvement=Improvement(refined, form, _extrapolations(outcome, added), against),
+        improvement=Improvement(refined, form, extrapolations(fits.after, added, read), against),
         run=DiagnosisRun(
             outcome.recording.table,
             outcome.recording.signs,
@@ -149,13 +154,6 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
             outcome.stopped,
         ),
     )
-
-
-def _form(fits: Final, *, delivered: bool) -> FormCorrection:
-    """Return the sizes of the correction of the form by channel."""
-    if fits.form is None:
-        return FormCorrection({}, False)
-    return FormCorrection(Size.by_channel(fits.after.signals.channels, fits.form), delivered)
 
 
 def _added(fits: Final) -> dict[str, tuple[str, ...]]:
@@ -210,16 +208,22 @@ def _next_measurements(
 
 def _recording_errors(outcome: DiagnosisOutcome, delivery: _Delivery) -> dict[str, Any]:
     """Return the errors of the recording as estimated with the delivered tire, and what the baseline tire removes."""
-    before, final = outcome.final.before, delivery.final
-    problem, solution = final.problem, final.solution
-    errors = recording_errors(
-        outcome.recording, final.signals, problem.disturbances, solution.disturbance, solution.residual,
-        outcome.final.start,
-    )  # fmt: skip
+    table, before, final = outcome.recording.table, outcome.final.before, delivery.final
+    signals, disturbances, values = final.signals, final.problem.disturbances, final.solution.disturbance
+    start, origin = outcome.final.start, signals.origin
+    used = {"t", "distance", *start.inputs, *OUTPUTS, *(SURROUNDINGS if TEMPERATURE in origin.derived else ())}
+    waves = [i for i, name in enumerate(disturbances.names) if name.startswith("wave")]
+    turning = final.solution.residual + disturbances.columns[:, :, waves] @ values[waves]
+    outliers = delivery.residuals.outlier_rows(signals.channels)
     base = reported_disturbances(before.problem.disturbances, before.solution.disturbance, before.signals)
-    outliers = delivery.residuals.outlier_rows(final.signals.channels)
-    return {
-        **errors,
+    return reported_disturbances(disturbances, values, signals) | {
+        "ripple": ripple(signals, turning, start.values["UNLOADED_RADIUS"]),
+        "quantisation": {name: quantisation(table[name].to_numpy(np.float64)) for name in signals.channels},
+        "compared_every": int(np.diff(signals.table_rows).min()),
+        "smoothing_windows": [2 * half + 1 for half in HALF_WIDTHS] if any(origin.noise.values()) else [],
+        "left_aside": dict(signals.excluded_channels),
+        "derived_columns": sorted(origin.derived & set(table)),
+        "ignored_columns": [str(name) for name in table if name not in used],
         **{f"{key}_base": base[key] for key in ("removed", "cross_talk", "periodic")},
         "outlier_rows": outliers,
         "outliers": {name: len(rows) for name, rows in outliers.items()},
@@ -228,25 +232,15 @@ def _recording_errors(outcome: DiagnosisOutcome, delivery: _Delivery) -> dict[st
 
 def _unknown(fits: Final, adequacy: tuple[Adequacy, ...], *, delivered: bool) -> tuple[Unknown, ...]:
     """Return the unknown component, or that there is one if a channel is far above its noise floor."""
-    parts = fits.unknown or _unidentified(adequacy, fits)
-    if delivered:
-        return parts
-    return tuple(replace(part, added=False, not_added_because=NOT_DELIVERED) if part.added else part for part in parts)
-
-
-def _unidentified(adequacy: tuple[Adequacy, ...], fits: Final) -> tuple[Unknown, ...]:
-    """Return the structure in channels far above their noise floor, if no effect was identified."""
+    if fits.unknown:
+        withheld = [part for part in fits.unknown if part.added and not delivered]
+        return tuple(replace(part, added=False, not_added_because=NOT_DELIVERED) for part in withheld) or fits.unknown
     worst = max(adequacy, key=lambda rated: graded(rated.ratio) if rated.rating == "red" else 0.0)
     if worst.rating != "red" or fits.effects:
         return ()
     depends_on = tuple(sorted({*worst.over, *(("memory",) if worst.memory else ())}))
     reason = "no effect and no formula explains it"
     return (Unknown(depends_on, "", False, None, reason, "hold or repeat the operating conditions of the residual"),)
-
-
-def _extrapolations(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -> tuple[Extrapolation, ...]:
-    after = outcome.final.after
-    return extrapolations(after.problem, after.solution, added, {name: _inputs_of(outcome, name) for name in added})
 
 
 def _inputs_of(outcome: DiagnosisOutcome, effect: str) -> tuple[str, ...]:

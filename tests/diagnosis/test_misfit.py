@@ -8,6 +8,7 @@ import pytest
 from tirefmu.diagnosis import diagnose
 from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.diagnosis.probing import reweighted
+from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.signals import OUTLIER, quantisation, ripple
 from tirefmu.diagnosis.verdict import (
     MAX_CHANGE,
@@ -122,7 +123,8 @@ def test_weights_are_the_reciprocal_noise_and_outliers_are_excluded(problem, tir
 
 
 def extrapolated(screen, parameters, effects, inputs):
-    return extrapolations(screen.problem, screen.problem.at(parameters, screen.solution.free), effects, inputs)
+    improved = Screen(screen.problem, screen.problem.at(parameters, screen.solution.free))
+    return extrapolations(improved, effects, inputs)
 
 
 def test_the_measured_range_of_an_effect_is_that_of_its_input(at_true_values, tire):
