@@ -91,7 +91,7 @@ def effect_evidence(after: Screen, coefficients: Collection[str]) -> Evidence:
         int(np.sum(screen.losses(edges) > after.losses(edges))),
         float(holdout.sum()),
         error_of_sum(holdout) if len(holdout) > 1 else 0.0,
-        response.p_coloured,
+        float(chdtrc(1, (response.estimate[0] / response.coloured[0]) ** 2)),
         (screen.baseline.loss - after.baseline.loss) / total,
         screen.edges,
         np.nan_to_num(problem.simulator.forces(solution.parameters) - problem.simulator.forces(removed)),

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from ...numerics.arrays import FloatArray, IntArray
-from ...numerics.block_regression import BlockSums, autocovariance, block_sums, coloured_covariance, regression, wald_p
+from ...numerics.block_regression import BlockSums, autocovariance, block_sums, coloured_covariance, regression
 from ...symbolic.detection import Form, Probe
 from ..least_squares import LeastSquares, Solution
 from ..signals.simulation import Simulator
@@ -28,15 +28,14 @@ class Response:
 
     - `columns`, shape (n_channels, n, k): weighted responses, one per probe.
     - `estimate`, shape (k,): amplitudes, in units of the probes.
-    - `p_coloured`: p-value of the Wald test from the autocovariance of the noise.
-    - `error`, shape (k,): standard errors of the estimate: the larger one of those from the autocovariance of the noise
-      and from the jackknife over blocks.
+    - `coloured`, shape (k,): standard errors of the estimate from the autocovariance of the noise.
+    - `error`, shape (k,): the larger one of these and of those from the jackknife over blocks.
     - `independent_share`: largest share of a response's norm that is orthogonal to the baseline's tangent space.
     """
 
     columns: FloatArray
     estimate: FloatArray
-    p_coloured: float
+    coloured: FloatArray
     error: FloatArray
     independent_share: float
 
@@ -123,18 +122,16 @@ class Screen:
         testable = independent > np.maximum(MIN_INDEPENDENT_SHARE * size, 1e-6)
         share = float(np.max(independent / np.maximum(size, 1e-300)))
         if not testable.any():
-            return Response(columns, np.zeros(k), 1.0, np.full(k, np.inf), share)
+            return Response(columns, np.zeros(k), np.full(k, np.inf), np.full(k, np.inf), share)
         sums = self._extended(columns)
         q = self.tangent.shape[-1]
         prior = np.concatenate([self.prior_precision, np.full(k, FREE_PRIOR**-2.0)])
         fit = regression(sums, prior, np.concatenate([self.prior_gradient, np.zeros(k)]))
         inner = fit.inverse[q:, q:]
-        coloured = inner @ coloured_covariance(free, self.covariance) @ inner
-        jackknife = fit.jackknife[q:, q:]
-        estimate = fit.estimate[q:]
-        use = np.ix_(testable, testable)
-        error = np.sqrt(np.maximum(np.diag(coloured), np.diag(jackknife)))
-        return Response(columns, estimate, wald_p(estimate[testable], coloured[use]), error, share)
+        coloured = np.diag(inner @ coloured_covariance(free, self.covariance) @ inner)
+        variance = np.maximum(coloured, np.diag(fit.jackknife)[q:])
+        errors = (np.sqrt(np.maximum(square, 1e-300)) for square in (coloured, variance))
+        return Response(columns, fit.estimate[q:], *errors, share)
 
     def _extended(self, columns: FloatArray) -> BlockSums:
         """Return the cross products by block of the tangent space with columns appended."""
