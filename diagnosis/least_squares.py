@@ -133,17 +133,15 @@ class LeastSquares:
         return np.array([factors.get(name, 1.0) for name in free])
 
     def solve(
-        self, start: FloatArray, free: Sequence[str], *, rows: slice | None = None, iterations: int = 30,
-        tolerance: float = 1e-5,
-    ) -> Solution:  # fmt: skip
+        self, start: FloatArray, free: Sequence[str], *, iterations: int = 30, tolerance: float = 1e-5
+    ) -> Solution:
         """Fit the coefficients from initial values.
 
-        `start`, shape (n_parameters,). `rows`, slice: subset of the compared rows; default: all. `tolerance`:
-        iterations stop when the predicted reduction is below this share of the cost.
+        `start`, shape (n_parameters,). `tolerance`: iterations stop when the predicted reduction is below this share of
+        the cost.
         """
-        subsample = self.subsampled(rows)
-        lower, upper = subsample.bounds(free)
-        projected = _Projected(subsample, start, free)
+        lower, upper = self.bounds(free)
+        projected = _Projected(self, start, free)
         first = np.clip(start[projected.indices], lower, upper)
         end = minimize(
             projected, first, lower, upper, lambda _, cost: tolerance * cost, DAMPING, steps=iterations, stop=self.stop
@@ -223,12 +221,6 @@ class LeastSquares:
         )
         return 0.5 * float(np.sum(self.weighted(residual) ** 2) + penalty)
 
-    def tangent(self, parameters: FloatArray, free: Sequence[str]) -> FloatArray:
-        """Return weighted derivatives by coefficients and disturbances, shape (n_channels * n, n_free + n_dist)."""
-        jacobian = self.simulator.jacobian(parameters, free)
-        whole = self.weighted(np.concatenate([jacobian, self.disturbances.columns], axis=-1))
-        return whole.reshape(-1, whole.shape[-1])
-
     def _normal(
         self, parameters: FloatArray, free: Sequence[str], disturbance: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
@@ -245,10 +237,8 @@ class LeastSquares:
         matrix = jacobian.times(jacobian) + np.diag(deviation**-2.0)
         return matrix - cross.T @ inner[:, :-1], slope - cross.T @ inner[:, -1]
 
-    def subsampled(self, rows: slice | None) -> LeastSquares:
-        """Return the problem over some of the compared rows, which are then independent; over all of them for None."""
-        if rows is None:
-            return self
+    def subsampled(self, rows: slice) -> LeastSquares:
+        """Return the problem over some of the compared rows, which are then independent."""
         signals = self.simulator.signals
         subsample = replace(
             signals, rows=signals.rows[rows], table_rows=signals.table_rows[rows], measured=signals.measured[:, rows],

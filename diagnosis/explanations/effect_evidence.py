@@ -17,9 +17,6 @@ from ..thresholds import FINAL_ITERATIONS
 #: Number of long stretches in which an effect is judged. Convention.
 STRETCHES = 8
 
-#: Probability below which the estimate over its standard error is used as it is: quantiles end at 1e-308.
-MIN_P = 1e-260
-
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
@@ -125,4 +122,4 @@ def joint_z(size: float, coefficients: int) -> float:
     if size <= 0.0:
         return 0.0
     p = float(chdtrc(coefficients, size**2))
-    return float(-ndtri(p / 2.0)) if p > MIN_P else size
+    return float(-ndtri(p / 2.0)) if p > 0.0 else size  # numbers end at 1e-308

@@ -79,9 +79,9 @@ def fit_baseline(tire: Tire, signals: Signals, *, fitted: bool) -> tuple[LeastSq
     problem = LeastSquares(
         simulator, inverse_noise, disturbances_of(signals, noise, tire.values["UNLOADED_RADIUS"]), center
     )
-    subsample = slice(None, None, max(1, len(signals.rows) // 1500))
+    few = problem.subsampled(slice(None, None, max(1, len(signals.rows) // 1500)))
     starts = [tire.parameters()] if fitted else _starts(simulator, free)
-    solutions = [problem.solve(start, free, rows=subsample, iterations=25) for start in starts]
+    solutions = [problem.at(few.solve(start, free, iterations=25).parameters, free) for start in starts]
     best = problem.solve(min(solutions, key=lambda solution: graded(solution.cost)).parameters, free, iterations=4)
     for _ in range(2):
         problem = reweighted(problem, best)

@@ -46,8 +46,8 @@ class Screen:
     def __init__(self, problem: LeastSquares, solution: Solution) -> None:
         self.problem, self.solution = problem, solution
         self.signals = problem.simulator.signals
-        shape = problem.inverse_noise.shape
-        self.tangent = problem.tangent(solution.parameters, solution.free).reshape(*shape, -1)
+        jacobian = problem.simulator.jacobian(solution.parameters, solution.free)
+        self.tangent = problem.weighted(np.concatenate([jacobian, problem.disturbances.columns], axis=-1))
         self.residual = problem.weighted(solution.residual)
         center, deviation = problem.prior(solution.free)
         values = solution.parameters[[problem.simulator.index[name] for name in solution.free]]

@@ -176,22 +176,16 @@ def _delivery(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -
     of_base, of_improved = (
         residual_of(either, fit, recording) for either, fit in zip(complete, (before, after), strict=True)
     )
-    residuals = judged = delivered_residuals(of_base, of_improved, before.signals, outcome.signals.table_rows)
-    errors = compared = fit_errors(before, after, residuals)
-    if set(tire.states) - set(base_tire.states) and outcome.signals.timed:
-        judged = fitted_residuals(before, after)
-        compared = fit_errors(before, after, judged)
-    against: tuple[str, ...] = ()
+    residuals = delivered_residuals(of_base, of_improved, before.signals, outcome.signals.table_rows)
+    more_states = bool(set(tire.states) - set(base_tire.states)) and outcome.signals.timed
+    judged = fitted_residuals(before, after) if more_states else residuals
+    against, channels = (), outcome.signals.channels
     if added or fits.refinements or fits.form is not None:
-        against = reasons_against(compared, judged)
-    splits = error_splits(of_base if against else of_improved, residuals, recording, outcome.signals.channels)
+        against = reasons_against(judged, channels)
     if against:
-        tire, after, errors = base_tire, before, fit_errors(before, before, replace(residuals, after=residuals.before))
-    with_floor = {
-        part: {name: {**error, "floor": splits[name].floor} for name, error in by_channel.items()}
-        for part, by_channel in errors.items()
-    }
-    return _Delivery(base_tire, tire, against, after, residuals, with_floor, splits)
+        tire, after, of_improved, residuals = base_tire, before, of_base, replace(residuals, after=residuals.before)
+    splits = error_splits(of_improved, residuals, recording, channels)
+    return _Delivery(base_tire, tire, against, after, residuals, fit_errors(before, after, residuals, splits), splits)
 
 
 def _next_measurements(

@@ -7,7 +7,7 @@ improved tire is delivered if its predictive density on the hold-out set is the 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -138,11 +138,13 @@ def error_splits(
     return error_split(recording.table, rest, recording.segment_numbers())
 
 
-def fit_errors(before: Screen, after: Screen, residuals: DeliveredResiduals) -> FitErrors:
+def fit_errors(
+    before: Screen, after: Screen, residuals: DeliveredResiduals, splits: Mapping[str, ErrorSplit]
+) -> FitErrors:
     """Return root mean square residuals of the delivered tires, with all errors of the recording removed.
 
     `before`, `after`: of the solutions of the baseline model and the improved model. `residuals`: of both delivered
-    tires. Returns: train, cv, holdout -> channel -> before, after.
+    tires. `splits`: of the delivered tire. Returns: train, cv, holdout -> channel -> before, after, floor.
     """
     compared, used = residuals.compared, residuals.used
     both = (residuals.before, residuals.after)
@@ -157,7 +159,7 @@ def fit_errors(before: Screen, after: Screen, residuals: DeliveredResiduals) -> 
     }
     return {
         part: {
-            name: {"before": _rms(rows[0][i], mask[i]), "after": _rms(rows[1][i], mask[i])}
+            name: {"before": _rms(rows[0][i], mask[i]), "after": _rms(rows[1][i], mask[i]), "floor": splits[name].floor}
             for i, name in enumerate(after.signals.channels)
         }
         for part, (rows, mask) in parts.items()
@@ -178,20 +180,17 @@ def _rms(residual: FloatArray, present: BoolArray) -> float:
     return float(np.sqrt(np.mean(residual[present] ** 2))) if present.any() else float("nan")
 
 
-def reasons_against(errors: FitErrors, residuals: DeliveredResiduals) -> tuple[str, ...]:
-    """Return the reason why an improved tire is not delivered, or nothing.
-
-    `errors`: of the delivered tires (`fit_errors`). `residuals`: of the same tires, from which the errors are
-    computed.
-    """
+def reasons_against(residuals: DeliveredResiduals, channels: Sequence[str]) -> tuple[str, ...]:
+    """Return the reason why an improved tire is not delivered, or nothing."""
     gain = density_gain(residuals)
     if gain.sum() >= 0.0:  # NaN is a reason
         return ()
-    worst = list(errors["holdout"])[int(np.argmin(graded(gain)))]  # of NaN, the first one
-    error, unit = errors["holdout"][worst], drawn_unit(worst)
+    worst = int(np.argmin(graded(gain)))  # of NaN, the first one
+    held, name = residuals.used[worst] & residuals.holdout, channels[worst]
+    before, after = (_rms(rows[worst], held) for rows in (residuals.before, residuals.after))
     return (
-        f"it predicts the hold-out set worse than the baseline tire ({worst}: {error['after']:.3g} instead of "
-        f"{error['before']:.3g} {unit})",
+        f"it predicts the hold-out set worse than the baseline tire ({name}: {after:.3g} instead of {before:.3g} "
+        f"{drawn_unit(name)})",
     )
 
 
