@@ -146,14 +146,19 @@ class LeastSquares:
         end = minimize(
             projected, first, lower, upper, lambda _, cost: tolerance * cost, DAMPING, steps=iterations, stop=self.stop
         )
-        return self.at(projected.parameters(end.x), free)
+        return projected.solution(end.x)
 
     def at(self, parameters: FloatArray, free: Sequence[str]) -> Solution:
         """Return the solution at given parameters, with the best-fitting disturbances."""
-        misfit = self.misfit(parameters)
-        disturbance = self.best_disturbance(misfit)
+        misfit, prior = self.misfit(parameters), self.disturbances.deviation
+        target = self.disturbance_products[0].along(self.weighted(misfit))
+        disturbance = np.asarray(cho_solve(self._disturbance_factor, target, check_finite=False))
         residual = misfit - self.disturbances.columns @ disturbance
-        return Solution(parameters, tuple(free), disturbance, self._cost(parameters, free, disturbance), residual)
+        center, deviation = self.prior(free)
+        values = parameters[[self.simulator.index[name] for name in free]]
+        penalty = np.sum(((values - center) / deviation) ** 2) + np.sum((disturbance / prior) ** 2)
+        cost = 0.5 * float(np.sum(self.weighted(residual) ** 2) + penalty)
+        return Solution(parameters, tuple(free), disturbance, cost, residual)
 
     def holdout_gains(self, before: Solution, after: Solution) -> FloatArray:
         """Return by how much a solution is better than another one in each block of the hold-out set, (n_blocks,).
@@ -182,11 +187,6 @@ class LeastSquares:
         """Return measured minus simulated forces, shape (n_channels, n)."""
         return self.simulator.signals.measured - self.simulator.forces(parameters)
 
-    def best_disturbance(self, misfit: FloatArray) -> FloatArray:
-        """Return the best-fitting disturbances for a misfit."""
-        target = self.disturbance_products[0].along(self.weighted(misfit))
-        return np.asarray(cho_solve(self._disturbance_factor, target, check_finite=False))
-
     def weighted(self, rows: FloatArray) -> FloatArray:
         """Return rows divided by their noise, shape (n_channels, n) or (n_channels, n, m)."""
         over = self.inverse_noise.reshape(*self.inverse_noise.shape, *(1,) * (rows.ndim - 2)) * rows
@@ -212,26 +212,15 @@ class LeastSquares:
         """The Cholesky factor of the disturbances' Gauss-Newton matrix."""
         return cho_factor(self.disturbance_products[1] + np.diag(self.disturbances.deviation**-2))
 
-    def _cost(self, parameters: FloatArray, free: Sequence[str], disturbance: FloatArray) -> float:
-        residual = self.misfit(parameters) - self.disturbances.columns @ disturbance
-        center, deviation = self.prior(free)
-        values = parameters[[self.simulator.index[name] for name in free]]
-        penalty = np.sum(((values - center) / deviation) ** 2) + np.sum(
-            (disturbance / self.disturbances.deviation) ** 2
-        )
-        return 0.5 * float(np.sum(self.weighted(residual) ** 2) + penalty)
-
-    def _normal(
-        self, parameters: FloatArray, free: Sequence[str], disturbance: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+    def _normal(self, solution: Solution) -> tuple[FloatArray, FloatArray]:
         """Return Gauss-Newton matrix and descent direction in the coefficients, the disturbances eliminated."""
-        jacobian = self.weighted_columns(self.simulator.jacobian(parameters, free))
+        jacobian = self.weighted_columns(self.simulator.jacobian(solution.parameters, solution.free))
         columns, factor = self.disturbance_products[0], self._disturbance_factor
-        residual = self.weighted(self.misfit(parameters) - self.disturbances.columns @ disturbance)
-        center, deviation = self.prior(free)
-        values = parameters[[self.simulator.index[name] for name in free]]
+        residual = self.weighted(solution.residual)
+        center, deviation = self.prior(solution.free)
+        values = solution.parameters[[self.simulator.index[name] for name in solution.free]]
         slope = jacobian.along(residual) - (values - center) / deviation**2
-        along = columns.along(residual) - disturbance / self.disturbances.deviation**2
+        along = columns.along(residual) - solution.disturbance / self.disturbances.deviation**2
         cross = columns.times(jacobian)
         inner = cho_solve(factor, np.column_stack([cross, along]), check_finite=False)
         matrix = jacobian.times(jacobian) + np.diag(deviation**-2.0)
@@ -295,28 +284,24 @@ class _Projected:
     def __init__(self, problem: LeastSquares, start: FloatArray, free: Sequence[str]) -> None:
         self._problem, self._start, self._free = problem, start, free
         self.indices = [problem.simulator.index[name] for name in free]
-        self._latest: tuple[FloatArray, float, FloatArray] | None = None
+        self._latest: tuple[FloatArray, Solution] | None = None
 
-    def parameters(self, x: FloatArray) -> FloatArray:
-        """Return all parameters, with the free coefficients set to x."""
-        parameters = self._start.copy()
-        parameters[self.indices] = x
-        return parameters
+    def solution(self, x: FloatArray) -> Solution:
+        """Return the solution at the free coefficients x, shape (n_free,).
+
+        The latest one is stored, as the derivatives of an accepted step are evaluated next.
+        """
+        if self._latest is None or not np.array_equal(self._latest[0], x):
+            parameters = self._start.copy()
+            parameters[self.indices] = x
+            self._latest = x.copy(), self._problem.at(parameters, self._free)
+        return self._latest[1]
 
     def cost(self, x: FloatArray) -> float:
-        """Return the cost at the free coefficients x, shape (n_free,)."""
-        return self._at(x)[0]
+        """Return the cost at the free coefficients."""
+        return self.solution(x).cost
 
     def derivatives(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
         """Return cost, gradient (n_free,) and Gauss-Newton matrix (n_free, n_free)."""
-        cost, disturbance = self._at(x)
-        matrix, descent = self._problem._normal(self.parameters(x), self._free, disturbance)
-        return cost, -descent, matrix
-
-    def _at(self, x: FloatArray) -> tuple[float, FloatArray]:
-        """Return cost and disturbances; cached, as the derivatives of an accepted step are evaluated next."""
-        if self._latest is None or not np.array_equal(self._latest[0], x):
-            parameters = self.parameters(x)
-            disturbance = self._problem.best_disturbance(self._problem.misfit(parameters))
-            self._latest = x.copy(), self._problem._cost(parameters, self._free, disturbance), disturbance
-        return self._latest[1:]
+        matrix, descent = self._problem._normal(self.solution(x))
+        return self.cost(x), -descent, matrix
