@@ -176,7 +176,7 @@ def _delivery(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -
     of_base, of_improved = (
         residual_of(either, fit, recording) for either, fit in zip(complete, (before, after), strict=True)
     )
-    residuals = delivered_residuals(of_base, of_improved, before.signals, outcome.signals.table_rows)
+    residuals = delivered_residuals(of_base, of_improved, outcome.signals)
     more_states = bool(set(tire.states) - set(base_tire.states)) and outcome.signals.timed
     judged = fitted_residuals(before, after) if more_states else residuals
     against, channels = (), outcome.signals.channels

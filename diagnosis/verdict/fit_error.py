@@ -39,7 +39,6 @@ class DeliveredResiduals:
       the computation.
     - `used`, shape (n_channels, m): false if a channel was not measured or is an outlier.
     - `holdout`, shape (m,).
-    - `compared`, shape (n,): positions of the rows that the diagnosis compared.
     """
 
     rows: IntArray
@@ -47,7 +46,6 @@ class DeliveredResiduals:
     after: FloatArray
     used: BoolArray
     holdout: BoolArray
-    compared: IntArray
 
     def outlier_rows(self, channels: Sequence[str]) -> dict[str, list[int]]:
         """Return the rows that are outliers by channel, counted from 0."""
@@ -58,20 +56,14 @@ class DeliveredResiduals:
         }
 
 
-def delivered_residuals(before: FloatArray, after: FloatArray, signals: Signals, rows: IntArray) -> DeliveredResiduals:
+def delivered_residuals(before: FloatArray, after: FloatArray, signals: Signals) -> DeliveredResiduals:
     """Return the residuals of both tires over the compared rows of a recording.
 
     `before`, `after`, shape (n_channels, n_rows): of the baseline tire and the improved tire (`residual_of`).
-    `signals`: of their solutions. `rows`, shape (m,): the compared rows.
     """
-    first, last = before[:, rows], after[:, rows]
-    used = np.stack([short_range(np.nan_to_num(row), np.isfinite(row))[1] for row in first])
-    compared = np.searchsorted(rows, signals.table_rows)
-    used[:, compared] &= signals.present
-    holdout = np.zeros(len(rows), dtype=bool)
-    for start, end in signals.holdout_stretches():
-        holdout[compared[start] : compared[end] + 1] = True
-    return DeliveredResiduals(rows, first, last, used, holdout, compared)
+    rows = signals.table_rows
+    used = [short_range(np.nan_to_num(row), np.isfinite(row))[1] for row in before[:, rows]]
+    return DeliveredResiduals(rows, before[:, rows], after[:, rows], signals.present & used, signals.holdout)
 
 
 def fitted_residuals(before: Screen, after: Screen) -> DeliveredResiduals:
@@ -80,11 +72,8 @@ def fitted_residuals(before: Screen, after: Screen) -> DeliveredResiduals:
     A state that follows the direction of slip follows noise of the slip, too. Whether a tire with states is better is
     therefore decided with these inputs.
     """
-    signals, compared = after.signals, np.arange(len(after.signals.rows))
-    return DeliveredResiduals(
-        signals.table_rows, before.solution.residual, after.solution.residual, signals.present, signals.holdout,
-        compared,
-    )  # fmt: skip
+    signals, residuals = after.signals, (before.solution.residual, after.solution.residual)
+    return DeliveredResiduals(signals.table_rows, *residuals, signals.present, signals.holdout)
 
 
 def without_skew(recording: Recording, signals: Signals) -> Recording:
@@ -146,15 +135,13 @@ def fit_errors(
     `before`, `after`: of the solutions of the baseline model and the improved model. `residuals`: of both delivered
     tires. `splits`: of the delivered tire. Returns: train, cv, holdout -> channel -> before, after, floor.
     """
-    compared, used = residuals.compared, residuals.used
-    both = (residuals.before, residuals.after)
+    both, used = (residuals.before, residuals.after), residuals.used
     validated = [
-        residual[:, compared] + _change_without_block(screen)
-        for residual, screen in zip(both, (before, after), strict=True)
+        residual + _change_without_block(screen) for residual, screen in zip(both, (before, after), strict=True)
     ]
     parts = {
         "train": (both, used & ~residuals.holdout),
-        "cv": (validated, (after.problem.inverse_noise > 0.0) & used[:, compared]),
+        "cv": (validated, (after.problem.inverse_noise > 0.0) & used),
         "holdout": (both, used & residuals.holdout),
     }
     return {

@@ -119,7 +119,7 @@ def compared(seed=0, fx=0.0, fy=0.0, of_fy=1.0):
     before = noise + np.array([[0.0], [of_fy]]) * np.sin(np.arange(6000) / 40.0)
     after = noise + np.stack([np.broadcast_to(one, 6000) for one in (fx, fy)])
     known = np.ones((2, 6000), dtype=bool)
-    return DeliveredResiduals(np.arange(6000), before, after, known, block % 8 == 5, np.arange(6000))
+    return DeliveredResiduals(np.arange(6000), before, after, known, block % 8 == 5)
 
 
 def judged(residuals):
