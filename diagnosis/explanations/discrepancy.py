@@ -30,8 +30,8 @@ FAST_DRIFT_WAVES, FAST_DRIFT_PRIOR = 12, 2.0
 #: within 1 %. More is attributed to the tire. Convention.
 LOAD_ERROR_PRIOR = 0.005
 
-#: Features of each channel: of the model, and of an effect. Convention: computing time.
-MODEL_FEATURES, EFFECT_FEATURES = 30, 30
+#: Features of each channel, of the model and of each effect. Convention: computing time.
+FEATURES = 30
 #: Inputs of which the magnitude counts: a discrepancy is symmetric between left and right, driving and braking.
 SYMMETRIC = ("alpha", "kappa", "gamma", "phit")
 #: Lengths of the moving averages from which noise of the inputs differs, s. Convention.
@@ -58,7 +58,7 @@ def model_discrepancy(signals: Signals, forces: FloatArray) -> FloatArray:
                 proportional[i] = forces[side] * size[i] / max(size[side], 1e-12)
                 even[i] = plane * size[i] / max(size[side], 1e-12)
     named = signals.named()
-    functions = smooth_functions({name: named[name] for name in sorted(CORE_INPUTS)}, MODEL_FEATURES)
+    functions = smooth_functions({name: named[name] for name in sorted(CORE_INPUTS)}, FEATURES)
     columns = np.concatenate([_by_channel(rows, functions) for rows in (proportional, even)], axis=-1)
     return np.asarray(columns[:, :, np.any(columns, axis=(0, 1))])
 
@@ -94,7 +94,7 @@ def effect_discrepancy(response: FloatArray, inputs: Mapping[str, FloatArray], s
     `response`, shape (n_channels, n): the change of the forces by the effect. `inputs`: those of which its error is a
     function, at the compared rows. `seed`: of the random functions.
     """
-    return _by_channel(response, smooth_functions(inputs, EFFECT_FEATURES, seed))
+    return _by_channel(response, smooth_functions(inputs, FEATURES, seed))
 
 
 def envelope(response: FloatArray, signals: Signals) -> FloatArray:

@@ -70,7 +70,6 @@ class Signals:
     - `rows`, shape (n,): rows of `t` and `inputs` at which forces are compared.
     - `table_rows`, shape (n,): the same rows, counted in the recording.
     - `channels`: measured outputs.
-    - `output_index`, shape (n_channels,): index of each channel in the outputs of the model.
     - `measured`, shape (n_channels, n): adapted SAE.
     - `present`, shape (n_channels, n): false if a channel was not measured or is an outlier.
     - `block`, shape (n,).
@@ -88,7 +87,6 @@ class Signals:
     rows: IntArray
     table_rows: IntArray
     channels: tuple[str, ...]
-    output_index: IntArray
     measured: FloatArray
     present: BoolArray
     block: IntArray
@@ -180,7 +178,6 @@ def signals_of(
     measured = np.stack([given[name].to_numpy(dtype=np.float64)[rows] for name in channels])
     block = _blocks(t[rows])
     recorded = frozenset(name for name in names if name in given) - set(derived) | ({"distance"} if timed else set())
-    output_index = np.array([outputs.index(name) for name in channels])
     holdout = block % HOLDOUT_EVERY == HOLDOUT_EVERY // 2 + 1
     present = np.isfinite(measured)
     measured_blocks = len(np.unique(block[present.any(axis=0) & ~holdout]))
@@ -194,7 +191,7 @@ def signals_of(
     simulated = np.union1d(thin, rows)
     return Signals(
         names, t[simulated], inputs[:, simulated], np.searchsorted(simulated, rows), rows, channels,
-        output_index, measured, present, block, holdout,
+        measured, present, block, holdout,
         InputOrigin(recorded, frozenset(derived), noise), timed, excluded,
     )  # fmt: skip
 

@@ -50,6 +50,7 @@ class Simulator:
         self._code = fastest_code(model)
         self.names = list(model.coefficients)
         self.index = {name: i for i, name in enumerate(model.parameters)}
+        self._outputs = [self.tire.outputs.index(name) for name in self.signals.channels]
         self._off, inputs = self.tire.parameters(), list(self.tire.inputs)
         owned = {effect: [self.index[name] for name in model.owned(effect) & self.index.keys()]
                  for effect, _ in model.on_demand if effect not in self.tire.has}  # fmt: skip
@@ -204,7 +205,7 @@ class Simulator:
             return rows
 
         def residual(acting: FloatArray) -> FloatArray:
-            forces = self._code.forces(acting[:, signals.rows], values)[signals.output_index]
+            forces = self._code.forces(acting[:, signals.rows], values)[self._outputs]
             return np.where(used, signals.measured - forces, 0.0)
 
         rows = simulated({})
@@ -307,11 +308,11 @@ class Simulator:
         rows = self.effective_inputs(parameters).copy()
         for name, shift in shifts.items():
             rows[self.signals.names.index(name)] += shift
-        return self._code.forces(rows, parameters)[self.signals.output_index]
+        return self._code.forces(rows, parameters)[self._outputs]
 
     def _computed_forces(self, parameters: bytes) -> FloatArray:
         values = np.frombuffer(parameters)
-        forces = self._code.forces(self.effective_inputs(values), values)[self.signals.output_index]
+        forces = self._code.forces(self.effective_inputs(values), values)[self._outputs]
         forces.flags.writeable = False  # shared by all callers
         return forces
 
@@ -338,7 +339,7 @@ class Simulator:
     def _entries(self, free: tuple[str, ...]) -> tuple[IndexArray, IndexArray, IndexArray]:
         """Return entries of the generated Jacobian by free coefficients, and the channel and column of each."""
         forces, coefficients = self._code.entries
-        channel_of = {int(force): i for i, force in enumerate(self.signals.output_index)}
+        channel_of = {force: i for i, force in enumerate(self._outputs)}
         chosen = [
             (int(entry), channel_of[int(forces[entry])], i)
             for i, name in enumerate(free)
