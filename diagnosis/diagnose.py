@@ -118,7 +118,7 @@ def diagnose(
         recorded = signals_of(turning.table, start, recording.signs, smooth=False, derived=derived)
         if worse_by_smoothing(problem, solution, recorded):
             problem, solution = fit_baseline(start, recorded, fitted=tire is not None)
-        complete = with_predicted_temperature(turning, tire_of(start, problem, solution, ()))
+        complete = with_predicted_temperature(turning, tire_of(problem, solution, ()))
         if complete is not turning:
             problem = _over(problem, complete, start, {*derived, TEMPERATURE})
             reading = {name: tried for name, tried in candidates_tried.items() if TEMPERATURE in tried.requires}
@@ -131,9 +131,7 @@ def diagnose(
         recorded_or_read = replace(complete, table=derived_table)
 
         def with_final_fits(*, no_formula: str = "", correct_form: bool = form) -> Diagnosis:
-            fits = final_fits(
-                comparison, problem, solution, start, budget, no_formula=no_formula, correct_form=correct_form
-            )
+            fits = final_fits(comparison, problem, solution, budget, no_formula=no_formula, correct_form=correct_form)
             outcome = DiagnosisOutcome(recorded_or_read, candidates_tried, fits, comparison.answer, comparison.stopped)
             return composed(outcome, began)
 

@@ -12,7 +12,7 @@ from scipy.linalg import cho_factor, cho_solve
 from ..numerics.arrays import BoolArray, FloatArray
 from ..numerics.gauss_newton import Damping, minimize
 from ..numerics.noise_model import Whitening
-from ..tires.tire import Tire
+from ..symbolic.added import AddedEffect
 from .signals.disturbances import Disturbances
 from .signals.simulation import Simulator
 from .weighted_columns import WeightedColumns, joined
@@ -63,12 +63,15 @@ class LeastSquares:
         """Return the problem with another simulator, for the same rows."""
         return self._with_same_columns(replace(self, simulator=simulator))
 
-    def of_model(self, tire: Tire, solution: Solution, values: Mapping[str, float]) -> tuple[LeastSquares, FloatArray]:
-        """Return the problem with a tire that has a further effect, and parameters: of a solution, and given ones.
+    def with_effect(
+        self, effect: AddedEffect, solution: Solution, values: Mapping[str, float]
+    ) -> tuple[LeastSquares, FloatArray]:
+        """Return the problem of the model with a further effect, and parameters: of a solution, and given ones.
 
         Raises `EffectError` if the model cannot have the effect.
         """
         own = self.simulator
+        tire = replace(own.tire, added=(*own.tire.added, effect))
         simulator = Simulator(tire, own.signals.with_inputs_of(tire))  # its states are inputs
         known = {name: solution.parameters[own.index[name]] for name in own.names} | values
         parameters = tire.parameters()
@@ -242,18 +245,6 @@ class LeastSquares:
             disturbances=disturbances,
             whitening=None,
         )
-
-
-@dataclass(frozen=True, eq=False)
-class ExtendedModel:
-    """A model with a further effect, fitted.
-
-    - `tire`: the baseline model with the effect.
-    """
-
-    tire: Tire
-    problem: LeastSquares
-    solution: Solution
 
 
 def density_gains(before: FloatArray, after: FloatArray, fitted: BoolArray, judged: BoolArray) -> FloatArray:

@@ -41,7 +41,6 @@ class Final:
 
     - `before`, `after`: of the baseline model and of the model with the effects.
     - `whitened`: the same as `after` with whitened rows, for confidence intervals.
-    - `start`: the baseline model with all effects that were tested, switched off, and with an added formula.
     - `effects`: those of the explanation, and their free coefficients.
     - `evidence`: for the same effects.
     - `refinements`: finer forms that the recording needs, each with its effect.
@@ -54,7 +53,6 @@ class Final:
     before: Screen
     after: Screen
     whitened: Screen
-    start: Tire
     effects: Mapping[str, tuple[str, ...]]
     evidence: Mapping[str, Evidence]
     refinements: tuple[tuple[str, Form], ...]
@@ -62,16 +60,20 @@ class Final:
     unknown_evidence: Evidence | None
     form: FloatArray | None = None
 
+    @property
+    def start(self) -> Tire:
+        """The baseline model with all effects that were tested, switched off, and with what was added to its lines."""
+        return self.after.problem.simulator.tire
+
 
 def final_fits(
-    comparison: ComparedExplanations, problem: LeastSquares, baseline: Solution, start: Tire,
-    budget: Budget, *, no_formula: str = "", correct_form: bool = True,
+    comparison: ComparedExplanations, problem: LeastSquares, baseline: Solution, budget: Budget,
+    *, no_formula: str = "", correct_form: bool = True,
 ) -> Final:  # fmt: skip
     """Return the final fits. When the time ends, fits stay where they are, and the form is not corrected.
 
-    `problem`, `baseline`: of the baseline model. `start`: the same with all effects that were tested, switched off.
-    `no_formula`: the reason why the formula of an unknown component may not be added to the model, if any.
-    `correct_form`: whether the model may have a correction of the formula's own form.
+    `problem`, `baseline`: of the baseline model. `no_formula`: the reason why the formula of an unknown component may
+    not be added to the model, if any. `correct_form`: whether the model may have a correction of its own form.
     """
     linear = comparison.leader.linear
     disturbances = problem.disturbances.without(linear.unneeded_cross_talk())
@@ -87,19 +89,15 @@ def final_fits(
     if freed > set(base.free):
         free = tuple(sorted(freed, key=linear.simulator.names.index))
         extended, solution = _fitted(driven(problem, linear.solution), linear.solution.parameters, free)
-    unknown, added = tuple[Unknown, ...](), None
+    unknown, change = tuple[Unknown, ...](), None
     if terms := linear.explanation.terms:
         features = tuple(term.feature for term in terms)
         structure = UnexplainedStructure(terms[0].location, features, comparison.leader.term_sizes)
         budget.report("adding the proposed formula to the model equations")
-        part, added = proposed(structure, start, extended, solution, no_formula)
-        unknown = (part,)
-    change = None
-    if added is not None:
-        extended, solution, start = added.problem, added.solution, added.tire
-    if correct_form and not budget.late and (found := form_of(extended, solution, start)):
-        corrected, change = found
-        extended, solution, start = corrected.problem, corrected.solution, corrected.tire
+        part, with_formula = proposed(structure, extended, solution, no_formula)
+        unknown, (extended, solution) = (part,), with_formula or (extended, solution)
+    if correct_form and not budget.late and (found := form_of(extended, solution)):
+        extended, solution, change = found
     for _ in range(BALANCING):
         extended, solution = _fitted(balanced(extended, solution), solution.parameters, solution.free)
     before = Screen(extended, solution)
@@ -110,8 +108,9 @@ def final_fits(
     after, explanation = Screen(extended, solution), linear.explanation
     effects = {name: _coefficients(name, explanation, after) for name in explanation.effects}
     evidence = {name: effect_evidence(after, coefficients) for name, coefficients in effects.items()}
-    formula = added and effect_evidence(after, [declared.name for declared in added.tire.added[-1].declarations])
-    return Final(before, after, whitened, start, effects, evidence, refinements, unknown, formula, change)
+    added = [declared.name for part in unknown if part.added and part.effect for declared in part.effect.declarations]
+    formula = effect_evidence(after, added) if added else None
+    return Final(before, after, whitened, effects, evidence, refinements, unknown, formula, change)
 
 
 def driven(problem: LeastSquares, solution: Solution) -> LeastSquares:

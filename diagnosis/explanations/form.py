@@ -20,7 +20,7 @@ from ...numerics.block_regression import error_of_sum
 from ...symbolic.added import AddedEffect, effect_from
 from ...symbolic.model import Model
 from ...tires.tire import Tire
-from ..least_squares import ExtendedModel, LeastSquares, Solution, density_gains
+from ..least_squares import LeastSquares, Solution, density_gains
 from ..signals.signals import Signals
 from ..thresholds import DISCREPANCIES, FINAL_ITERATIONS, FOLDS
 from .discrepancy import model_discrepancy
@@ -42,8 +42,8 @@ CORRECTED = {
 }  # fmt: skip
 
 
-def form_of(problem: LeastSquares, solution: Solution, start: Tire) -> tuple[ExtendedModel, FloatArray] | None:
-    """Return a correction of the form, fitted together with the tire, and what the tire without it errs by, N and N m.
+def form_of(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, Solution, FloatArray] | None:
+    """Return the fit of a model with a correction of the form, and what it errs by without, N and N m.
 
     None if nothing is to be corrected, or the hold-out set not predicted better. The errors are the change of the
     residual, shape (n_channels, n).
@@ -51,23 +51,21 @@ def form_of(problem: LeastSquares, solution: Solution, start: Tire) -> tuple[Ext
     It is fitted if a smooth function of slips and load predicts left-out blocks of time better, by more than twice the
     standard error over blocks.
 
-    `start`: the model with all effects. For the fit, the noise of a channel is its residual, and the likelihood is
-    raised to the power of the comparison.
+    For the fit, the noise of a channel is its residual, and the likelihood is raised to the power of the comparison.
     """
-    used, signals = problem.inverse_noise > 0.0, problem.simulator.signals
-    size = problem.sizes(solution.residual)
-    geometry = _geometry(signals, start)
-    if geometry is None or FORM in start.has:
+    used, signals, tire = problem.inverse_noise > 0.0, problem.simulator.signals, problem.simulator.tire
+    size, geometry = problem.sizes(solution.residual), _geometry(signals, tire)
+    if geometry is None or FORM in tire.has:
         return None
     power = likelihood_power(int(used.any(axis=0).sum()))
     weights = problem.inverse_noise * (np.sqrt(power) / np.where(size > 0.0, size, 1.0))[:, None]
     gains = _gains(signals, solution, _smoothed(problem, solution, weights), used, used)
     if not gains.sum() > 2.0 * error_of_sum(gains):
         return None
-    roles = _roles(start.symbolic_model, signals.channels)
-    tire = replace(start, added=(*start.added, form_effect(roles)))
+    roles = _roles(tire.symbolic_model, signals.channels)
+    weighted = replace(problem, inverse_noise=weights)
     try:
-        wider, parameters = replace(problem, inverse_noise=weights).of_model(tire, solution, geometry)
+        wider, parameters = weighted.with_effect(form_effect(roles), solution, geometry)
     except EffectError:  # an effect of this name, or a quantity that cannot be acted on
         return None
     free = tuple(sorted((*solution.free, *_coefficients(roles)), key=wider.simulator.names.index))
@@ -77,8 +75,8 @@ def form_of(problem: LeastSquares, solution: Solution, start: Tire) -> tuple[Ext
     held = signals.present & signals.holdout
     if not _gains(signals, solution, best.residual, used, held).sum() > 0.0:
         return None
-    extended = ExtendedModel(tire, replace(wider, inverse_noise=problem.inverse_noise), best)
-    return extended, np.where(signals.present, solution.residual - best.residual, 0.0)
+    errors = np.where(signals.present, solution.residual - best.residual, 0.0)
+    return replace(wider, inverse_noise=problem.inverse_noise), best, errors
 
 
 def _smoothed(problem: LeastSquares, solution: Solution, weights: FloatArray) -> FloatArray:

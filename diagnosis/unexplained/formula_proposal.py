@@ -16,8 +16,7 @@ from ...boundary.errors import EffectError
 from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
 from ...symbolic.added import AddedEffect, effect_from
-from ...tires.tire import Tire
-from ..least_squares import ExtendedModel, LeastSquares, Solution
+from ..least_squares import LeastSquares, Solution
 from ..probing.effect_probing import Screen
 from .features import STATES, Feature, Location, bracketed, directions, features, placed
 
@@ -72,8 +71,8 @@ def effect_of(structure: UnexplainedStructure) -> AddedEffect:
 
 
 def proposed(
-    structure: UnexplainedStructure, start: Tire, problem: LeastSquares, solution: Solution, against: str = ""
-) -> tuple[Unknown, ExtendedModel | None]:
+    structure: UnexplainedStructure, problem: LeastSquares, solution: Solution, against: str = ""
+) -> tuple[Unknown, tuple[LeastSquares, Solution] | None]:
     """Return the report of structure that no candidate effect explains, and the model with its formula if possible.
 
     `solution`: without the formula. `against`: the reason why it may not be added to the model, if any.
@@ -81,15 +80,14 @@ def proposed(
     effect, added = effect_of(structure), None
     names = [declaration.name for declaration in effect.declarations]
     if not against:
-        tire = replace(start, added=(*start.added, effect))
         try:
-            extended, parameters = problem.of_model(tire, solution, dict(zip(names, structure.sizes, strict=True)))
+            extended, parameters = problem.with_effect(effect, solution, dict(zip(names, structure.sizes, strict=True)))
         except EffectError as error:
             against = f"the model cannot contain the formula: {error}"
         else:
-            added = ExtendedModel(tire, extended, extended.solve(parameters, (*solution.free, *names), iterations=8))
-            index, fitted = extended.simulator.index, added.solution.parameters
-            structure = replace(structure, sizes=tuple(float(fitted[index[name]]) for name in names))
+            fitted = extended.solve(parameters, (*solution.free, *names), iterations=8)
+            sizes = fitted.parameters[[extended.simulator.index[name] for name in names]]
+            structure, added = replace(structure, sizes=tuple(sizes.tolist())), (extended, fitted)
     measurement = next((_MEASUREMENTS[name] for name in structure.depends_on if name in _MEASUREMENTS), "")
     return Unknown(structure.depends_on, structure.formula, not against, effect, against, measurement), added
 

@@ -116,7 +116,7 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
     findings = _in_order(outcome, unknown, adequacy)
     confounded = confounded_with(outcome, tested)
     refined = tuple(f"{name}: {', '.join(form.free)}" for name, form in fits.refinements)
-    detectable, not_identifiable = detectable_sizes(fits.after, lacking, tested, fits.start)
+    detectable, not_identifiable = detectable_sizes(fits.after, lacking, tested)
     of_recording = _recording_errors(outcome, delivery)
     read = {name: _inputs_of(outcome, name) for name in added}
     one_of = outcome.answer.one_of(finding.effect for finding in findings)
@@ -168,8 +168,8 @@ def _delivery(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -
     """Return the improved tire with its fit error, or the baseline tire if there are reasons against it."""
     fits = outcome.final
     before, after = fits.before, fits.after
-    base_tire = tire_of(before.problem.simulator.tire, before.problem, before.solution, ())
-    tire = tire_of(fits.start, after.problem, after.solution, (*added, *((FORM,) if fits.form is not None else ())))
+    base_tire = tire_of(before.problem, before.solution, ())
+    tire = tire_of(after.problem, after.solution, (*added, *((FORM,) if fits.form is not None else ())))
     # The equations of all effects are compiled already; those of the delivered tires alone would take seconds.
     complete = tuple(replace(either, added=fits.start.added) for either in (base_tire, tire))
     recording = without_skew(outcome.recording, outcome.signals)

@@ -9,7 +9,6 @@ from scipy.special import chdtri
 
 from ...numerics.ties import graded
 from ...symbolic.detection import LARGEST_IN_SIZES
-from ...tires.tire import Tire
 from ..probing.candidates import CHANNELS, Candidate, excited, rows_per_second, varies
 from ..probing.effect_probing import Screen, Tried
 from ..thresholds import MIN_INDEPENDENT_SHARE
@@ -20,20 +19,20 @@ EFFECT_P = 1e-3
 
 
 def detectable_sizes(
-    screen: Screen, candidates: Mapping[str, Candidate], tested: Sequence[Tried], start: Tire
+    screen: Screen, candidates: Mapping[str, Candidate], tested: Sequence[Tried]
 ) -> tuple[dict[str, dict[str, float]], dict[str, str]]:
     """Return the smallest identifiable change of the forces by effect, and the effects that are not identifiable.
 
     `screen`: of the improved model. `candidates`: those that it lacks. `tested`: their responses in its residual.
-    `start`: the baseline model. Returns: by effect and channel: root mean square, N and N m; by effect: the reason why
-    this recording cannot identify it.
+    Returns: by effect and channel: root mean square, N and N m; by effect: the reason why this recording cannot
+    identify it.
     """
-    signals, inverse_noise = screen.signals, screen.problem.inverse_noise
+    tire, signals, inverse_noise = screen.problem.simulator.tire, screen.signals, screen.problem.inverse_noise
     threshold = float(np.sqrt(chdtri(1, EFFECT_P / max(len(tested), 1))))
     detectable: dict[str, dict[str, float]] = {}
     not_identifiable: dict[str, str] = {}
     for name, candidate in candidates.items():
-        lacking = [needed for needed in candidate.requires if not varies(signals, start, needed)]
+        lacking = [needed for needed in candidate.requires if not varies(signals, tire, needed)]
         unmeasured = [needed for needed in lacking if needed in CHANNELS]
         responses = [effect.response for effect in tested if effect.name == name]
         if unmeasured:
@@ -41,10 +40,10 @@ def detectable_sizes(
         elif lacking:
             not_identifiable[name] = f"{' and '.join(lacking)} does not vary or was not recorded"
         elif (rate := rows_per_second(signals)) < candidate.rate:
-            others = [pair.other for pair in start.symbolic_model.detections[name].confounded]
+            others = [pair.other for pair in tire.symbolic_model.detections[name].confounded]
             similar = f" to separate it from {' and '.join(others)}" if others else ""
             not_identifiable[name] = f"it requires {candidate.rate:g} rows per second{similar}, not {rate:.0f}"
-        elif not excited(signals, start, candidate.requires):
+        elif not excited(signals, tire, candidate.requires):
             not_identifiable[name] = f"{' and '.join(candidate.requires)} do not vary simultaneously"
         elif not responses or not set(candidate.channels) & set(signals.channels):
             not_identifiable[name] = f"it changes {', '.join(candidate.channels)} only, which was not recorded"

@@ -12,11 +12,9 @@ from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 
 
-def tire_of(start: Tire, problem: LeastSquares, solution: Solution, added: Collection[str]) -> Tire:
-    """Return the tire of a solution.
-
-    `start`: the baseline model. `added`: names of the effects that are added to it.
-    """
+def tire_of(problem: LeastSquares, solution: Solution, added: Collection[str]) -> Tire:
+    """Return the tire of a solution: the baseline model with the effects of these names."""
+    start = problem.simulator.tire
     present = set(start.has) | set(added)
     if "relax_load" in present:
         present.discard("relax_lat")
