@@ -73,7 +73,7 @@ class LeastSquares:
         own = self.simulator
         tire = replace(own.tire, added=(*own.tire.added, effect))
         simulator = Simulator(tire, own.signals.with_inputs_of(tire))  # its states are inputs
-        known = {name: solution.parameters[own.index[name]] for name in own.names} | values
+        known = {name: solution.parameters[own.index[name]] for name in own.names} | dict(values)
         parameters = tire.parameters()
         parameters[[simulator.index[name] for name in known]] = list(known.values())
         return replace(self, simulator=simulator.driven_at(parameters)), parameters

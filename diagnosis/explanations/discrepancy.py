@@ -71,8 +71,8 @@ def fast_drift(signals: Signals, inverse_noise: FloatArray) -> tuple[FloatArray,
 
     `inverse_noise`, shape (n_channels, n): reciprocal standard deviation of the noise, 1/N and 1/(N m).
     """
-    waves, rows = _fast_waves(signals), np.ones(signals.measured.shape)
-    functions = np.stack(list(waves.values()), axis=-1) if waves else np.zeros((rows.shape[1], 0))
+    waves, rows = _fast_waves(signals), np.ones_like(inverse_noise)
+    functions = np.stack(list(waves.values()), axis=-1) if waves else np.zeros((len(signals.rows), 0))
     noise = [1.0 / float(np.median(row[row > 0.0])) if (row > 0.0).any() else 1.0 for row in inverse_noise]
     return _by_channel(rows, functions), np.array([size * FAST_DRIFT_PRIOR / k for size in noise for k in waves])
 

@@ -85,8 +85,10 @@ def declared_candidate(name: str, model: Model, present: frozenset[str] = frozen
 
 def _undeclared(name: str, model: Model) -> Candidate | None:
     """Return the candidate of a user-defined effect without declared forms."""
-    effect = next((effect for effect in model.added if effect.name == name), None)
-    return effect and _candidate(name, model, effect.detection or Detection(), (_by_bounds(effect.declarations),))
+    for effect in model.added:
+        if effect.name == name:
+            return _candidate(name, model, effect.detection or Detection(), (_by_bounds(effect.declarations),))
+    return None
 
 
 def _candidate(name: str, model: Model, detection: Detection, forms: tuple[Form, ...]) -> Candidate:

@@ -130,8 +130,8 @@ class Screen:
         inner = fit.inverse[q:, q:]
         coloured = np.diag(inner @ coloured_covariance(free, self.covariance) @ inner)
         variance = np.maximum(coloured, np.diag(fit.jackknife)[q:])
-        errors = (np.sqrt(np.maximum(square, 1e-300)) for square in (coloured, variance))
-        return Response(columns, fit.estimate[q:], *errors, share)
+        alone, larger = (np.sqrt(np.maximum(square, 1e-300)) for square in (coloured, variance))
+        return Response(columns, fit.estimate[q:], alone, larger, share)
 
     def _extended(self, columns: FloatArray) -> BlockSums:
         """Return the cross products by block of the tangent space with columns appended."""

@@ -179,7 +179,7 @@ def _delivery(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -
     residuals = delivered_residuals(of_base, of_improved, outcome.signals)
     more_states = bool(set(tire.states) - set(base_tire.states)) and outcome.signals.timed
     judged = fitted_residuals(before, after) if more_states else residuals
-    against, channels = (), outcome.signals.channels
+    against, channels = tuple[str, ...](), outcome.signals.channels
     if added or fits.refinements or fits.form is not None:
         against = reasons_against(judged, channels)
     if against:
