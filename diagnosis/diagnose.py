@@ -21,7 +21,6 @@ from .explanations.budget import Budget
 from .explanations.compare import compared
 from .explanations.explanation import Explanation
 from .explanations.final import final_fits
-from .least_squares import LeastSquares
 from .probing.baseline_fit import fit_baseline, worse_by_smoothing
 from .probing.candidates import Candidate, candidates_for
 from .signals.predicted_temperature import (
@@ -104,8 +103,8 @@ def diagnose(
     no_single_text("candidates", candidates)
     user_defined = tuple(candidate for candidate in candidates or () if isinstance(candidate, AddedEffect))
     selected = tuple(candidate for candidate in candidates or () if isinstance(candidate, str))
-    given = None if tire is None else tire_from(tire)
-    start = _start_model(recording, model, effects, nominal, given, user_defined)
+    start = tire_from(tire) if tire is not None else _start_model(recording, model, effects, nominal)
+    start = with_library(start, user_defined)
     candidates_tried = _chosen(candidates_for(start), selected)
     turning = _with_derived_turn_slip(recording, start, candidates_tried)
     derived = {"phit"} if turning is not recording else set()
@@ -116,11 +115,13 @@ def diagnose(
         report(BASELINE)
         problem, solution = fit_baseline(start, signals, fitted=tire is not None)
         recorded = signals_of(turning.table, start, recording.signs, smooth=False, derived=derived)
-        if worse_by_smoothing(problem, solution, recorded):
+        if not (smooth := not worse_by_smoothing(problem, solution, recorded)):
             problem, solution = fit_baseline(start, recorded, fitted=tire is not None)
         complete = with_predicted_temperature(turning, tire_of(problem, solution, ()))
         if complete is not turning:
-            problem = _over(problem, complete, start, {*derived, TEMPERATURE})
+            derived = {*derived, TEMPERATURE}
+            signals = signals_of(complete.table, start, recording.signs, smooth=smooth, derived=derived)
+            problem = problem.over(problem.simulator.with_signals(signals))
             reading = {name: tried for name, tried in candidates_tried.items() if TEMPERATURE in tried.requires}
             candidates_tried |= {name: replace(tried, has_states=True) for name, tried in reading.items()}
         report(COMPARING)
@@ -149,13 +150,6 @@ def _read(explanation: Explanation, candidates: Mapping[str, Candidate]) -> set[
     return set().union(*of_terms, *(candidates[name].requires for name in explanation.effects))
 
 
-def _over(problem: LeastSquares, recording: Recording, start: Tire, derived: set[str]) -> LeastSquares:
-    """Return a problem over a recording with further columns that were derived."""
-    smooth = any(problem.simulator.signals.origin.noise.values())
-    signals = signals_of(recording.table, start, recording.signs, smooth=smooth, derived=derived)
-    return problem.over(problem.simulator.with_signals(signals))
-
-
 def _with_source_of_temperature(
     result: Diagnosis, recording: Recording, start: Tire, candidates: Mapping[str, Candidate]
 ) -> Diagnosis:
@@ -181,24 +175,21 @@ def _with_derived_turn_slip(recording: Recording, start: Tire, candidates: Mappi
 
 
 def _start_model(
-    recording: Recording, model: str, effects: Collection[str], nominal: Mapping[str, float] | None, tire: Tire | None,
-    user_defined: tuple[AddedEffect, ...],
-) -> Tire:  # fmt: skip
-    """Return the baseline model with all added effects in its equations, switched off."""
-    if tire is None:
-        from ..fitting.data.dimensions import dimensions
-        from ..fitting.setup import nominal_values
+    recording: Recording, model: str, effects: Collection[str], nominal: Mapping[str, float] | None
+) -> Tire:
+    """Return the baseline model for a recording."""
+    from ..fitting.data.dimensions import dimensions
+    from ..fitting.setup import nominal_values
 
-        declared = model_named(model)
-        named = {NOMINAL[name]: value for name, value in (nominal or {}).items()}
-        given, sizes = (
-            {name: value for name, value in known.items() if name in declared.coefficients}
-            for known in (named, dimensions([recording], None)[0])
-        )
-        values = nominal_values(declared, recording.with_signs(FORMULA_SIGNS).table, given, sizes, [])
-        no_single_text("effects", effects)
-        tire = Tire(model, values, effects=tuple(effects), signs=FORMULA_SIGNS)
-    return with_library(tire, user_defined)
+    no_single_text("effects", effects)
+    declared = model_named(model)
+    named = {NOMINAL[name]: value for name, value in (nominal or {}).items()}
+    given, sizes = (
+        {name: value for name, value in known.items() if name in declared.coefficients}
+        for known in (named, dimensions([recording], None)[0])
+    )
+    values = nominal_values(declared, recording.with_signs(FORMULA_SIGNS).table, given, sizes, [])
+    return Tire(model, values, effects=tuple(effects), signs=FORMULA_SIGNS)
 
 
 def with_library(tire: Tire, user_defined: tuple[AddedEffect, ...] = ()) -> Tire:

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.diagnosis.diagnose import _start_model
+from tirefmu.diagnosis.diagnose import _start_model, with_library
 from tirefmu.diagnosis.explanations import FORM, form_effect, form_of
 from tirefmu.diagnosis.probing import fit_baseline
 from tirefmu.diagnosis.signals import signals_of
@@ -21,7 +21,8 @@ from .suite import make_case
 def made():
     """Return the problem of a recording whose tire is of the model, and the solution."""
     case = make_case(13, ())
-    start = _start_model(recording_from(case.table, signs=case.signs), "mf96", case.effects, case.nominal, None, ())
+    recording = recording_from(case.table, signs=case.signs)
+    start = with_library(_start_model(recording, "mf96", case.effects, case.nominal))
     return fit_baseline(start, signals_of(case.table, start, case.signs), fitted=False)
 
 
