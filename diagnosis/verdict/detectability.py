@@ -56,10 +56,9 @@ def detectable_sizes(
             if smallest > LARGEST_IN_SIZES:
                 not_identifiable[name] = "its detection limit is more than five times its typical size"
                 continue
-            change = np.where(
-                inverse_noise > 0.0, response.columns[:, :, k] / np.where(inverse_noise > 0.0, inverse_noise, 1.0), 0.0
-            )
-            rms = smallest * np.sqrt(np.sum(change**2, axis=1) / np.maximum(np.sum(inverse_noise > 0.0, axis=1), 1))
+            used = inverse_noise > 0.0
+            change = np.divide(response.columns[:, :, k], inverse_noise, out=np.zeros(used.shape), where=used)
+            rms = smallest * np.sqrt(np.sum(change**2, axis=1) / np.maximum(used.sum(axis=1), 1))
             detectable[name] = {
                 channel: float(size) for channel, size in zip(signals.channels, rms, strict=True) if size > 0.0
             }

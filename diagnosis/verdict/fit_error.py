@@ -155,12 +155,11 @@ def fit_errors(
 
 def _change_without_block(screen: Screen) -> FloatArray:
     """Return the change of the residuals of each block if it is not used for the estimate, N and N m."""
-    change = np.zeros_like(screen.residual)
+    change, inverse_noise = np.zeros_like(screen.residual), screen.problem.inverse_noise
     for g, (first, last) in enumerate(zip(screen.edges[:-1], screen.edges[1:], strict=True)):
         shift = screen.baseline.others[g] - screen.baseline.estimate
         change[:, first:last] -= screen.tangent[:, first:last] @ shift
-    inverse_noise = screen.problem.inverse_noise
-    return np.where(inverse_noise > 0.0, change / np.where(inverse_noise > 0.0, inverse_noise, 1.0), 0.0)
+    return np.divide(change, inverse_noise, out=np.zeros_like(change), where=inverse_noise > 0.0)
 
 
 def _rms(residual: FloatArray, present: BoolArray) -> float:
