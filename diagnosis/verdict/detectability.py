@@ -8,8 +8,9 @@ import numpy as np
 from scipy.special import chdtri
 
 from ...numerics.ties import graded
+from ...symbolic.channels import OUTPUTS
 from ...symbolic.detection import LARGEST_IN_SIZES
-from ..probing.candidates import CHANNELS, Candidate, excited, rows_per_second, varies
+from ..probing.candidates import Candidate, excited, rows_per_second, varies
 from ..probing.effect_probing import Screen, Tried
 from ..thresholds import MIN_INDEPENDENT_SHARE
 
@@ -33,7 +34,7 @@ def detectable_sizes(
     not_identifiable: dict[str, str] = {}
     for name, candidate in candidates.items():
         lacking = [needed for needed in candidate.requires if not varies(signals, tire, needed)]
-        unmeasured = [needed for needed in lacking if needed in CHANNELS]
+        unmeasured = [needed for needed in lacking if needed in OUTPUTS]
         responses = [effect.response for effect in tested if effect.name == name]
         if unmeasured:
             not_identifiable[name] = f"cross-talk of {' and '.join(unmeasured)}, which was not recorded, resembles it"
