@@ -40,7 +40,7 @@ class Final:
     """The final fits of the baseline model and of the most probable explanation.
 
     - `before`, `after`: of the baseline model and of the model with the effects.
-    - `whitened`: the same as `after` with whitened rows, for confidence intervals.
+    - `errors`: standard errors of the coefficients and disturbances of `after`, from whitened rows.
     - `effects`: those of the explanation, and their free coefficients.
     - `evidence`: for the same effects.
     - `refinements`: finer forms that the recording needs, each with its effect.
@@ -52,7 +52,7 @@ class Final:
 
     before: Screen
     after: Screen
-    whitened: Screen
+    errors: FloatArray
     effects: Mapping[str, tuple[str, ...]]
     evidence: Mapping[str, Evidence]
     refinements: tuple[tuple[str, Form], ...]
@@ -110,7 +110,7 @@ def final_fits(
     evidence = {name: effect_evidence(after, coefficients) for name, coefficients in effects.items()}
     added = [declared.name for part in unknown if part.added and part.effect for declared in part.effect.declarations]
     formula = effect_evidence(after, added) if added else None
-    return Final(before, after, whitened, effects, evidence, refinements, unknown, formula, change)
+    return Final(before, after, whitened.standard_errors(), effects, evidence, refinements, unknown, formula, change)
 
 
 def driven(problem: LeastSquares, solution: Solution) -> LeastSquares:

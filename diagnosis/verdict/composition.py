@@ -273,12 +273,11 @@ def _shown(evidence: Evidence, screen: Screen) -> tuple[str, ...]:
 def _finding(outcome: DiagnosisOutcome, name: str, evidence: Evidence) -> FoundEffect:
     fits = outcome.final
     problem, solution, names = fits.after.problem, fits.after.solution, fits.effects[name]
-    errors = fits.whitened.standard_errors()
     quantile = float(stdtrit(fits.after.n_blocks - 1, 0.975))
     declarations, coefficients = fits.start.symbolic_model.coefficients, {}
     for coefficient in names:
         value = float(solution.parameters[problem.simulator.index[coefficient]])
-        error = float(errors[solution.free.index(coefficient)]) * quantile
+        error = float(fits.errors[solution.free.index(coefficient)]) * quantile
         coefficients[coefficient] = CoefficientInterval(value, value - error, value + error)
     return FoundEffect(
         name,
