@@ -17,13 +17,11 @@ from .effect_probing import Screen
 MIN_SHARE = 0.4
 
 #: Sensor errors that are confounded with effects: the input and its error, rad, rad and 1.
-ALIASES: Mapping[str, Mapping[str, float]] = {
-    "slip_angle_zero_offset": {"alpha": 1e-3},
-    "inclination_zero_offset": {"gamma": 2e-3},
-    "slip_zero_offset": {"kappa": 1e-3},
+ALIASES = {
+    "slip_angle_zero_offset": ("alpha", 1e-3),
+    "inclination_zero_offset": ("gamma", 2e-3),
+    "slip_zero_offset": ("kappa", 1e-3),
 }
-
-
 #: Differences of friction between the signs of a slip, which no effect of the models describes: role and slip.
 FRICTION_ALIASES: Mapping[str, tuple[str, str]] = {
     "drive_brake_friction": ("friction_x", "kappa"),
@@ -39,20 +37,21 @@ def alias_columns(screen: Screen) -> dict[str, FloatArray]:
 
     Each has the shape (n_channels, n, 1).
     """
-    problem, parameters = screen.problem, screen.solution.parameters
-    at = problem.simulator.forces(parameters)
-    read = set(problem.simulator.signals.names)
-    moved = {name: problem.simulator.forces(parameters, shift) for name, shift in ALIASES.items() if read >= set(shift)}
-    changes = {name: forces - at for name, forces in moved.items()}
-    simulator, named = problem.simulator, problem.simulator.signals.named()
+    simulator, parameters = screen.problem.simulator, screen.solution.parameters
+    at, named = simulator.forces(parameters), simulator.signals.named()
+    changes = {
+        name: simulator.forces(parameters, {slip: error}) - at
+        for name, (slip, error) in ALIASES.items()
+        if slip in named
+    }
     for name, (role, slip) in FRICTION_ALIASES.items():
         leading = simulator.symbolic_model.leading(role)
         if slip in named and leading in simulator.index:
             response = simulator.jacobian(parameters, [leading])[:, :, 0] * parameters[simulator.index[leading]]
             changes[name] = response * np.tanh(named[slip] / SIDE)
-    if problem.simulator.signals.timed:
+    if simulator.signals.timed:
         changes[SKEW_OF_FORCES] = -time_derivatives(simulator, parameters)[:, :, 0]
-    return {name: (problem.inverse_noise * change)[:, :, None] for name, change in changes.items()}
+    return {name: (screen.problem.inverse_noise * change)[:, :, None] for name, change in changes.items()}
 
 
 def correlations(
