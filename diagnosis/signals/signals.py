@@ -151,11 +151,13 @@ def signals_of(
     if "Fz" not in table:
         raise DataError("the recording has no column 'Fz': a diagnosis needs the load")
     given = convert_signs(table, signs, FORMULA_SIGNS)
-    t, timed = _clock(given)
+    timed = "t" in given
+    t = _finite(given, "t") if timed else np.arange(len(given), dtype=np.float64)
     columns, noise, names, outputs = {}, {}, tire.inputs, tire.outputs
     smoothed = {}  # determines channels and rows, so that they are the same with and without smoothing
     for name in names:
-        columns[name] = smoothed[name] = _input(given, name, tire)
+        columns[name] = _finite(given, name) if name in given else np.full(len(given), tire.nominal(name))
+        smoothed[name] = columns[name]
         if timed and name in given and name != "distance":
             smoothed[name], deviation = _smoothed_by_segment(columns[name], t)
             if smooth:
@@ -196,18 +198,8 @@ def signals_of(
     )  # fmt: skip
 
 
-def _clock(table: pd.DataFrame) -> tuple[FloatArray, bool]:
-    if "t" not in table:
-        return np.arange(len(table), dtype=np.float64), False
-    t = table["t"].to_numpy(dtype=np.float64)
-    if not np.isfinite(t).all():
-        raise DataError(f"row {int(np.flatnonzero(~np.isfinite(t))[0]) + 1}: t is not a finite number")
-    return t, True
-
-
-def _input(table: pd.DataFrame, name: str, tire: Tire) -> FloatArray:
-    if name not in table:
-        return np.full(len(table), tire.nominal(name))
+def _finite(table: pd.DataFrame, name: str) -> FloatArray:
+    """Return the values of a column, all of which must be finite."""
     values = table[name].to_numpy(dtype=np.float64)
     if not np.isfinite(values).all():
         raise DataError(f"row {int(np.flatnonzero(~np.isfinite(values))[0]) + 1}: {name} is not a finite number")
