@@ -36,8 +36,6 @@ class Evidence:
         p-value of its response under coloured noise.
     gains : ndarray, shape (n_blocks,)
         Cross-validated gain of each block of time, as a share of the squared misfit without the effect.
-    edges : ndarray, shape (n_blocks + 1,)
-        The first row of each block.
     change : ndarray, shape (n_channels, n)
         Of the forces by the effect alone, N and N m.
     """
@@ -50,7 +48,6 @@ class Evidence:
     holdout_error: float
     p: float
     gains: FloatArray
-    edges: IntArray
     change: FloatArray
 
     @property
@@ -90,7 +87,6 @@ def effect_evidence(after: Screen, coefficients: Collection[str]) -> Evidence:
         error_of_sum(holdout) if len(holdout) > 1 else 0.0,
         float(chdtrc(1, (response.estimate[0] / response.coloured[0]) ** 2)),
         (screen.baseline.loss - after.baseline.loss) / total,
-        screen.edges,
         np.nan_to_num(problem.simulator.forces(solution.parameters) - problem.simulator.forces(removed)),
     )
 

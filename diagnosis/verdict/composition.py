@@ -179,12 +179,10 @@ def _delivery(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -
     residuals = delivered_residuals(of_base, of_improved, outcome.signals)
     more_states = bool(set(tire.states) - set(base_tire.states)) and outcome.signals.timed
     judged = fitted_residuals(before, after) if more_states else residuals
-    against, channels = tuple[str, ...](), outcome.signals.channels
-    if added or fits.refinements or fits.form is not None:
-        against = reasons_against(judged, channels)
+    against = reasons_against(judged) if added or fits.refinements or fits.form is not None else ()
     if against:
         tire, after, of_improved, residuals = base_tire, before, of_base, replace(residuals, after=residuals.before)
-    splits = error_splits(of_improved, residuals, recording, channels)
+    splits = error_splits(of_improved, residuals, recording)
     return _Delivery(base_tire, tire, against, after, residuals, fit_errors(before, after, residuals, splits), splits)
 
 
@@ -208,7 +206,7 @@ def _recording_errors(outcome: DiagnosisOutcome, delivery: _Delivery) -> dict[st
     used = {"t", "distance", *start.inputs, *OUTPUTS, *(SURROUNDINGS if TEMPERATURE in origin.derived else ())}
     waves = [i for i, name in enumerate(disturbances.names) if name.startswith("wave")]
     turning = final.solution.residual + disturbances.columns[:, :, waves] @ values[waves]
-    outliers = delivery.residuals.outlier_rows(signals.channels)
+    outliers = delivery.residuals.outlier_rows()
     base = reported_disturbances(before.problem.disturbances, before.solution.disturbance, before.signals)
     return reported_disturbances(disturbances, values, signals) | {
         "ripple": ripple(signals, turning, start.values["UNLOADED_RADIUS"]),
@@ -287,21 +285,21 @@ def _finding(outcome: DiagnosisOutcome, name: str, evidence: Evidence) -> FoundE
         evidence.gain,
         evidence.gain_error,
         outcome.answer.probabilities[name],
-        _stretches(evidence, outcome.signals),
+        _stretches(evidence, fits.after),
         Size.by_channel(outcome.signals.channels, evidence.change),
         frozenset(coefficient for coefficient in names if declarations[coefficient].flips),
         problem.at_bounds(solution.parameters, names),
     )
 
 
-def _stretches(evidence: Evidence, signals: Signals) -> tuple[tuple[float, float], ...]:
+def _stretches(evidence: Evidence, screen: Screen) -> tuple[tuple[float, float], ...]:
     """Return the stretches of time with two thirds of the evidence."""
     order = np.argsort(-graded(evidence.gains), kind="stable")
     cumulative = np.cumsum(np.maximum(evidence.gains[order], 0.0))
     if cumulative[-1] <= 0.0:
         return ()
     chosen = sorted(order[: int(np.searchsorted(cumulative, REPORTED_EVIDENCE * cumulative[-1])) + 1].tolist())
-    t, edges = signals.t[signals.rows], evidence.edges
+    t, edges = screen.signals.t[screen.signals.rows], screen.edges
     spans: list[tuple[float, float]] = []
     for g in chosen:
         first, last = float(t[edges[g]]), float(t[min(edges[g + 1], len(t)) - 1])

@@ -7,7 +7,7 @@ improved tire is delivered if its predictive density on the hold-out set is the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from ...drawing.labels import drawn_unit
 from ...measurements import Recording
 from ...measurements.state_starts import with_fitted_starts
-from ...numerics.arrays import BoolArray, FloatArray, IntArray
+from ...numerics.arrays import BoolArray, FloatArray
 from ...numerics.noise_floor import ErrorSplit, error_split
 from ...numerics.ties import graded
 from ...tires.evaluation import Conventions, evaluate
@@ -34,26 +34,21 @@ FitErrors = dict[str, dict[str, dict[str, float]]]
 class DeliveredResiduals:
     """Residuals of the delivered tires over the compared rows of a recording, N and N m.
 
-    - `rows`, shape (m,): rows of the recording.
-    - `before`, `after`, shape (n_channels, m): of the baseline tire and the improved tire, in the sign convention of
+    - `signals`: of the solutions, over the compared rows.
+    - `before`, `after`, shape (n_channels, n): of the baseline tire and the improved tire, in the sign convention of
       the computation.
-    - `used`, shape (n_channels, m): false if a channel was not measured or is an outlier.
-    - `holdout`, shape (m,).
+    - `used`, shape (n_channels, n): false if a channel was not measured or is an outlier.
     """
 
-    rows: IntArray
+    signals: Signals
     before: FloatArray
     after: FloatArray
     used: BoolArray
-    holdout: BoolArray
 
-    def outlier_rows(self, channels: Sequence[str]) -> dict[str, list[int]]:
+    def outlier_rows(self) -> dict[str, list[int]]:
         """Return the rows that are outliers by channel, counted from 0."""
-        measured = np.isfinite(self.before)
-        return {
-            name: self.rows[present & ~used].tolist()
-            for name, present, used in zip(channels, measured, self.used, strict=True)
-        }
+        outliers = zip(self.signals.channels, np.isfinite(self.before) & ~self.used, strict=True)
+        return {name: self.signals.table_rows[rows].tolist() for name, rows in outliers}
 
 
 def delivered_residuals(before: FloatArray, after: FloatArray, signals: Signals) -> DeliveredResiduals:
@@ -61,9 +56,9 @@ def delivered_residuals(before: FloatArray, after: FloatArray, signals: Signals)
 
     `before`, `after`, shape (n_channels, n_rows): of the baseline tire and the improved tire (`residual_of`).
     """
-    rows = signals.table_rows
-    used = [short_range(np.nan_to_num(row), np.isfinite(row))[1] for row in before[:, rows]]
-    return DeliveredResiduals(rows, before[:, rows], after[:, rows], signals.present & used, signals.holdout)
+    first, last = (residual[:, signals.table_rows] for residual in (before, after))
+    used = [short_range(np.nan_to_num(row), np.isfinite(row))[1] for row in first]
+    return DeliveredResiduals(signals, first, last, signals.present & used)
 
 
 def fitted_residuals(before: Screen, after: Screen) -> DeliveredResiduals:
@@ -72,8 +67,7 @@ def fitted_residuals(before: Screen, after: Screen) -> DeliveredResiduals:
     A state that follows the direction of slip follows noise of the slip, too. Whether a tire with states is better is
     therefore decided with these inputs.
     """
-    signals, residuals = after.signals, (before.solution.residual, after.solution.residual)
-    return DeliveredResiduals(signals.table_rows, *residuals, signals.present, signals.holdout)
+    return DeliveredResiduals(after.signals, before.solution.residual, after.solution.residual, after.signals.present)
 
 
 def without_skew(recording: Recording, signals: Signals) -> Recording:
@@ -107,23 +101,22 @@ def residual_of(tire: Tire, screen: Screen, recording: Recording) -> FloatArray:
     return np.asarray(measured - simulated - removed)
 
 
-def error_splits(
-    residual: FloatArray, residuals: DeliveredResiduals, recording: Recording, channels: Sequence[str]
-) -> dict[str, ErrorSplit]:
+def error_splits(residual: FloatArray, residuals: DeliveredResiduals, recording: Recording) -> dict[str, ErrorSplit]:
     """Return the noise floor of each channel and the other parts of its error (`tirefmu.numerics.noise_floor`).
 
     They are those of the compared rows and of the rows between them, outside the hold-out set, without outliers: a
     floor must not depend on how many rows are compared. `residual`: of the delivered tire (`residual_of`).
     """
-    every, begins = int(np.diff(residuals.rows).min()), residuals.rows[~residuals.holdout]
-    followed = begins[np.isin(begins + every, residuals.rows)]
+    rows, holdout, channels = residuals.signals.table_rows, residuals.signals.holdout, residuals.signals.channels
+    every, begins = int(np.diff(rows).min()), rows[~holdout]
+    followed = begins[np.isin(begins + every, rows)]
     fitted = np.unique(np.concatenate([begins, *(followed + offset for offset in range(1, every))]))
     rest = {}
     for name, row, used in zip(channels, residual, residuals.used, strict=True):
         scatter = short_range(np.nan_to_num(row[fitted]), np.isfinite(row[fitted]))[1]
         rest[name] = np.full(len(row), np.nan)
         rest[name][fitted[scatter]] = row[fitted[scatter]]
-        rest[name][residuals.rows[~used]] = np.nan
+        rest[name][rows[~used]] = np.nan
     return error_split(recording.table, rest, recording.segment_numbers())
 
 
@@ -135,14 +128,14 @@ def fit_errors(
     `before`, `after`: of the solutions of the baseline model and the improved model. `residuals`: of both delivered
     tires. `splits`: of the delivered tire. Returns: train, cv, holdout -> channel -> before, after, floor.
     """
-    both, used = (residuals.before, residuals.after), residuals.used
+    both, used, holdout = (residuals.before, residuals.after), residuals.used, residuals.signals.holdout
     validated = [
         residual + _change_without_block(screen) for residual, screen in zip(both, (before, after), strict=True)
     ]
     parts = {
-        "train": (both, used & ~residuals.holdout),
+        "train": (both, used & ~holdout),
         "cv": (validated, (after.problem.inverse_noise > 0.0) & used),
-        "holdout": (both, used & residuals.holdout),
+        "holdout": (both, used & holdout),
     }
     return {
         part: {
@@ -166,13 +159,13 @@ def _rms(residual: FloatArray, present: BoolArray) -> float:
     return float(np.sqrt(np.mean(residual[present] ** 2))) if present.any() else float("nan")
 
 
-def reasons_against(residuals: DeliveredResiduals, channels: Sequence[str]) -> tuple[str, ...]:
+def reasons_against(residuals: DeliveredResiduals) -> tuple[str, ...]:
     """Return the reason why an improved tire is not delivered, or nothing."""
     gain = density_gain(residuals)
     if gain.sum() >= 0.0:  # NaN is a reason
         return ()
     worst = int(np.argmin(graded(gain)))  # of NaN, the first one
-    held, name = residuals.used[worst] & residuals.holdout, channels[worst]
+    held, name = residuals.used[worst] & residuals.signals.holdout, residuals.signals.channels[worst]
     before, after = (_rms(rows[worst], held) for rows in (residuals.before, residuals.after))
     return (
         f"it predicts the hold-out set worse than the baseline tire ({name}: {after:.3g} instead of {before:.3g} "
@@ -182,5 +175,5 @@ def reasons_against(residuals: DeliveredResiduals, channels: Sequence[str]) -> t
 
 def density_gain(residuals: DeliveredResiduals) -> FloatArray:
     """Return the increase of the logarithm of the predictive density of the hold-out set, shape (n_channels,)."""
-    fitted, held = residuals.used & ~residuals.holdout, residuals.used & residuals.holdout
-    return np.asarray(density_gains(residuals.before, residuals.after, fitted, held).sum(axis=1))
+    used, holdout = residuals.used, residuals.signals.holdout
+    return np.asarray(density_gains(residuals.before, residuals.after, used & ~holdout, used & holdout).sum(axis=1))

@@ -33,7 +33,7 @@ def test_the_noise_floor_equals_the_noise(at_true_values, tire, table):
     recording = Recording(table, "adapted-sae", "bench")
     residual, signals = residual_of(tire, at_true_values, recording), at_true_values.signals
     residuals = delivered_residuals(residual, residual, signals)
-    splits = error_splits(residual, residuals, recording, signals.channels)
+    splits = error_splits(residual, residuals, recording)
     assert {name: one.floor for name, one in splits.items()} == pytest.approx(NOISE, rel=0.1)
 
 
@@ -72,7 +72,7 @@ def test_the_error_of_the_true_tire_is_the_noise(at_true_values, without_camber,
     without = replace(tire, values={**tire.values, "PVY3": -0.3})  # as wrong as the tire of the other recording
     both = [residual_of(each, screen, recording) for each, screen in zip((without, tire), screens, strict=True)]
     residuals = delivered_residuals(*both, signals)
-    splits = error_splits(both[1], residuals, recording, signals.channels)
+    splits = error_splits(both[1], residuals, recording)
     reported = fit_errors(*screens, residuals, splits)
     for part in ("train", "cv", "holdout"):
         for channel, noise in NOISE.items():
