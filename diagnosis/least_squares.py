@@ -236,15 +236,10 @@ class LeastSquares:
             signals, rows=signals.rows[rows], table_rows=signals.table_rows[rows], measured=signals.measured[:, rows],
             present=signals.present[:, rows], block=signals.block[rows], holdout=signals.holdout[rows],
         )  # fmt: skip
-        simulator = self.simulator.with_signals(subsample)
-        disturbances = self.disturbances.subsampled(rows)
         return replace(
-            self,
-            simulator=simulator,
-            inverse_noise=self.inverse_noise[:, rows],
-            disturbances=disturbances,
-            whitening=None,
-        )
+            self, simulator=self.simulator.with_signals(subsample), inverse_noise=self.inverse_noise[:, rows],
+            disturbances=replace(self.disturbances, columns=self.disturbances.columns[:, rows]), whitening=None,
+        )  # fmt: skip
 
 
 def density_gains(before: FloatArray, after: FloatArray, fitted: BoolArray, judged: BoolArray) -> FloatArray:

@@ -18,7 +18,6 @@ from ...boundary.errors import EffectError
 from ...numerics.arrays import BoolArray, FloatArray
 from ...numerics.block_regression import error_of_sum
 from ...symbolic.added import AddedEffect, effect_from
-from ...symbolic.model import Model
 from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution, density_gains
 from ..signals.signals import Signals
@@ -62,7 +61,8 @@ def form_of(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, So
     gains = _gains(signals, solution, _smoothed(problem, solution, weights), used, used)
     if not gains.sum() > 2.0 * error_of_sum(gains):
         return None
-    roles = _roles(tire.symbolic_model, signals.channels)
+    leading, channels = tire.symbolic_model.leading, signals.channels
+    roles = tuple(role for role, (channel, *_) in CORRECTED.items() if channel in channels and leading(role))
     weighted = replace(problem, inverse_noise=weights)
     try:
         wider, parameters = weighted.with_effect(form_effect(roles), solution, geometry)
@@ -126,11 +126,6 @@ def _names(role: str, load: int) -> tuple[str, ...]:
 def without_form(tire: Tire) -> Tire:
     """Return a tire whose correction is zero; its other coefficients were fitted together with it."""
     return tire.with_values(**{name: 0.0 for name in tire.symbolic_model.coefficients if name.startswith(PREFIX)})
-
-
-def _roles(model: Model, channels: Collection[str]) -> tuple[str, ...]:
-    """Return the roles whose quantities are corrected: those of measured channels."""
-    return tuple(role for role, (channel, *_) in CORRECTED.items() if channel in channels and model.leading(role))
 
 
 def _coefficients(roles: Collection[str]) -> list[str]:

@@ -55,10 +55,6 @@ class Disturbances:
     deviation: FloatArray
     lines: tuple[PeriodicLine, ...] = ()
 
-    def subsampled(self, rows: slice) -> Disturbances:
-        """Return the disturbances at a subset of the rows."""
-        return replace(self, columns=self.columns[:, rows])
-
     def implausible(self, values: FloatArray) -> tuple[str, ...]:
         """Return the names of the cross-talk that is larger than that of a bench."""
         return tuple(
