@@ -15,6 +15,7 @@ from ..numerics.noise_model import Whitening
 from ..symbolic.added import AddedEffect
 from .signals.disturbances import Disturbances
 from .signals.simulation import Simulator
+from .thresholds import FINAL_ITERATIONS
 from .weighted_columns import WeightedColumns, joined
 
 #: Width of a coefficient's bounds in standard deviations of its weak prior.
@@ -150,6 +151,16 @@ class LeastSquares:
             projected, first, lower, upper, lambda _, cost: tolerance * cost, DAMPING, steps=iterations, stop=self.stop
         )
         return projected.solution(end.x)
+
+    def driven(self, solution: Solution) -> LeastSquares:
+        """Return the problem whose states are driven by the forces of a solution."""
+        return self.over(self.simulator.driven_at(solution.parameters))
+
+    def fitted(self, start: FloatArray, free: Sequence[str]) -> tuple[LeastSquares, Solution]:
+        """Return a solution of the final fits, and the problem whose states its forces drive."""
+        solution = self.solve(start, free, iterations=FINAL_ITERATIONS)
+        after = self.driven(solution)
+        return after, after.at(solution.parameters, solution.free)
 
     def at(self, parameters: FloatArray, free: Sequence[str]) -> Solution:
         """Return the solution at given parameters, with the best-fitting disturbances."""

@@ -8,7 +8,7 @@ the forces of the fit before.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -82,13 +82,13 @@ def final_fits(
     problem = replace(problem, disturbances=disturbances, stop=lambda: budget.late).over(
         problem.simulator.with_signals(aligned)
     )
-    problem, base = _fitted(driven(problem, baseline), baseline.parameters, baseline.free)
+    problem, base = problem.driven(baseline).fitted(baseline.parameters, baseline.free)
     refinements = linear.needed_refinements()
     extended, solution = problem, base
     freed = {*linear.solution.free, *(name for _, form in refinements for name in form.free)}
     if freed > set(base.free):
         free = tuple(sorted(freed, key=linear.simulator.names.index))
-        extended, solution = _fitted(driven(problem, linear.solution), linear.solution.parameters, free)
+        extended, solution = problem.driven(linear.solution).fitted(linear.solution.parameters, free)
     unknown, change = tuple[Unknown, ...](), None
     if terms := linear.explanation.terms:
         features = tuple(term.feature for term in terms)
@@ -99,11 +99,11 @@ def final_fits(
     if correct_form and not budget.late and (found := form_of(extended, solution)):
         extended, solution, change = found
     for _ in range(BALANCING):
-        extended, solution = _fitted(balanced(extended, solution), solution.parameters, solution.free)
+        extended, solution = balanced(extended, solution).fitted(solution.parameters, solution.free)
     before = Screen(extended, solution)
     if solution.free != base.free:  # with the same weights: a channel could give way to another one in one fit only
         problem = replace(problem, inverse_noise=extended.inverse_noise)
-        before = Screen(*_fitted(problem, base.parameters, base.free))
+        before = Screen(*problem.fitted(base.parameters, base.free))
     before, solution, whitened = _whitened(extended, solution, before)
     after, explanation = Screen(extended, solution), linear.explanation
     effects = {name: _coefficients(name, explanation, after) for name in explanation.effects}
@@ -111,18 +111,6 @@ def final_fits(
     added = [declared.name for part in unknown if part.added and part.effect for declared in part.effect.declarations]
     formula = effect_evidence(after, added) if added else None
     return Final(before, after, whitened.standard_errors(), effects, evidence, refinements, unknown, formula, change)
-
-
-def driven(problem: LeastSquares, solution: Solution) -> LeastSquares:
-    """Return a problem whose states are driven by the forces of a solution."""
-    return problem.over(problem.simulator.driven_at(solution.parameters))
-
-
-def _fitted(problem: LeastSquares, start: FloatArray, free: Collection[str]) -> tuple[LeastSquares, Solution]:
-    """Return a solution, and the problem with states that its forces drive."""
-    solution = problem.solve(start, tuple(free), iterations=FINAL_ITERATIONS)
-    after = driven(problem, solution)
-    return after, after.at(solution.parameters, solution.free)
 
 
 def _coefficients(effect: str, explanation: Explanation, after: Screen) -> tuple[str, ...]:

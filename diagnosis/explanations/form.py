@@ -21,7 +21,7 @@ from ...symbolic.added import AddedEffect, effect_from
 from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution, density_gains
 from ..signals.signals import Signals
-from ..thresholds import DISCREPANCIES, FINAL_ITERATIONS, FOLDS
+from ..thresholds import DISCREPANCIES, FOLDS
 from .discrepancy import model_discrepancy
 from .evidence import folds_of, likelihood_power
 
@@ -69,9 +69,7 @@ def form_of(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, So
     except EffectError:  # an effect of this name, or a quantity that cannot be acted on
         return None
     free = tuple(sorted((*solution.free, *_coefficients(roles)), key=wider.simulator.names.index))
-    best = wider.solve(parameters, free, iterations=FINAL_ITERATIONS)
-    wider = wider.over(wider.simulator.driven_at(best.parameters))
-    best = wider.at(best.parameters, free)
+    wider, best = wider.fitted(parameters, free)
     held = signals.present & signals.holdout
     if not _gains(signals, solution, best.residual, used, held).sum() > 0.0:
         return None

@@ -108,18 +108,15 @@ def memory_figure(diagnosis: Diagnosis, channel: str) -> Figure:
         forces.append(_force_panel(diagnosis, values, channel, slip, title))
         residuals.append(_residual_panel(diagnosis, values, channel, slip, title))
     computed, t = _evaluated(diagnosis, diagnosis.tire), diagnosis.rows["t"]
+    declared = diagnosis.tire.symbolic_model.states
+    units = {name: "-" if declared[name].unit == "1" else declared[name].unit for name in diagnosis.tire.states}
     states = [
-        Panel("t (s)", f"{name} ({_unit(diagnosis.tire, name)})", (Series("line", t, computed[name], size=0.9),),
+        Panel("t (s)", f"{name} ({units[name]})", (Series("line", t, computed[name], size=0.9),),
               x_axis="time", height=1.5)
         for name in diagnosis.tire.states if np.ptp(computed[name]) > 0.0
     ]  # fmt: skip
     rows = (tuple(forces), tuple(residuals), *((panel,) for panel in states))
     return Figure(f"memory_{channel}", f"{channel} by direction of slip, and states over time", rows)
-
-
-def _unit(tire: Tire, state: str) -> str:
-    unit = tire.symbolic_model.states[state].unit
-    return "-" if unit == "1" else unit
 
 
 def _widest_slip(rows: pd.DataFrame) -> str:
