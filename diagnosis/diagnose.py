@@ -25,8 +25,6 @@ from .probing.baseline_fit import fit_baseline, worse_by_smoothing
 from .probing.candidates import Candidate, candidates_for
 from .signals.predicted_temperature import (
     TEMPERATURE,
-    predicting,
-    source_of_temperature,
     with_predicted_temperature,
 )
 from .signals.signals import FORMULA_SIGNS, signals_of
@@ -141,29 +139,13 @@ def diagnose(
             result = with_final_fits(correct_form=False)
         if not result.delivered and any(part.effect for part in result.unknown) and not budget.late:
             result = with_final_fits(no_formula=f"with it, {'; '.join(result.not_delivered_because)}")
-        return _with_source_of_temperature(result, recording, start, candidates_tried).in_signs("iso")
+        return result.in_signs("iso")
 
 
 def _read(explanation: Explanation, candidates: Mapping[str, Candidate]) -> set[str]:
     """Return the inputs that the parts of an explanation read."""
     of_terms = (term.depends_on for term in explanation.terms)
     return set().union(*of_terms, *(candidates[name].requires for name in explanation.effects))
-
-
-def _with_source_of_temperature(
-    result: Diagnosis, recording: Recording, start: Tire, candidates: Mapping[str, Candidate]
-) -> Diagnosis:
-    """Return a result that states the temperature of its effects, with a tire that predicts it if it was not recorded.
-
-    `recording`: without derived columns.
-    """
-    if TEMPERATURE in result.recording["derived_columns"] and result.delivered:
-        result = replace(result, tire=predicting(result.tire, recording))
-    effects = [finding.effect for finding in result.found if finding.effect in candidates]
-    reading = [name for name in effects if TEMPERATURE in candidates[name].requires]
-    recorded = TEMPERATURE in recording.table and not start.values.get("THACT")
-    source = source_of_temperature(reading, effects, start, recorded)
-    return replace(result, sentences=(*result.sentences, source)) if source else result
 
 
 def _with_derived_turn_slip(recording: Recording, start: Tire, candidates: Mapping[str, Candidate]) -> Recording:

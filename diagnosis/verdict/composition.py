@@ -28,7 +28,7 @@ from ..probing.confounding import UNRECORDED_TEMPERATURE, alias_columns, correla
 from ..probing.effect_probing import Screen, Tried, tried
 from ..signals.disturbances import reported_disturbances
 from ..signals.measurement_artefacts import quantisation, ripple
-from ..signals.predicted_temperature import SURROUNDINGS, TEMPERATURE
+from ..signals.predicted_temperature import SURROUNDINGS, TEMPERATURE, predicting, source_of_temperature
 from ..signals.signals import FORMULA_SIGNS, Signals
 from ..thresholds import REPORTED
 from ..unexplained.formula_proposal import Unknown
@@ -127,6 +127,8 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
     errors_of_form = {} if fits.form is None else Size.by_channel(signals.channels, fits.form)
     form = FormCorrection(errors_of_form, fits.form is not None and not against)
     sentences += [form.sentence] * form.delivered
+    source = _source_of_temperature(outcome, findings)
+    sentences += [source] * bool(source)
     if outcome.stopped:
         sentences[0] = f"Best explanation so far, {outcome.stopped}: {sentences[0]}"
     return Diagnosis(
@@ -182,6 +184,8 @@ def _delivery(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -
     against = reasons_against(judged) if added or fits.refinements or fits.form is not None else ()
     if against:
         tire, after, of_improved, residuals = base_tire, before, of_base, replace(residuals, after=residuals.before)
+    elif TEMPERATURE in outcome.signals.origin.derived & set(outcome.recording.table):
+        tire = predicting(tire, outcome.recording)
     splits = error_splits(of_improved, residuals, recording)
     return _Delivery(base_tire, tire, against, after, residuals, fit_errors(before, after, residuals, splits), splits)
 
@@ -220,6 +224,15 @@ def _recording_errors(outcome: DiagnosisOutcome, delivery: _Delivery) -> dict[st
         "outlier_rows": outliers,
         "outliers": {name: len(rows) for name, rows in outliers.items()},
     }
+
+
+def _source_of_temperature(outcome: DiagnosisOutcome, findings: Sequence[FoundEffect]) -> str:
+    """Return which temperature the identified effects read, in a sentence, or ''."""
+    start, candidates = outcome.final.start, outcome.candidates
+    effects = [finding.effect for finding in findings if finding.effect in candidates]
+    reading = [name for name in effects if TEMPERATURE in candidates[name].requires]
+    recorded = TEMPERATURE in outcome.signals.origin.recorded and not start.values.get("THACT")
+    return source_of_temperature(reading, effects, start, recorded)
 
 
 def _unknown(fits: Final, adequacy: tuple[Adequacy, ...], *, delivered: bool) -> tuple[Unknown, ...]:
