@@ -121,6 +121,20 @@ def test_an_effect_with_the_same_columns_is_tried_in_place_of_another_one():
     assert gain.estimate == pytest.approx([2.0], rel=0.05)  # it has the size of the part
 
 
+def test_the_effects_most_like_another_one_are_tried_in_its_place():
+    rng = np.random.default_rng(1)
+    part, *others = np.linalg.qr(rng.standard_normal((400, 7)))[0].T
+    shares = {"third": 0.45, "unlike": 0.2, "first": 0.9, "fourth": 0.4, "second": 0.6}  # correlation with the part
+    alike = [c * part + np.sqrt(1.0 - c**2) * other for c, other in zip(shares.values(), others, strict=False)]
+    rows = 1e3 * np.stack([part, *alike], axis=1)
+    matrix = rows.T @ rows
+    columns = Projected.of(NormalEquations(matrix, matrix[0], matrix[0, 0], np.ones(6), np.zeros(6)), [1] * 6)
+    additions = [Addition(name, np.zeros((1, 1, 1)), np.ones(1)) for name in shares]
+    assert list(rivals_of(columns, additions)) == ["first", "second", "third"]
+    few = NormalEquations(matrix[:3, :3], matrix[0, :3], matrix[0, 0], np.ones(3), np.zeros(3))
+    assert list(rivals_of(Projected.of(few, [1] * 3), additions[:2])) == ["third"]
+
+
 def test_the_answer_is_a_distribution_over_explanations():
     evidences = {(): 0.0, ("conicity",): 3.0, ("conicity", UNKNOWN): 1.0, ("plysteer",): 2.0}
     answer = answer_of(evidences, ["conicity", "plysteer", "wear_drift"])
