@@ -167,8 +167,8 @@ def _start_model(
     declared = model_named(model)
     named = {NOMINAL[name]: value for name, value in (nominal or {}).items()}
     given, sizes = (
-        {name: value for name, value in known.items() if name in declared.coefficients}
-        for known in (named, dimensions([recording], None)[0])
+        {name: value for name, value in values.items() if name in declared.coefficients}
+        for values in (named, dimensions([recording], None)[0])
     )
     values = nominal_values(declared, recording.with_signs(FORMULA_SIGNS).table, given, sizes, [])
     return Tire(model, values, effects=tuple(effects), signs=FORMULA_SIGNS)

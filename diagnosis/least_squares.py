@@ -71,12 +71,12 @@ class LeastSquares:
 
         Raises `EffectError` if the model cannot have the effect.
         """
-        own = self.simulator
-        tire = replace(own.tire, added=(*own.tire.added, effect))
-        simulator = Simulator(tire, own.signals.with_inputs_of(tire))  # its states are inputs
-        known = {name: solution.parameters[own.index[name]] for name in own.names} | dict(values)
+        before = self.simulator
+        tire = replace(before.tire, added=(*before.tire.added, effect))
+        simulator = Simulator(tire, before.signals.with_inputs_of(tire))  # its states are inputs
+        given = {name: solution.parameters[before.index[name]] for name in before.names} | dict(values)
         parameters = tire.parameters()
-        parameters[[simulator.index[name] for name in known]] = list(known.values())
+        parameters[[simulator.index[name] for name in given]] = list(given.values())
         return replace(self, simulator=simulator.driven_at(parameters)), parameters
 
     def with_deviation(self, deviation: FloatArray) -> LeastSquares:
@@ -261,13 +261,13 @@ def density_gains(before: FloatArray, after: FloatArray, fitted: BoolArray, judg
 
     All have the shape (n_channels, n), as the result. A channel without fitted rows says nothing.
     """
-    known = fitted.any(axis=1, keepdims=True)
+    determined = fitted.any(axis=1, keepdims=True)
 
     def density(residual: FloatArray) -> FloatArray:
         squares = np.where(fitted | judged, residual, 0.0) ** 2
         power = np.sum(squares, axis=1, where=fitted, keepdims=True) / np.maximum(fitted.sum(axis=1, keepdims=True), 1)
         variance = np.where(power > 0.0, power, 1e-300)
-        return np.where(judged & known, -0.5 * (np.log(variance) + squares / variance), 0.0)
+        return np.where(judged & determined, -0.5 * (np.log(variance) + squares / variance), 0.0)
 
     return density(after) - density(before)
 

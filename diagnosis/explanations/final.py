@@ -96,8 +96,8 @@ def final_fits(
         budget.report("adding the proposed formula to the model equations")
         part, with_formula = proposed(structure, extended, solution, no_formula)
         unknown, (extended, solution) = (part,), with_formula or (extended, solution)
-    if correct_form and not budget.late and (found := form_of(extended, solution)):
-        extended, solution, change = found
+    if correct_form and not budget.late and (corrected := form_of(extended, solution)):
+        extended, solution, change = corrected
     for _ in range(BALANCING):
         extended, solution = balanced(extended, solution).fitted(solution.parameters, solution.free)
     before = Screen(extended, solution)

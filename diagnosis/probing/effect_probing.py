@@ -174,7 +174,7 @@ def tried(screen: Screen, candidates: Mapping[str, Candidate]) -> list[Tried]:
     ]
     responses = [screen.columns(form) for _, form in forms]
     screen.learn_noise(responses)
-    return [Tried(*each, screen.response(columns)) for each, columns in zip(forms, responses, strict=True)]
+    return [Tried(name, form, screen.response(columns)) for (name, form), columns in zip(forms, responses, strict=True)]
 
 
 def probed(simulator: Simulator, solution: Solution, form: Form, probe: Probe) -> FloatArray:

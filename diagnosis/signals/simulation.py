@@ -62,10 +62,10 @@ class Simulator:
         self._determines_lag = np.array([name in reached for name in model.parameters])
         lagging = [effect for effect in model.added if effect.name in model.relaxing_effects]
         relaxing = [declaration for effect in lagging for declaration in effect.declarations]
-        lengths = (*model.motion.relaxation, *(one.name for one in relaxing if one.neutral == 0.0))
+        lengths = (*model.motion.relaxation, *(declared.name for declared in relaxing if declared.neutral == 0.0))
         self._relaxation = [self.index[name] for name in lengths]
         #: Coefficients of relaxation alone.
-        self._relaxing = frozenset((*lengths, *(one.name for one in relaxing)))
+        self._relaxing = frozenset((*lengths, *(declared.name for declared in relaxing)))
         self._lags = np.isin(np.arange(len(self._off)), [self.index[name] for name in self._relaxing])
         self._sizes_of_states = amplitudes_of(self.tire)
         shapes = {name for effect in model.added for state in effect.states for name in state.reads}

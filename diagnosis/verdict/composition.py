@@ -343,6 +343,6 @@ def confounded_with(outcome: DiagnosisOutcome, tested: Sequence[Tried]) -> dict[
 def _alternatives(tested: Sequence[Tried]) -> list[tuple[str, FloatArray]]:
     """Return effects that were not identified, with their weighted responses, those of each point of a grid alone."""
     grouped = dict[tuple[str, int], list[FloatArray]]()
-    for i, one in enumerate(tested):
-        grouped.setdefault((one.name, i if one.form.grid else -1), []).append(one.response.columns)
+    for i, effect in enumerate(tested):
+        grouped.setdefault((effect.name, i if effect.form.grid else -1), []).append(effect.response.columns)
     return [(name, np.concatenate(columns, axis=-1)) for (name, _), columns in grouped.items()]

@@ -23,7 +23,7 @@ def tire_of(problem: LeastSquares, solution: Solution, added: Collection[str]) -
     used = tuple(  # also effects that are off but declare the nominal value of an input
         e for e in start.added if e.name in present or nominal & {declaration.name for declaration in e.declarations}
     )
-    of_used, of_all = ({each.name for e in effects for each in e.declarations} for effects in (used, start.added))
+    of_used, of_all = ({d.name for effect in effects for d in effect.declarations} for effects in (used, start.added))
     values = {name: value for name, value in start.values.items() if name in of_used or name not in of_all}
     tire = replace(start, effects=tuple(present), added=used, values=values)
     index, factors = problem.simulator.index, tire.rescaled

@@ -345,9 +345,9 @@ def _turned(value: Any, reversed_names: Collection[str], turned: bool = False) -
     """
     if isinstance(value, Mapping):
         both = {name: len({*reversed_names}.intersection(name.split("_in_"))) == 1 for name in value}
-        return {name: _turned(each, reversed_names, turned != both[name]) for name, each in value.items()}
+        return {name: _turned(item, reversed_names, turned != both[name]) for name, item in value.items()}
     if isinstance(value, list):
-        return [_turned(each, reversed_names, turned) for each in value]
+        return [_turned(item, reversed_names, turned) for item in value]
     return turned_sign(value, turned) if isinstance(value, float) else value
 
 
