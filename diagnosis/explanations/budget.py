@@ -5,10 +5,9 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from ...fitting.solvers.interruption import Interruption
+from ...fitting.solvers.interruption import Interruption
 
 
 class Ended(Exception):
@@ -44,8 +43,6 @@ class Budget:
     _interruption: Interruption = field(init=False)
 
     def __post_init__(self) -> None:
-        from ...fitting.solvers.interruption import Interruption  # imports CasADi: a diagnosis starts without
-
         self._interruption = Interruption(lambda sentence, *_: self.progress(sentence))
 
     def __enter__(self) -> Budget:

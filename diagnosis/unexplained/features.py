@@ -14,11 +14,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
-from scipy.signal import lfilter
 
 from ...numerics.arrays import FloatArray
 from ...numerics.smoothing import rate_of
 from ...symbolic.model import Model
+from ...tires.states.transient import recursion
 from ...tires.tire import Tire
 from ..probing.candidates import excited, varies
 from ..signals.signals import Signals
@@ -282,5 +282,5 @@ def _of_the_past(t: FloatArray, named: Mapping[str, FloatArray]) -> Iterator[Fea
 
 def _low_pass(values: FloatArray, share: float) -> FloatArray:
     """Return a signal behind a first-order lag; `share` is the ratio of time step and time constant."""
-    decay = np.exp(-share)
-    return np.asarray(lfilter([1.0 - decay], [1.0, -decay], values, zi=decay * values[:1])[0])
+    decay = float(np.exp(-share))
+    return recursion(float(values[0]), np.full(len(values) - 1, decay), (1.0 - decay) * values[1:])
