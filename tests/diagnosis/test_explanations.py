@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from tirefmu.diagnosis.diagnose import _start_model
+from tirefmu.diagnosis.diagnose import _start_model, with_library
 from tirefmu.diagnosis.explanations import (
     UNKNOWN,
     Addition,
@@ -300,7 +300,8 @@ def unlimited():
 def of_case(hidden):
     """Return the baseline problem of a made recording, its solution, and some candidates."""
     case = make_case(13, hidden)
-    start = _start_model(recording_from(case.table, signs=case.signs), "mf96", case.effects, case.nominal, None, ())
+    recording = recording_from(case.table, signs=case.signs)
+    start = with_library(_start_model(recording, "mf96", case.effects, case.nominal))
     problem, solution = fit_baseline(start, signals_of(case.table, start, case.signs), fitted=False)
     names = ("conicity", "plysteer", "camber_thrust", "pressure_friction", "load_lag")
     return problem, solution, {name: one for name, one in candidates_for(start).items() if name in names}
