@@ -194,7 +194,7 @@ def test_effects_of_which_one_is_missing_are_one_answer():
     head, tail = verdict_sentences([lag, friction, wear], (), {}, (), (), {}, (), nothing, one_of=classes)
     assert head == (
         "Missing: load_lag (probability over 90 %); slip_history or temp_friction (one of them: probability over 90 %; "
-        "the improved tire has temp_friction, the simplest)"
+        "the improved tire has temp_friction, a simpler one)"
     )
     assert "wear_drift" in tail
     assert headline_text([lag, friction, wear], (), True, False, classes) == (
