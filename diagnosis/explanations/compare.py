@@ -225,16 +225,19 @@ def _climbed(table: Table, linear: Linearization) -> Move:
 
 
 def _settled(table: Table) -> Move:
-    """Extend, reduce and exchange all explanations that nearly lead, until none is left."""
+    """Extend, reduce and exchange all explanations that nearly lead, until none is left.
+
+    Also the best ones without a part that all of these have: its name is as certain as these were searched.
+    """
     settled = set[Parts]()
     while len(settled) < COMPARED:
-        remaining = [parts for parts in table.near() if parts not in settled]
+        remaining = [parts for parts in (*table.near(), *table.doubts) if parts not in settled]
         if not remaining:
             break
         refit = table.refits[remaining[0]]
         settled.add(remaining[0])
         table = yield from reduced(table, refit)
-        if remaining[0] in table.roots:
+        if remaining[0] in (*table.roots, *table.doubts):
             table = yield from exchanged(table, refit)
             table = yield from extended_boldly(table, refit)
         table = yield from extended(table, refit)
@@ -316,6 +319,34 @@ def exchanged(table: Table, refit: Refitted) -> Move:
                 begins = [*_starts(table.refits[less.parts], best), *begins]
             table = table.with_refit(refitted(table.shared, more, begins, refit.linear.simulator))
             yield table
+        table = yield from _with_both(table, refit, part)
+    return table
+
+
+def _with_both(table: Table, refit: Refitted, part: str) -> Move:
+    """Refit an explanation with an effect and with the one that takes its place best: two similar ones may be missing.
+
+    Beside the errors of form of the one, the other gains nothing: half of each is the initial value.
+    """
+    less = set(refit.explanation.parts).difference([part])
+    others = {
+        name: other
+        for parts, other in table.refits.items()
+        if less.issubset(parts) and part not in parts and not table.is_far(parts)
+        for name in set(other.explanation.effects).difference(less)
+        if len(parts) == len(less) + 1
+    }
+    name = max(others, key=lambda effect: graded(others[effect].score), default=part)
+    more = refit.explanation.with_effect(name, dict(others[name].explanation.forms)[name]) if others else None
+    if more and not table.compared(more):
+        table.report(f"comparing {part} with both {part} and {name}")
+        start = 0.5 * (refit.linear.solution.parameters + others[name].linear.solution.parameters)
+        for effect, of in ((part, refit), (name, others[name])):
+            form = dict(of.explanation.forms)[effect]
+            whole = [of.linear.simulator.index[free] for free in form.free if not form.scalable or free in form.grid]
+            start[whole] = of.linear.solution.parameters[whole]
+        table = table.with_refit(refitted(table.shared, more, [start], refit.linear.simulator))
+        yield table
     return table
 
 
