@@ -163,11 +163,12 @@ def estimated(
     at = _solved(grid, interval, added, start, z, deviations, np.ones((len(grid.t), len(floor))))
     converged, arrived, part, last, resized = False, near is not None or rows is not None, 1.0, np.zeros(len(z)), 0.0
     longest, slope, stalled = np.inf, np.zeros(len(z)), False
+    of_tires = (np.arange(len(z)) >= len(unknowns.car)) & (np.arange(len(z)) < n)
     for round_ in range(NEAR_ROUNDS if near else ROUNDS):
         fresh = stalled or longest < NEAR or round_ % SLOPE_ROUNDS == 0
         if fresh:  # it changes slowly
             slope = _volume_slope(grid, interval, at, added.tires(z))
-        change, change_z = at.factor.step(z + slope, z)
+        change, change_z = at.factor.step(z + slope, z, of_tires | arrived)
         widening = np.clip(at.excess(), -LONGEST_STEP, LONGEST_STEP)
         widening = np.clip(widening, np.log(floor / at.deviations), np.log(ceiling / at.deviations))
         widening[len(grid.sampled) : -n_balance] = 0.0  # errors of the integration
