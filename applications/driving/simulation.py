@@ -1,8 +1,8 @@
 """The simulated vehicle over the recorded steering and speed, in pieces of a few seconds, against the log.
 
-The four tires are generated code, or FMUs. As the speed, the longitudinal forces are those of the recorded motion: equal
-forces of both wheels of an axle would lack a yaw moment where one is near its limit. The code has the states of effects
-(lagged slips, heat) from the recorded motion; an FMU has states of its own, which begin with each piece.
+The four tires are generated code, or FMUs. The longitudinal forces are those of the recorded motion: equal forces of
+both wheels of an axle would lack a yaw moment where one is near its limit. The code has the states of effects (lagged
+slips, heat) from the recorded motion; an FMU has states of its own, which begin with each piece.
 """
 
 from __future__ import annotations

@@ -76,8 +76,8 @@ _ENTRIES = (
     Entry("wheels", "relaxation", "lateral relaxation lengths over those of the tire files", "1", 1.0, 1.0, 0.2,
           "relative", 0.0, 10.0),
     *(
-        Entry("wheels", f"{name}_{axle}", f"longitudinal over lateral {meaning} of the {axle} tires, over that of their "
-              "file", "1", 1.0, 1.0, 0.2, "relative", 0.0, 10.0)
+        Entry("wheels", f"{name}_{axle}", f"longitudinal over lateral {meaning} of the {axle} tires, over that of "
+              "their file", "1", 1.0, 1.0, 0.2, "relative", 0.0, 10.0)
         for name, meaning in (("grip", "friction"), ("slip_stiffness", "slip stiffness"))
         for axle in ("front", "rear")
     ),

@@ -18,8 +18,8 @@ from .log import Log
 FloatArray = npt.NDArray[np.float64]
 
 AXLES = ("front", "rear")
-#: Scaling factors of a tire: lateral friction and cornering stiffness. The longitudinal ones follow them, but for entries
-#: of the car: no channel of a log is the longitudinal force of a wheel, so that they are no findings.
+#: Scaling factors of a tire: lateral friction and cornering stiffness. The longitudinal ones follow them, but for
+#: entries of the car: no channel of a log is the longitudinal force of a wheel, so that they are no findings.
 FACTORS = ("LMUY", "LKY")
 ALONG = {"LMUX": ("LMUY", "grip"), "LKX": ("LKY", "slip_stiffness")}
 #: Prior probability that a factor changed. Judgement: who compares a drive expects other tires as likely as not.
