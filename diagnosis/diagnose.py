@@ -9,7 +9,7 @@ from dataclasses import replace
 from ..boundary.errors import UnknownName, no_single_text
 from ..boundary.named_options import named
 from ..measurements import Recording, TableLike, check_columns, recording_from
-from ..measurements.nominal_values import check_nominal
+from ..measurements.nominal_values import NOMINAL, check_nominal
 from ..measurements.turn_slip import with_turn_slip
 from ..numerics.one_thread import one_blas_thread
 from ..symbolic import DEFAULT_MODEL
@@ -21,28 +21,16 @@ from .explanations.budget import Budget
 from .explanations.compare import compared
 from .explanations.explanation import Explanation
 from .explanations.final import final_fits
-from .least_squares import LeastSquares
 from .probing.baseline_fit import fit_baseline, worse_by_smoothing
 from .probing.candidates import Candidate, candidates_for
 from .signals.predicted_temperature import (
     TEMPERATURE,
-    predicting,
-    source_of_temperature,
     with_predicted_temperature,
 )
 from .signals.signals import FORMULA_SIGNS, signals_of
 from .verdict.composition import DiagnosisOutcome, composed
 from .verdict.improved_tire import tire_of
 from .verdict.result import Diagnosis
-
-#: Options of --nominal and the coefficients that they set.
-NOMINAL_COEFFICIENTS = {
-    "Fz0": ("FNOMIN",),
-    "p0": ("NOMPRES", "INFLPRES"),
-    "R0": ("UNLOADED_RADIUS",),
-    "V0": ("LONGVL",),
-}
-
 
 #: The steps of a diagnosis, as reported to its progress callback.
 STEPS = ("fitting the baseline model", "comparing explanations", "fitting the best explanation")
@@ -113,8 +101,8 @@ def diagnose(
     no_single_text("candidates", candidates)
     user_defined = tuple(candidate for candidate in candidates or () if isinstance(candidate, AddedEffect))
     selected = tuple(candidate for candidate in candidates or () if isinstance(candidate, str))
-    given = None if tire is None else tire_from(tire)
-    start = _start_model(recording, model, effects, nominal, given, user_defined)
+    start = tire_from(tire) if tire is not None else _start_model(recording, model, effects, nominal)
+    start = with_library(start, user_defined)
     candidates_tried = _chosen(candidates_for(start), selected)
     turning = _with_derived_turn_slip(recording, start, candidates_tried)
     derived = {"phit"} if turning is not recording else set()
@@ -125,11 +113,13 @@ def diagnose(
         report(BASELINE)
         problem, solution = fit_baseline(start, signals, fitted=tire is not None)
         recorded = signals_of(turning.table, start, recording.signs, smooth=False, derived=derived)
-        if worse_by_smoothing(problem, solution, recorded):
+        if not (smooth := not worse_by_smoothing(problem, solution, recorded)):
             problem, solution = fit_baseline(start, recorded, fitted=tire is not None)
-        complete = with_predicted_temperature(turning, tire_of(start, problem, solution, ()))
+        complete = with_predicted_temperature(turning, tire_of(problem, solution, ()))
         if complete is not turning:
-            problem = _over(problem, complete, start, {*derived, TEMPERATURE})
+            derived = {*derived, TEMPERATURE}
+            signals = signals_of(complete.table, start, recording.signs, smooth=smooth, derived=derived)
+            problem = problem.over(problem.simulator.with_signals(signals))
             reading = {name: tried for name, tried in candidates_tried.items() if TEMPERATURE in tried.requires}
             candidates_tried |= {name: replace(tried, has_states=True) for name, tried in reading.items()}
         report(COMPARING)
@@ -140,9 +130,7 @@ def diagnose(
         recorded_or_read = replace(complete, table=derived_table)
 
         def with_final_fits(*, no_formula: str = "", correct_form: bool = form) -> Diagnosis:
-            fits = final_fits(
-                comparison, problem, solution, start, budget, no_formula=no_formula, correct_form=correct_form
-            )
+            fits = final_fits(comparison, problem, solution, budget, no_formula=no_formula, correct_form=correct_form)
             outcome = DiagnosisOutcome(recorded_or_read, candidates_tried, fits, comparison.answer, comparison.stopped)
             return composed(outcome, began)
 
@@ -151,36 +139,13 @@ def diagnose(
             result = with_final_fits(correct_form=False)
         if not result.delivered and any(part.effect for part in result.unknown) and not budget.late:
             result = with_final_fits(no_formula=f"with it, {'; '.join(result.not_delivered_because)}")
-        return _with_source_of_temperature(result, recording, start, candidates_tried).in_signs("iso")
+        return result.in_signs("iso")
 
 
 def _read(explanation: Explanation, candidates: Mapping[str, Candidate]) -> set[str]:
     """Return the inputs that the parts of an explanation read."""
     of_terms = (term.depends_on for term in explanation.terms)
     return set().union(*of_terms, *(candidates[name].requires for name in explanation.effects))
-
-
-def _over(problem: LeastSquares, recording: Recording, start: Tire, derived: set[str]) -> LeastSquares:
-    """Return a problem over a recording with further columns that were derived."""
-    smooth = any(problem.simulator.signals.origin.noise.values())
-    signals = signals_of(recording.table, start, recording.signs, smooth=smooth, derived=derived)
-    return problem.over(problem.simulator.with_signals(signals))
-
-
-def _with_source_of_temperature(
-    result: Diagnosis, recording: Recording, start: Tire, candidates: Mapping[str, Candidate]
-) -> Diagnosis:
-    """Return a result that states the temperature of its effects, with a tire that predicts it if it was not recorded.
-
-    `recording`: without derived columns.
-    """
-    if TEMPERATURE in result.recording["derived_columns"] and result.delivered:
-        result = replace(result, tire=predicting(result.tire, recording))
-    effects = [finding.effect for finding in result.found if finding.effect in candidates]
-    reading = [name for name in effects if TEMPERATURE in candidates[name].requires]
-    recorded = TEMPERATURE in recording.table and not start.values.get("THACT")
-    source = source_of_temperature(reading, effects, start, recorded)
-    return replace(result, sentences=(*result.sentences, source)) if source else result
 
 
 def _with_derived_turn_slip(recording: Recording, start: Tire, candidates: Mapping[str, Candidate]) -> Recording:
@@ -192,24 +157,21 @@ def _with_derived_turn_slip(recording: Recording, start: Tire, candidates: Mappi
 
 
 def _start_model(
-    recording: Recording, model: str, effects: Collection[str], nominal: Mapping[str, float] | None, tire: Tire | None,
-    user_defined: tuple[AddedEffect, ...],
-) -> Tire:  # fmt: skip
-    """Return the baseline model with all added effects in its equations, switched off."""
-    if tire is None:
-        from ..fitting.data.dimensions import dimensions
-        from ..fitting.setup import nominal_values
+    recording: Recording, model: str, effects: Collection[str], nominal: Mapping[str, float] | None
+) -> Tire:
+    """Return the baseline model for a recording."""
+    from ..fitting.data.dimensions import dimensions
+    from ..fitting.setup import nominal_values
 
-        declared, values = model_named(model), dict[str, float]()
-        for name, value in (nominal or {}).items():
-            values |= dict.fromkeys(set(NOMINAL_COEFFICIENTS[name]) & declared.coefficients.keys(), value)
-        sizes = {
-            name: value for name, value in dimensions([recording], None)[0].items() if name in declared.coefficients
-        }
-        values = nominal_values(declared, recording.with_signs(FORMULA_SIGNS).table, values, sizes, [])
-        no_single_text("effects", effects)
-        tire = Tire(model, values, effects=tuple(effects), signs=FORMULA_SIGNS)
-    return with_library(tire, user_defined)
+    no_single_text("effects", effects)
+    declared = model_named(model)
+    named = {NOMINAL[name]: value for name, value in (nominal or {}).items()}
+    given, sizes = (
+        {name: value for name, value in values.items() if name in declared.coefficients}
+        for values in (named, dimensions([recording], None)[0])
+    )
+    values = nominal_values(declared, recording.with_signs(FORMULA_SIGNS).table, given, sizes, [])
+    return Tire(model, values, effects=tuple(effects), signs=FORMULA_SIGNS)
 
 
 def with_library(tire: Tire, user_defined: tuple[AddedEffect, ...] = ()) -> Tire:

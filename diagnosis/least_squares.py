@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from ..numerics.arrays import FloatArray
+from ..numerics.arrays import BoolArray, FloatArray
 from ..numerics.gauss_newton import Damping, minimize
 from ..numerics.noise_model import Whitening
+from ..symbolic.added import AddedEffect
 from .signals.disturbances import Disturbances
 from .signals.simulation import Simulator
+from .thresholds import FINAL_ITERATIONS
 from .weighted_columns import WeightedColumns, joined
 
 #: Width of a coefficient's bounds in standard deviations of its weak prior.
@@ -61,6 +63,21 @@ class LeastSquares:
     def over(self, simulator: Simulator) -> LeastSquares:
         """Return the problem with another simulator, for the same rows."""
         return self._with_same_columns(replace(self, simulator=simulator))
+
+    def with_effect(
+        self, effect: AddedEffect, solution: Solution, values: Mapping[str, float]
+    ) -> tuple[LeastSquares, FloatArray]:
+        """Return the problem of the model with a further effect, and parameters: of a solution, and given ones.
+
+        Raises `EffectError` if the model cannot have the effect.
+        """
+        before = self.simulator
+        tire = replace(before.tire, added=(*before.tire.added, effect))
+        simulator = Simulator(tire, before.signals.with_inputs_of(tire))  # its states are inputs
+        given = {name: solution.parameters[before.index[name]] for name in before.names} | dict(values)
+        parameters = tire.parameters()
+        parameters[[simulator.index[name] for name in given]] = list(given.values())
+        return replace(self, simulator=simulator.driven_at(parameters)), parameters
 
     def with_deviation(self, deviation: FloatArray) -> LeastSquares:
         """Return the problem with other prior deviations of the disturbances, shape (n_disturbances,)."""
@@ -120,37 +137,42 @@ class LeastSquares:
         return np.array([factors.get(name, 1.0) for name in free])
 
     def solve(
-        self, start: FloatArray, free: Sequence[str], *, rows: slice | None = None, iterations: int = 30,
-        tolerance: float = 1e-5,
-    ) -> Solution:  # fmt: skip
+        self, start: FloatArray, free: Sequence[str], *, iterations: int = 30, tolerance: float = 1e-5
+    ) -> Solution:
         """Fit the coefficients from initial values.
 
-        `start`, shape (n_parameters,). `rows`, slice: subset of the compared rows; default: all. `tolerance`:
-        iterations stop when the predicted reduction is below this share of the cost.
+        `start`, shape (n_parameters,). `tolerance`: iterations stop when the predicted reduction is below this share of
+        the cost.
         """
-        subsample = self.subsampled(rows)
-        lower, upper = subsample.bounds(free)
-        projected = _Projected(subsample, start, free)
+        lower, upper = self.bounds(free)
+        projected = _Projected(self, start, free)
         first = np.clip(start[projected.indices], lower, upper)
         end = minimize(
             projected, first, lower, upper, lambda _, cost: tolerance * cost, DAMPING, steps=iterations, stop=self.stop
         )
-        return self.at(projected.parameters(end.x), free)
+        return projected.solution(end.x)
 
-    def solve_without(self, solution: Solution, names: Collection[str], *, iterations: int) -> Solution:
-        """Fit from a solution without some coefficients: they get the values of a tire that lacks their effect."""
-        simulator, parameters = self.simulator, solution.parameters.copy()
-        indices = [simulator.index[name] for name in names]
-        parameters[indices] = simulator.tire.parameters()[indices]
-        free = tuple(name for name in solution.free if name not in names)
-        return self.solve(parameters, free, iterations=iterations)
+    def driven(self, solution: Solution) -> LeastSquares:
+        """Return the problem whose states are driven by the forces of a solution."""
+        return self.over(self.simulator.driven_at(solution.parameters))
+
+    def fitted(self, start: FloatArray, free: Sequence[str]) -> tuple[LeastSquares, Solution]:
+        """Return a solution of the final fits, and the problem whose states its forces drive."""
+        solution = self.solve(start, free, iterations=FINAL_ITERATIONS)
+        after = self.driven(solution)
+        return after, after.at(solution.parameters, solution.free)
 
     def at(self, parameters: FloatArray, free: Sequence[str]) -> Solution:
         """Return the solution at given parameters, with the best-fitting disturbances."""
-        misfit = self.misfit(parameters)
-        disturbance = self.best_disturbance(misfit)
+        misfit, prior = self.misfit(parameters), self.disturbances.deviation
+        target = self.disturbance_products[0].along(self.weighted(misfit))
+        disturbance = np.asarray(cho_solve(self._disturbance_factor, target, check_finite=False))
         residual = misfit - self.disturbances.columns @ disturbance
-        return Solution(parameters, tuple(free), disturbance, self._cost(parameters, free, disturbance), residual)
+        center, deviation = self.prior(free)
+        values = parameters[[self.simulator.index[name] for name in free]]
+        penalty = np.sum(((values - center) / deviation) ** 2) + np.sum((disturbance / prior) ** 2)
+        cost = 0.5 * float(np.sum(self.weighted(residual) ** 2) + penalty)
+        return Solution(parameters, tuple(free), disturbance, cost, residual)
 
     def holdout_gains(self, before: Solution, after: Solution) -> FloatArray:
         """Return by how much a solution is better than another one in each block of the hold-out set, (n_blocks,).
@@ -169,14 +191,15 @@ class LeastSquares:
         gains = [float(np.subtract(*squares[:, signals.block == block].sum(axis=1))) for block in np.unique(blocks)]
         return np.asarray(gains) / total if total > 0.0 else np.zeros(len(gains))
 
+    def sizes(self, residual: FloatArray) -> FloatArray:
+        """Return the root mean square of a residual over noise in each channel, shape (n_channels,); 0 without rows."""
+        used = self.inverse_noise > 0.0
+        squares = np.sum((self.inverse_noise * residual) ** 2, axis=1, where=used)
+        return np.asarray(np.sqrt(squares / np.maximum(used.sum(axis=1), 1)))
+
     def misfit(self, parameters: FloatArray) -> FloatArray:
         """Return measured minus simulated forces, shape (n_channels, n)."""
         return self.simulator.signals.measured - self.simulator.forces(parameters)
-
-    def best_disturbance(self, misfit: FloatArray) -> FloatArray:
-        """Return the best-fitting disturbances for a misfit."""
-        target = self.disturbance_products[0].along(self.weighted(misfit))
-        return np.asarray(cho_solve(self._disturbance_factor, target, check_finite=False))
 
     def weighted(self, rows: FloatArray) -> FloatArray:
         """Return rows divided by their noise, shape (n_channels, n) or (n_channels, n, m)."""
@@ -203,55 +226,50 @@ class LeastSquares:
         """The Cholesky factor of the disturbances' Gauss-Newton matrix."""
         return cho_factor(self.disturbance_products[1] + np.diag(self.disturbances.deviation**-2))
 
-    def _cost(self, parameters: FloatArray, free: Sequence[str], disturbance: FloatArray) -> float:
-        residual = self.misfit(parameters) - self.disturbances.columns @ disturbance
-        center, deviation = self.prior(free)
-        values = parameters[[self.simulator.index[name] for name in free]]
-        penalty = np.sum(((values - center) / deviation) ** 2) + np.sum(
-            (disturbance / self.disturbances.deviation) ** 2
-        )
-        return 0.5 * float(np.sum(self.weighted(residual) ** 2) + penalty)
-
-    def tangent(self, parameters: FloatArray, free: Sequence[str]) -> FloatArray:
-        """Return weighted derivatives by coefficients and disturbances, shape (n_channels * n, n_free + n_dist)."""
-        jacobian = self.simulator.jacobian(parameters, free)
-        whole = self.weighted(np.concatenate([jacobian, self.disturbances.columns], axis=-1))
-        return whole.reshape(-1, whole.shape[-1])
-
-    def _normal(
-        self, parameters: FloatArray, free: Sequence[str], disturbance: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+    def _normal(self, solution: Solution) -> tuple[FloatArray, FloatArray]:
         """Return Gauss-Newton matrix and descent direction in the coefficients, the disturbances eliminated."""
-        jacobian = self.weighted_columns(self.simulator.jacobian(parameters, free))
+        jacobian = self.weighted_columns(self.simulator.jacobian(solution.parameters, solution.free))
         columns, factor = self.disturbance_products[0], self._disturbance_factor
-        residual = self.weighted(self.misfit(parameters) - self.disturbances.columns @ disturbance)
-        center, deviation = self.prior(free)
-        values = parameters[[self.simulator.index[name] for name in free]]
+        residual = self.weighted(solution.residual)
+        center, deviation = self.prior(solution.free)
+        values = solution.parameters[[self.simulator.index[name] for name in solution.free]]
         slope = jacobian.along(residual) - (values - center) / deviation**2
-        along = columns.along(residual) - disturbance / self.disturbances.deviation**2
+        along = columns.along(residual) - solution.disturbance / self.disturbances.deviation**2
         cross = columns.times(jacobian)
         inner = cho_solve(factor, np.column_stack([cross, along]), check_finite=False)
         matrix = jacobian.times(jacobian) + np.diag(deviation**-2.0)
         return matrix - cross.T @ inner[:, :-1], slope - cross.T @ inner[:, -1]
 
-    def subsampled(self, rows: slice | None) -> LeastSquares:
-        """Return the problem over some of the compared rows, which are then independent; over all of them for None."""
-        if rows is None:
-            return self
+    def subsampled(self, rows: slice) -> LeastSquares:
+        """Return the problem over some of the compared rows, which are then independent."""
         signals = self.simulator.signals
         subsample = replace(
             signals, rows=signals.rows[rows], table_rows=signals.table_rows[rows], measured=signals.measured[:, rows],
             present=signals.present[:, rows], block=signals.block[rows], holdout=signals.holdout[rows],
         )  # fmt: skip
-        simulator = self.simulator.with_signals(subsample)
-        disturbances = self.disturbances.subsampled(rows)
         return replace(
-            self,
-            simulator=simulator,
-            inverse_noise=self.inverse_noise[:, rows],
-            disturbances=disturbances,
-            whitening=None,
-        )
+            self, simulator=self.simulator.with_signals(subsample), inverse_noise=self.inverse_noise[:, rows],
+            disturbances=replace(self.disturbances, columns=self.disturbances.columns[:, rows]), whitening=None,
+        )  # fmt: skip
+
+
+def density_gains(before: FloatArray, after: FloatArray, fitted: BoolArray, judged: BoolArray) -> FloatArray:
+    """Return by how much the logarithm of the predictive density of each judged value increases, 0 for others.
+
+    Residuals are normal with the standard deviation that they have in the fitted rows of their channel: a tire that
+    fits these better is more certain, and loses more where it is wrong.
+
+    All have the shape (n_channels, n), as the result. A channel without fitted rows says nothing.
+    """
+    determined = fitted.any(axis=1, keepdims=True)
+
+    def density(residual: FloatArray) -> FloatArray:
+        squares = np.where(fitted | judged, residual, 0.0) ** 2
+        power = np.sum(squares, axis=1, where=fitted, keepdims=True) / np.maximum(fitted.sum(axis=1, keepdims=True), 1)
+        variance = np.where(power > 0.0, power, 1e-300)
+        return np.where(judged & determined, -0.5 * (np.log(variance) + squares / variance), 0.0)
+
+    return density(after) - density(before)
 
 
 class _Projected:
@@ -263,28 +281,24 @@ class _Projected:
     def __init__(self, problem: LeastSquares, start: FloatArray, free: Sequence[str]) -> None:
         self._problem, self._start, self._free = problem, start, free
         self.indices = [problem.simulator.index[name] for name in free]
-        self._latest: tuple[FloatArray, float, FloatArray] | None = None
+        self._latest: tuple[FloatArray, Solution] | None = None
 
-    def parameters(self, x: FloatArray) -> FloatArray:
-        """Return all parameters, with the free coefficients set to x."""
-        parameters = self._start.copy()
-        parameters[self.indices] = x
-        return parameters
+    def solution(self, x: FloatArray) -> Solution:
+        """Return the solution at the free coefficients x, shape (n_free,).
+
+        The latest one is stored, as the derivatives of an accepted step are evaluated next.
+        """
+        if self._latest is None or not np.array_equal(self._latest[0], x):
+            parameters = self._start.copy()
+            parameters[self.indices] = x
+            self._latest = x.copy(), self._problem.at(parameters, self._free)
+        return self._latest[1]
 
     def cost(self, x: FloatArray) -> float:
-        """Return the cost at the free coefficients x, shape (n_free,)."""
-        return self._at(x)[0]
+        """Return the cost at the free coefficients."""
+        return self.solution(x).cost
 
     def derivatives(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
         """Return cost, gradient (n_free,) and Gauss-Newton matrix (n_free, n_free)."""
-        cost, disturbance = self._at(x)
-        matrix, descent = self._problem._normal(self.parameters(x), self._free, disturbance)
-        return cost, -descent, matrix
-
-    def _at(self, x: FloatArray) -> tuple[float, FloatArray]:
-        """Return cost and disturbances; cached, as the derivatives of an accepted step are evaluated next."""
-        if self._latest is None or not np.array_equal(self._latest[0], x):
-            parameters = self.parameters(x)
-            disturbance = self._problem.best_disturbance(self._problem.misfit(parameters))
-            self._latest = x.copy(), self._problem._cost(parameters, self._free, disturbance), disturbance
-        return self._latest[1:]
+        matrix, descent = self._problem._normal(self.solution(x))
+        return self.cost(x), -descent, matrix

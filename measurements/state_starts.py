@@ -8,12 +8,12 @@ all segments.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from ..numerics.arrays import FloatArray, IndexArray
+from ..numerics.arrays import FloatArray, IndexArray, IntArray
 from ..tires.evaluation import Conventions, evaluate
 from ..tires.states.transient import segment_starts
 from ..tires.tire import Tire
@@ -75,6 +75,40 @@ def estimated_starts(
     return starts[: m * k].reshape(m, k)
 
 
+def fitted_starts(
+    t: FloatArray,
+    courses: Mapping[str, FloatArray],
+    error: FloatArray,
+    residual: Callable[[Mapping[str, FloatArray], FloatArray], FloatArray],
+    *,
+    rows: IntArray | slice = slice(None),
+    coefficients: FloatArray | None = None,
+) -> dict[str, FloatArray]:
+    """Return the start values of states by name, in each row of their segment, shape (n,).
+
+    - `t`, shape (n,): time, s.
+    - `courses`, shape (n,): states that start in equilibrium, by name.
+    - `error`, shape (n_channels, m): the residual with them.
+    - `residual`: returns the residual, NaN where nothing was measured, for start values as they are returned and
+      changes of coefficients.
+    - `rows`, shape (m,): the rows of the residual.
+    - `coefficients`: as in `estimated_starts`.
+    """
+    begins = segment_starts(t)
+    segment, course = np.cumsum(begins) - 1, np.stack(list(courses.values()))
+
+    def spread(values: FloatArray) -> dict[str, FloatArray]:
+        return dict(zip(courses, values[:, segment], strict=True))
+
+    size = np.maximum(np.sqrt(np.mean(course**2, axis=1)), 1e-6)
+    deviation = np.maximum(np.sqrt(np.nanmean(error**2, axis=1)), 1e-9)[:, None]
+    starts = estimated_starts(
+        lambda values, shift: np.nan_to_num(residual(spread(values), shift) / deviation),
+        segment[rows], course[:, begins], size, coefficients,
+    )  # fmt: skip
+    return spread(starts)
+
+
 def with_fitted_starts(tire: Tire, recording: Recording, free: Collection[str] = ()) -> Recording:
     """Return a recording with the start values of states with a fitted start as columns, which `Tire.evaluate` reads.
 
@@ -87,30 +121,22 @@ def with_fitted_starts(tire: Tire, recording: Recording, free: Collection[str] =
     channels = [name for name in tire.outputs if name in table]
     if not names or "t" not in table or not channels:
         return recording
-    begins = segment_starts(table["t"].to_numpy(dtype=np.float64))
-    segment = np.cumsum(begins) - 1
     course = evaluate(tire, table, Conventions(recording.signs))
-    measured = table[channels].to_numpy(dtype=np.float64).T
 
-    def columns(values: FloatArray) -> dict[str, FloatArray]:
-        return dict(zip(names, values[:, segment], strict=True))
-
-    def difference(values: FloatArray, shift: FloatArray) -> FloatArray:
+    def residual(starts: Mapping[str, FloatArray], shift: FloatArray) -> FloatArray:
         moved = {name: tire.values[name] + change for name, change in zip(free, shift, strict=True)}
         changed = tire.with_values(**moved) if moved else tire
-        computed = evaluate(changed, table.assign(**columns(values)), Conventions(recording.signs))[channels]
-        return np.asarray(measured - computed.to_numpy(dtype=np.float64).T)
+        computed = evaluate(changed, table.assign(**starts), Conventions(recording.signs))
+        return (table[channels] - computed[channels]).to_numpy(dtype=np.float64).T
 
-    states = course[names].to_numpy(dtype=np.float64).T
-    size = np.maximum(np.sqrt(np.mean(states**2, axis=1)), 1e-6)
-    error = measured - course[channels].to_numpy(dtype=np.float64).T
-    deviation = np.maximum(np.sqrt(np.nanmean(error**2, axis=1)), 1e-9)[:, None]
-    coefficients = np.array([_size(tire, name) for name in free])
-    starts = estimated_starts(
-        lambda values, shift: np.nan_to_num(difference(values, shift) / deviation),
-        segment, states[:, begins], size, coefficients,
-    )  # fmt: skip
-    return replace(recording, table=table.assign(**columns(starts)))
+    starts = fitted_starts(
+        table["t"].to_numpy(dtype=np.float64),
+        {name: course[name].to_numpy(dtype=np.float64) for name in names},
+        (table[channels] - course[channels]).to_numpy(dtype=np.float64).T,
+        residual,
+        coefficients=np.array([_size(tire, name) for name in free]),
+    )
+    return replace(recording, table=table.assign(**starts))
 
 
 def _size(tire: Tire, name: str) -> float:

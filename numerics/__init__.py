@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ..boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
-    from .block_regression import autocovariance, block_sums, coloured_covariance, limited, regression, wald_p
+    from .block_regression import autocovariance, block_sums, coloured_covariance, regression
     from .correlation import correlation_length, effective_sample_size
     from .forecast import Forecast, seconds_left
     from .gauss_newton import Damping, best_step, minimize, restore

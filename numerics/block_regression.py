@@ -13,7 +13,6 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 from scipy import fft
-from scipy.special import chdtrc, fdtrc
 
 from .arrays import BoolArray, FloatArray, IntArray
 
@@ -102,29 +101,6 @@ def error_of_sum(gains: FloatArray) -> float:
     return float(np.sqrt(len(gains)) * np.std(gains, ddof=1))
 
 
-def limited(gains: FloatArray, share: float) -> FloatArray:
-    """Return gains with the largest ones reduced to a share of their sum; zeros if that is impossible.
-
-    One block in which the model fails most can have nearly all of the gain. The standard error of the sum then equals
-    the sum, however consistent the other blocks are.
-
-    `gains`, shape (n_blocks,): in independent blocks. `share`: largest share of the sum, between 0 and 1.
-
-    >>> limited(np.array([1000.0, 4.0, 3.0, 3.0, -1.0]), 0.5)
-    array([ 9.,  4.,  3.,  3., -1.])
-    >>> limited(np.array([1000.0, -4.0, 0.0]), 0.5)
-    array([0., 0., 0.])
-    """
-    ordered = np.sort(gains)[::-1]
-    for n, rest in enumerate(ordered[::-1].cumsum()[::-1]):  # the n largest gains are reduced to the same value
-        if n * share >= 1.0 or rest <= 0.0:
-            break
-        limit = share * float(rest) / (1.0 - n * share)
-        if limit >= ordered[n]:
-            return np.minimum(gains, limit)
-    return np.zeros_like(gains)
-
-
 def autocovariance(residual: FloatArray, present: BoolArray, lags: int) -> FloatArray:
     """Return covariances of channels over time, tapered, shape (n_channels, n_channels, lags + 1).
 
@@ -160,23 +136,3 @@ def coloured_covariance(traces: FloatArray, covariance: FloatArray) -> FloatArra
     spectrum = fft.rfft(kernel, axis=-1)
     coloured = fft.irfft(np.einsum("cdf,cfm->dfm", spectrum, waves), size, axis=1)[:, :n]
     return np.asarray(traces.reshape(-1, m).T @ coloured.reshape(-1, m))
-
-
-def wald_p(estimate: FloatArray, covariance: FloatArray, n_blocks: int | None = None) -> float:
-    """Return the p-value of Wald's test that the true values are 0.
-
-    `estimate`, shape (k,). `covariance`, shape (k, k). `n_blocks`: number of blocks from which the covariance was
-    estimated (Hotelling's distribution); None if it is known.
-
-    >>> round(wald_p(np.array([1.96]), np.eye(1)), 3)
-    0.05
-    """
-    k = len(estimate)
-    scale = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-    shape = covariance / np.outer(scale, scale) + 1e-9 * np.eye(k)
-    size = float(estimate / scale @ np.linalg.solve(shape, estimate / scale))
-    if n_blocks is None:
-        return float(chdtrc(k, size))
-    if n_blocks <= k + 1:
-        return 1.0
-    return float(fdtrc(k, n_blocks - k, size * (n_blocks - k) / (k * (n_blocks - 1))))

@@ -31,7 +31,7 @@ from scipy.linalg.lapack import dposv
 from scipy.ndimage import uniform_filter1d
 
 from .arrays import FloatArray, IntArray
-from .smoothing import noise_of
+from .smoothing import noise_of, rate_of
 from .ties import graded
 
 #: Length scales of the smooth function, as shares of half an input's range: of the slips, which a program sweeps
@@ -277,9 +277,8 @@ def _slip_history(table: pd.DataFrame, t: FloatArray, step: float) -> list[Float
     columns = [2.0 * (t - t[0]) / max(float(t[-1] - t[0]), 1e-9) - 1.0]
     for name in SLIPS:
         if name in table and float(np.ptp(table[name].to_numpy(dtype=np.float64))) > 0.0:  # False with NaN
-            with np.errstate(divide="ignore", invalid="ignore"):
-                slope = np.gradient(table[name].to_numpy(dtype=np.float64), t)
-            slope = uniform_filter1d(np.where(np.isfinite(slope), slope, 0.0), width, mode="nearest")
+            slope = rate_of(table[name].to_numpy(dtype=np.float64), t)
+            slope = uniform_filter1d(slope, width, mode="nearest")
             columns.append(np.tanh(slope / (0.3 * float(np.sqrt(np.mean(slope**2))) + 1e-12)))
     return columns
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from ...numerics.ties import graded
 from ..probing.effect_probing import Screen
-from ..thresholds import REPORTED
+from ..thresholds import RIVALS
 from ..unexplained.formula_proposal import Dictionary
 from ..weighted_columns import joined
 from .evidence import NormalEquations, Projected
@@ -23,6 +23,8 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Number of terms of a formula. Convention: computing time.
 TERMS = 3
+#: Correlation from which an effect may take the place of another one: a tenth of the variance is common. Convention.
+ALIKE = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +81,10 @@ def in_place_of(part: str, linear: Linearization, additions: Sequence[Addition])
 
 
 def rivals_of(columns: Projected, additions: Sequence[Addition]) -> dict[str, Gain]:
-    """Return the best addition of each effect that is confounded with a part, by `in_place_of`, most of all first."""
+    """Return the best addition of each of the `RIVALS` effects most like a part, by `in_place_of`, most of all first.
+
+    An effect that is little like the part alone may take its place together with others, whose memories change then.
+    """
     correlation, best = dict[str, float](), dict[str, Gain]()
     for addition, group in zip(additions, columns.groups[1:], strict=True):
         size = float(columns.correlations(group)[0])
@@ -87,8 +92,8 @@ def rivals_of(columns: Projected, additions: Sequence[Addition]) -> dict[str, Ga
         gain, estimate = columns.gain(group)
         if addition.name not in best or graded(gain) > graded(best[addition.name].gain):
             best[addition.name] = Gain(gain, addition, estimate)
-    confounded = [name for name, size in correlation.items() if size > REPORTED]
-    return {name: best[name] for name in sorted(confounded, key=lambda name: -graded(correlation[name]))}
+    alike = [name for name, size in correlation.items() if size > ALIKE]
+    return {name: best[name] for name in sorted(alike, key=lambda name: -graded(correlation[name]))[:RIVALS]}
 
 
 def best_formula(shared: Shared, refit: Refitted) -> Refitted:

@@ -12,17 +12,16 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 
 from ...measurements.virtual_bench.bench_errors import half_waves
+from ...numerics.arrays import FloatArray
 from ..signals.disturbances import LAGS, load_error_responses, passed
 from ..signals.signals import Signals
 from ..signals.simulation import Simulator
+from ..signals.skew import time_derivatives
 from ..thresholds import BLOCK_LENGTH, DRIFT_WAVES, MAX_SKEW
 from ..unexplained.features import CORE_INPUTS
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Drift that may explain structure: largest number of half waves, and prior standard deviation of the k-th one times k,
 #: in noise standard deviations. The quotient is derived: a random walk has it. The size and the number are conventions.
@@ -31,8 +30,8 @@ FAST_DRIFT_WAVES, FAST_DRIFT_PRIOR = 12, 2.0
 #: within 1 %. More is attributed to the tire. Convention.
 LOAD_ERROR_PRIOR = 0.005
 
-#: Features of each channel: of the model, and of an effect. Convention: computing time.
-MODEL_FEATURES, EFFECT_FEATURES = 30, 30
+#: Features of each channel, of the model and of each effect. Convention: computing time.
+FEATURES = 30
 #: Inputs of which the magnitude counts: a discrepancy is symmetric between left and right, driving and braking.
 SYMMETRIC = ("alpha", "kappa", "gamma", "phit")
 #: Lengths of the moving averages from which noise of the inputs differs, s. Convention.
@@ -59,7 +58,7 @@ def model_discrepancy(signals: Signals, forces: FloatArray) -> FloatArray:
                 proportional[i] = forces[side] * size[i] / max(size[side], 1e-12)
                 even[i] = plane * size[i] / max(size[side], 1e-12)
     named = signals.named()
-    functions = smooth_functions({name: named[name] for name in sorted(CORE_INPUTS)}, MODEL_FEATURES)
+    functions = smooth_functions({name: named[name] for name in sorted(CORE_INPUTS)}, FEATURES)
     columns = np.concatenate([_by_channel(rows, functions) for rows in (proportional, even)], axis=-1)
     return np.asarray(columns[:, :, np.any(columns, axis=(0, 1))])
 
@@ -72,18 +71,10 @@ def fast_drift(signals: Signals, inverse_noise: FloatArray) -> tuple[FloatArray,
 
     `inverse_noise`, shape (n_channels, n): reciprocal standard deviation of the noise, 1/N and 1/(N m).
     """
-    waves = _fast_waves(signals)
-    columns, deviations = [], []
-    for i, row in enumerate(inverse_noise):
-        noise = 1.0 / float(np.median(row[row > 0.0])) if (row > 0.0).any() else 1.0
-        for k, wave in waves.items():
-            column = np.zeros(signals.measured.shape)
-            column[i] = wave
-            columns.append(column)
-            deviations.append(noise * FAST_DRIFT_PRIOR / k)
-    if not columns:
-        return np.zeros((*signals.measured.shape, 0)), np.zeros(0)
-    return np.stack(columns, axis=-1), np.array(deviations)
+    waves, rows = _fast_waves(signals), np.ones_like(inverse_noise)
+    functions = np.stack(list(waves.values()), axis=-1) if waves else np.zeros((len(signals.rows), 0))
+    noise = [1.0 / float(np.median(row[row > 0.0])) if (row > 0.0).any() else 1.0 for row in inverse_noise]
+    return _by_channel(rows, functions), np.array([size * FAST_DRIFT_PRIOR / k for size in noise for k in waves])
 
 
 def _fast_waves(signals: Signals) -> dict[int, FloatArray]:
@@ -103,7 +94,7 @@ def effect_discrepancy(response: FloatArray, inputs: Mapping[str, FloatArray], s
     `response`, shape (n_channels, n): the change of the forces by the effect. `inputs`: those of which its error is a
     function, at the compared rows. `seed`: of the random functions.
     """
-    return _by_channel(response, smooth_functions(inputs, EFFECT_FEATURES, seed))
+    return _by_channel(response, smooth_functions(inputs, FEATURES, seed))
 
 
 def envelope(response: FloatArray, signals: Signals) -> FloatArray:
@@ -148,12 +139,8 @@ def bench_errors(simulator: Simulator, parameters: FloatArray) -> tuple[FloatArr
     signals = simulator.signals
     if not signals.timed:
         return np.zeros((*signals.measured.shape, 0)), np.zeros(0)
-    at_all = simulator.with_signals(replace(signals, rows=np.arange(len(signals.t)))).forces(parameters)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rate = np.nan_to_num(np.gradient(at_all, signals.t, axis=1), posinf=0.0, neginf=0.0)
-        bend = np.nan_to_num(np.gradient(rate, signals.t, axis=1), posinf=0.0, neginf=0.0)
     step = float(np.median(np.diff(signals.t)))
-    columns = np.stack([-rate[:, signals.rows], bend[:, signals.rows]], axis=-1)
+    columns = time_derivatives(simulator, parameters) * [-1.0, 1.0]
     loads = load_error_responses(simulator, parameters)
     # A line between two rows is wrong by an eighth of the squared step times the second derivative.
     deviations = [0.5 * MAX_SKEW, step**2 / 8.0, *(LOAD_ERROR_PRIOR for _ in LAGS)]

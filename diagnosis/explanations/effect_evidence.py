@@ -7,21 +7,15 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import chdtrc, ndtri
 
+from ...numerics.arrays import FloatArray, IntArray
 from ...numerics.block_regression import error_of_sum
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
-
 #: Number of long stretches in which an effect is judged. Convention.
 STRETCHES = 8
-
-#: Probability below which the estimate over its standard error is used as it is: quantiles end at 1e-308.
-MIN_P = 1e-260
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +36,6 @@ class Evidence:
         p-value of its response under coloured noise.
     gains : ndarray, shape (n_blocks,)
         Cross-validated gain of each block of time, as a share of the squared misfit without the effect.
-    edges : ndarray, shape (n_blocks + 1,)
-        The first row of each block.
     change : ndarray, shape (n_channels, n)
         Of the forces by the effect alone, N and N m.
     """
@@ -56,7 +48,6 @@ class Evidence:
     holdout_error: float
     p: float
     gains: FloatArray
-    edges: IntArray
     change: FloatArray
 
     @property
@@ -73,42 +64,30 @@ class Evidence:
 def effect_evidence(after: Screen, coefficients: Collection[str]) -> Evidence:
     """Compare a fit with the fit without an effect.
 
-    Parameters
-    ----------
-    after : Screen
-        Of the model with all effects.
-    coefficients : collection of str
-        Free coefficients of the effect.
-
-    Returns
-    -------
-    Evidence
+    `after`: of the model with all effects. `coefficients`: free ones of the effect.
     """
     problem, solution = after.problem, after.solution
-    simulator = problem.simulator
-    indices = [simulator.index[name] for name in coefficients]
-    removed = solution.parameters.copy()
-    removed[indices] = simulator.tire.parameters()[indices]
-    without = problem.solve_without(solution, coefficients, iterations=FINAL_ITERATIONS)
+    removed = problem.simulator.without(solution.parameters, coefficients)
+    others = tuple(name for name in solution.free if name not in coefficients)
+    without = problem.solve(removed, others, iterations=FINAL_ITERATIONS)
     screen = Screen(problem, without)
     # In the linear case the change by the effect alone, but right, too, if the other coefficients follow nonlinearly.
     columns = problem.weighted(without.residual - solution.residual)[:, :, None]
-    screen.learn_noise({0: columns})
+    screen.learn_noise([columns])
     response = screen.response(columns)
     size = float(response.estimate[0] / response.error[0]) if np.isfinite(response.error[0]) else 0.0
-    z = joint_z(size, len(indices))
+    z = joint_z(size, len(coefficients))
     edges = _stretches(screen, columns[:, :, 0], z)
     holdout = problem.holdout_gains(without, solution)
     total = float(screen.baseline.loss.sum())
     return Evidence(
         z,
-        int(np.sum(screen.stretch_losses(edges) > after.stretch_losses(edges))),
+        int(np.sum(screen.losses(edges) > after.losses(edges))),
         float(holdout.sum()),
         error_of_sum(holdout) if len(holdout) > 1 else 0.0,
-        response.p_coloured,
+        float(chdtrc(1, (response.estimate[0] / response.coloured[0]) ** 2)),
         (screen.baseline.loss - after.baseline.loss) / total,
-        screen.edges,
-        np.nan_to_num(simulator.forces(solution.parameters) - simulator.forces(removed)),
+        np.nan_to_num(problem.simulator.forces(solution.parameters) - problem.simulator.forces(removed)),
     )
 
 
@@ -118,7 +97,8 @@ def _stretches(screen: Screen, change: FloatArray, z: float) -> IntArray:
     A stretch in which the significance of the effect would be less than one standard deviation says nothing about it.
     If more than a quarter are of that kind, as for an effect that ends soon, they contain equal shares of the effect.
     """
-    edges = screen.stretches(STRETCHES)
+    marks = np.round(np.linspace(0, screen.n_blocks, STRETCHES + 1)).astype(np.int64)
+    edges: IntArray = screen.edges[marks]
     evidence = np.cumsum(np.sum(change**2, axis=0))
     shares = np.diff(np.concatenate([[0.0], evidence])[edges]) / max(float(evidence[-1]), 1e-300)
     if np.sum(z**2 * shares > 1.0) >= 0.75 * STRETCHES:
@@ -130,18 +110,12 @@ def _stretches(screen: Screen, change: FloatArray, z: float) -> IntArray:
 def joint_z(size: float, coefficients: int) -> float:
     """Return the significance of several coefficients as standard deviations of a normal distribution.
 
-    Parameters
-    ----------
-    size : float
-        Estimate over standard error of the fitted combination of the coefficients.
-    coefficients : int
+    `size`: estimate over standard error of the fitted combination of the coefficients.
 
-    Examples
-    --------
     >>> round(joint_z(5.0, 1), 6), round(joint_z(5.0, 3), 2)
     (5.0, 4.32)
     """
     if size <= 0.0:
         return 0.0
     p = float(chdtrc(coefficients, size**2))
-    return float(-ndtri(p / 2.0)) if p > MIN_P else size
+    return float(-ndtri(p / 2.0)) if p > 0.0 else size  # numbers end at 1e-308

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from ...numerics.arrays import FloatArray
 from ...symbolic.detection import Form
 from ..thresholds import EFFECT_ODDS
 from ..unexplained.features import Feature, Location
-
-FloatArray = npt.NDArray[np.float64]
 
 #: The name of the unknown component of an explanation.
 UNKNOWN = "UNKNOWN"

@@ -9,26 +9,21 @@ of the bumps from its center: outside the tested range the correction falls to 0
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-import numpy.typing as npt
 
 from ...boundary.errors import EffectError
+from ...numerics.arrays import BoolArray, FloatArray
 from ...numerics.block_regression import error_of_sum
-from ...symbolic.added import AddedEffect, read_effect
-from ...symbolic.model import Model
+from ...symbolic.added import AddedEffect, effect_from
 from ...tires.tire import Tire
-from ..least_squares import LeastSquares, Solution
+from ..least_squares import LeastSquares, Solution, density_gains
 from ..signals.signals import Signals
-from ..signals.simulation import Simulator
-from ..thresholds import DISCREPANCIES, FINAL_ITERATIONS, FOLDS
+from ..thresholds import DISCREPANCIES, FOLDS
 from .discrepancy import model_discrepancy
 from .evidence import folds_of, likelihood_power
-
-FloatArray = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
 
 #: The name of the effect, and how the names of its shares of bumps begin.
 FORM, PREFIX = "form", "FORM_"
@@ -46,61 +41,40 @@ CORRECTED = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
-class Form:
-    """A correction of the form, fitted together with the tire.
+def form_of(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, Solution, FloatArray] | None:
+    """Return the fit of a model with a correction of the form, and what it errs by without, N and N m.
 
-    - `start`: the model with it.
-    - `problem`, `solution`: of the model with it.
-    - `change`, shape (n_channels, n): of the residual by it, N and N m: what the tire without it errs by.
-    """
-
-    start: Tire
-    problem: LeastSquares
-    solution: Solution
-    change: FloatArray
-
-
-def form_of(problem: LeastSquares, solution: Solution, start: Tire) -> Form | None:
-    """Return a correction of the form; None if nothing is to be corrected, or the hold-out set not predicted better.
+    None if nothing is to be corrected, or the hold-out set not predicted better. The errors are the change of the
+    residual, shape (n_channels, n).
 
     It is fitted if a smooth function of slips and load predicts left-out blocks of time better, by more than twice the
     standard error over blocks.
 
-    `start`: the model with all effects. For the fit, the noise of a channel is its residual, and the likelihood is
-    raised to the power of the comparison.
+    For the fit, the noise of a channel is its residual, and the likelihood is raised to the power of the comparison.
     """
-    used, signals = problem.inverse_noise > 0.0, problem.simulator.signals
-    size = np.sqrt(np.sum((problem.inverse_noise * solution.residual) ** 2, axis=1) / np.maximum(used.sum(axis=1), 1))
-    geometry = _geometry(signals, start)
-    if geometry is None or FORM in start.has:
+    used, signals, tire = problem.inverse_noise > 0.0, problem.simulator.signals, problem.simulator.tire
+    size, geometry = problem.sizes(solution.residual), _geometry(signals, tire)
+    if geometry is None or FORM in tire.has:
         return None
     power = likelihood_power(int(used.any(axis=0).sum()))
     weights = problem.inverse_noise * (np.sqrt(power) / np.where(size > 0.0, size, 1.0))[:, None]
-    gains = _gains(signals, solution.residual, _smoothed(problem, solution, weights), used, used)
+    gains = _gains(signals, solution, _smoothed(problem, solution, weights), used, used)
     if not gains.sum() > 2.0 * error_of_sum(gains):
         return None
-    roles = _roles(start.symbolic_model, signals.channels)
+    leading, channels = tire.symbolic_model.leading, signals.channels
+    roles = tuple(role for role, (channel, *_) in CORRECTED.items() if channel in channels and leading(role))
+    weighted = replace(problem, inverse_noise=weights)
     try:
-        tire = replace(start, added=(*start.added, form_effect(roles)))
-        simulator = Simulator(tire, signals.with_inputs_of(tire))
+        wider, parameters = weighted.with_effect(form_effect(roles), solution, geometry)
     except EffectError:  # an effect of this name, or a quantity that cannot be acted on
         return None
-    parameters = tire.parameters()
-    for name in problem.simulator.names:
-        parameters[simulator.index[name]] = solution.parameters[problem.simulator.index[name]]
-    for name, value in geometry.items():
-        parameters[simulator.index[name]] = value
-    wider = replace(problem, inverse_noise=weights, simulator=simulator.driven_at(parameters))
-    free = tuple(sorted((*solution.free, *_coefficients(roles)), key=simulator.names.index))
-    best = wider.solve(parameters, free, iterations=FINAL_ITERATIONS)
-    wider = wider.over(wider.simulator.driven_at(best.parameters))
-    best = wider.at(best.parameters, free)
+    free = tuple(sorted((*solution.free, *_coefficients(roles)), key=wider.simulator.names.index))
+    wider, best = wider.fitted(parameters, free)
     held = signals.present & signals.holdout
-    if not _gains(signals, solution.residual, best.residual, used, held).sum() > 0.0:
+    if not _gains(signals, solution, best.residual, used, held).sum() > 0.0:
         return None
-    change = np.where(signals.present, solution.residual - best.residual, 0.0)
-    return Form(tire, replace(wider, inverse_noise=problem.inverse_noise), best, change)
+    errors = np.where(signals.present, solution.residual - best.residual, 0.0)
+    return replace(wider, inverse_noise=problem.inverse_noise), best, errors
 
 
 def _smoothed(problem: LeastSquares, solution: Solution, weights: FloatArray) -> FloatArray:
@@ -122,21 +96,9 @@ def _smoothed(problem: LeastSquares, solution: Solution, weights: FloatArray) ->
     return rest
 
 
-def _gains(signals: Signals, before: FloatArray, after: FloatArray, fitted: BoolArray, judged: BoolArray) -> FloatArray:
-    """Return by how much the logarithm of the density of each block of time with judged rows is larger.
-
-    `before`, `after`: residuals, shape (n_channels, n). `fitted`, `judged`, of the same shape: rows that determine the
-    variances, and rows that are compared.
-    """
-    gains = np.zeros(len(signals.rows))
-    for i in range(len(signals.channels)):
-        if fitted[i].any() and judged[i].any():
-            densities = [
-                -0.5 * (np.log(variance) + residual[i] ** 2 / variance)
-                for residual in (before, after)
-                for variance in [max(float(np.mean(residual[i][fitted[i]] ** 2)), 1e-300)]
-            ]
-            gains += np.where(judged[i], densities[1] - densities[0], 0.0)
+def _gains(signals: Signals, before: Solution, after: FloatArray, fitted: BoolArray, judged: BoolArray) -> FloatArray:
+    """Return the gains of density (`density_gains`) of another residual than a solution's in each block of time."""
+    gains = density_gains(before.residual, after, fitted, judged).sum(axis=0)
     blocks = signals.block[judged.any(axis=0)]
     return np.array([np.sum(gains, where=signals.block == block) for block in np.unique(blocks)])
 
@@ -164,11 +126,6 @@ def without_form(tire: Tire) -> Tire:
     return tire.with_values(**{name: 0.0 for name in tire.symbolic_model.coefficients if name.startswith(PREFIX)})
 
 
-def _roles(model: Model, channels: Collection[str]) -> tuple[str, ...]:
-    """Return the roles whose quantities are corrected: those of measured channels."""
-    return tuple(role for role, (channel, *_) in CORRECTED.items() if channel in channels and model.leading(role))
-
-
 def _coefficients(roles: Collection[str]) -> list[str]:
     return [name for role in roles for load in range(LOADS) for name in _names(role, load)]
 
@@ -177,26 +134,30 @@ def _coefficients(roles: Collection[str]) -> list[str]:
 def form_effect(roles: tuple[str, ...]) -> AddedEffect:
     """Return the effect of the correction for quantities by their roles, the same for all recordings."""
     bound = 2.0 * max(DISCREPANCIES)
-    ranges = (
-        ("FORMF0", "center of the first bump over Fz/FNOMIN", -100.0, 100.0, 0.0),
-        ("FORMFW", "distance of the bumps over Fz/FNOMIN", 1e-3, 100.0, 1.0),
-        ("FORMS0", "center of the first bump over slip", -100.0, 100.0, 0.0),
-        ("FORMSW", "distance of the bumps over slip", 1e-3, 100.0, 1.0),
-    )
-    rows = [*ranges, *((name, "share of a bump", -bound, bound, None) for name in _coefficients(roles))]
-    declared = [
-        f'{name} = {{description = "{what}", unit = "1", lower = {lower!r}, upper = {upper!r}'
-        + ("}" if neutral is None else f", neutral = {neutral!r}}}")
-        for name, what, lower, upper, neutral in rows
+    centers = [
+        ("FORMF0", "center of the first bump over Fz/FNOMIN", -100.0, 0.0),
+        ("FORMFW", "distance of the bumps over Fz/FNOMIN", 1e-3, 1.0),
+        ("FORMS0", "center of the first bump over slip", -100.0, 0.0),
+        ("FORMSW", "distance of the bumps over slip", 1e-3, 1.0),
     ]
-    acts = [
-        f'[[acts]]\non = "{role}"\nfactor = "1 + {_bump(LOAD, load)}*({_over_slip(_names(role, load))})"'
-        for role in roles
-        for load in range(LOADS)
-    ]
-    head = f'name = "{FORM}"\nphysics = "correction of the formula\'s own form within the tested loads and slips"'
-    source = 'source = "diagnosis of a recording"\n[coefficients]'
-    return read_effect("\n".join((head, source, *declared, *acts, "")), f"{FORM}.toml")
+    table = {
+        "name": FORM,
+        "physics": "correction of the formula's own form within the tested loads and slips",
+        "source": "diagnosis of a recording",
+        "coefficients": {
+            name: {"description": text, "unit": "1", "lower": lower, "upper": 100.0, "neutral": neutral}
+            for name, text, lower, neutral in centers
+        } | {
+            name: {"description": "share of a bump", "unit": "1", "lower": -bound, "upper": bound}
+            for name in _coefficients(roles)
+        },
+        "acts": [
+            {"on": role, "factor": f"1 + {_bump(LOAD, load)}*({_over_slip(_names(role, load))})"}
+            for role in roles
+            for load in range(LOADS)
+        ],
+    }  # fmt: skip
+    return effect_from(table, f"{FORM}.toml")
 
 
 def _over_slip(names: tuple[str, ...]) -> str:

@@ -6,16 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from ...numerics.arrays import FloatArray
 from ...symbolic.model import Model
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..thresholds import UNKNOWN_SHARE
-from ..unexplained.features import CORE_INPUTS, LOCATIONS, Location, determined, directions, features, locations_of
+from ..unexplained.features import CORE_INPUTS, LOCATIONS, Location, directions, features, placed
 from .explanation import Explanation, Term
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Variables of the past.
 PAST = frozenset({"memory", "dalpha/dt", "dkappa/dt", "dFz/dt", "distance", "V"})
@@ -61,14 +59,11 @@ def form_errors(explanation: Explanation, candidates: Mapping[str, Candidate], m
 def unknown_terms(problem: LeastSquares, solution: Solution) -> list[Term]:
     """Return the terms that an explanation may have: features at locations of the model."""
     simulator = problem.simulator
-    signals, tire = simulator.signals, simulator.tire
-    even, odd = features(signals, tire)
+    even, odd = features(simulator.signals, simulator.tire)
     acting = directions(simulator, solution.parameters)
     return [
         Term(location, feature, column, deviation)
-        for location in locations_of(simulator.symbolic_model)
-        for feature in (even if location.how == "factor" else [*odd, *even])
-        if determined(location, feature, signals, tire)
+        for location, feature in placed(simulator, even, [*odd, *even])
         for column in [acting[location.name] * feature.values]
         if (deviation := prior_deviation(problem, column)) > 0.0
     ]

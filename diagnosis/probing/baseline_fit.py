@@ -12,7 +12,6 @@ from ...numerics.periodic_lines import periodic_lines
 from ...numerics.ties import graded
 from ...symbolic.declarations import Coefficient
 from ...symbolic.model import Model
-from ...tires.code import code_for
 from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 from ..signals.disturbances import disturbances_of
@@ -80,10 +79,9 @@ def fit_baseline(tire: Tire, signals: Signals, *, fitted: bool) -> tuple[LeastSq
     problem = LeastSquares(
         simulator, inverse_noise, disturbances_of(signals, noise, tire.values["UNLOADED_RADIUS"]), center
     )
-    subsample = slice(None, None, max(1, len(signals.rows) // 1500))
-    solutions = [
-        problem.solve(start, free, rows=subsample, iterations=25) for start in _starts(tire, signals, free, fitted)
-    ]
+    few = problem.subsampled(slice(None, None, max(1, len(signals.rows) // 1500)))
+    starts = [tire.parameters()] if fitted else _starts(simulator, free)
+    solutions = [problem.at(few.solve(start, free, iterations=25).parameters, free) for start in starts]
     best = problem.solve(min(solutions, key=lambda solution: graded(solution.cost)).parameters, free, iterations=4)
     for _ in range(2):
         problem = reweighted(problem, best)
@@ -127,12 +125,9 @@ def _with_periodic_lines(problem: LeastSquares, solution: Solution) -> LeastSqua
     return replace(problem, disturbances=problem.disturbances.with_lines(lines, axes, noise, signals.channels))
 
 
-def _starts(tire: Tire, signals: Signals, free: tuple[str, ...], fitted: bool) -> list[FloatArray]:
-    simulator = Simulator(tire, signals)
-    rescaled = simulator.rescaled
-    initial = tire.parameters()
-    if fitted:
-        return [initial]
+def _starts(simulator: Simulator, free: tuple[str, ...]) -> list[FloatArray]:
+    """Return initial values: each shape of the model's baseline, with friction and stiffness as measured."""
+    tire, signals = simulator.tire, simulator.signals
     inputs = signals.named()
     measured = dict(zip(signals.channels, signals.measured, strict=True))
     starts = []
@@ -151,23 +146,22 @@ def _starts(tire: Tire, signals: Signals, free: tuple[str, ...], fitted: bool) -
             for role, target in ((f"friction_{axis}", peak), (f"stiffness_{axis}", stiffness)):
                 leading = model.leading(role)
                 if leading in free:
-                    values[leading] = target / _per_unit(tire, role, {n: v for n, v in values.items() if n in free})
-        parameters = initial.copy()
+                    values[leading] = target / _per_unit(
+                        simulator, role, {n: v for n, v in values.items() if n in free}
+                    )
+        parameters = tire.parameters()
         for name, value in values.items():
             if name in free:
-                parameters[simulator.index[name]] = value * rescaled.get(name, 1.0)
+                parameters[simulator.index[name]] = value * tire.rescaled.get(name, 1.0)
         starts.append(parameters)
     return starts
 
 
-def _per_unit(tire: Tire, role: str, values: Mapping[str, float]) -> float:
+def _per_unit(simulator: Simulator, role: str, values: Mapping[str, float]) -> float:
     """Return the quantity of a role at nominal inputs per unit of its leading coefficient; 1 if not positive."""
-    model = tire.symbolic_model
-    unit_tire = replace(tire, values={**tire.values, **values, model.leading(role): 1.0})
-    code = code_for(model, "numpy")
-    point = np.array([[unit_tire.nominal(name)] for name in unit_tire.inputs])
-    row = code.quantities_names.index(model.quantity(role))
-    quantity = float(code.quantities(point, unit_tire.parameters())[row, 0])
+    tire = simulator.tire
+    unit_tire = replace(tire, values={**tire.values, **values, tire.symbolic_model.leading(role): 1.0})
+    quantity = simulator.at_nominal(role, unit_tire.parameters())
     return quantity if np.isfinite(quantity) and quantity > 0.0 else 1.0
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...symbolic.channels import OUTPUTS
 from ...symbolic.declarations import Coefficient
 from ...symbolic.detection import Detection, Form
 from ...symbolic.model import Model
@@ -23,8 +24,6 @@ SLIPS = ("kappa", "alpha", "gamma", "phit")
 RATE_TOLERANCE = 1.02
 #: The name of the baseline model without effects, whose errors are refinements.
 CORE = "core"
-#: The outputs of an effect that declares none.
-CHANNELS = ("Fx", "Fy", "Mz", "Mx", "My")
 
 
 @dataclass(frozen=True)
@@ -39,7 +38,6 @@ class Candidate:
     - `rate`: rows per second that a recording must have.
     """
 
-    name: str
     forms: tuple[Form, ...]
     requires: tuple[str, ...]
     channels: tuple[str, ...]
@@ -70,9 +68,7 @@ def declared_candidate(name: str, model: Model, present: frozenset[str] = frozen
     if detection and any(set(form.free) & declarations.keys() for form in detection.forms):
         forms = tuple(form for form in detection.forms if form.given in present)
         forms = forms or tuple(form for form in detection.forms if not form.given)
-        stateful = any(effect.states for effect in model.added if effect.name == name)
-        channels = detection.channels or CHANNELS
-        return Candidate(name, forms, detection.requires, channels, detection.contains, stateful, detection.rate)
+        return _candidate(name, model, detection, forms)
     of_model = name in {effect.name for effect in model.source.own_effects}
     if name not in model.effects or name in {effect.name for effect in model.added} or not (detection or of_model):
         return None
@@ -82,33 +78,30 @@ def declared_candidate(name: str, model: Model, present: frozenset[str] = frozen
         if key in model.owned(name) and declaration.neutral is not None
     ]
     channels = tuple(dict.fromkeys(channel for declaration in owned for channel in declaration.channels))
-    return Candidate(name, (_by_bounds(owned),), detection.requires if detection else (), channels) if owned else None
+    return Candidate((_by_bounds(owned),), detection.requires if detection else (), channels) if owned else None
 
 
 def _undeclared(name: str, model: Model) -> Candidate | None:
     """Return the candidate of a user-defined effect without declared forms."""
     for effect in model.added:
         if effect.name == name:
-            detection = effect.detection or Detection()
-            channels = detection.channels or CHANNELS
-            form, stateful = _by_bounds(effect.declarations), bool(effect.states)
-            return Candidate(name, (form,), detection.requires, channels, detection.contains, stateful, detection.rate)
+            return _candidate(name, model, effect.detection or Detection(), (_by_bounds(effect.declarations),))
     return None
+
+
+def _candidate(name: str, model: Model, detection: Detection, forms: tuple[Form, ...]) -> Candidate:
+    stateful = any(effect.states for effect in model.added if effect.name == name)
+    channels = detection.channels or OUTPUTS
+    return Candidate(forms, detection.requires, channels, detection.contains, stateful, detection.rate)
 
 
 def _by_bounds(declarations: Sequence[Coefficient]) -> Form:
     """Return the form that probes each coefficient by an eighth of its range."""
-    return Form.each(
-        {
-            declaration.name: (declaration.upper - declaration.default) / 8.0 + _limit(declaration)
-            for declaration in declarations
-        }
-    )
-
-
-def _limit(declaration: Coefficient) -> float:
-    """Return the default of a coefficient whose neutral value is outside its bounds, otherwise 0."""
-    return 0.0 if counts_from_neutral(declaration) else declaration.default
+    sizes = {}
+    for declaration in declarations:
+        start = 0.0 if counts_from_neutral(declaration) else declaration.default
+        sizes[declaration.name] = (declaration.upper - declaration.default) / 8.0 + start
+    return Form.each(sizes)
 
 
 def counts_from_neutral(declaration: Coefficient) -> bool:
@@ -166,7 +159,7 @@ def varies(signals: Signals, tire: Tire, name: str) -> bool:
     """Return whether an input varies by more than its noise in a recording, or an output is measured."""
     if name == "t":
         return signals.timed
-    if name in CHANNELS:
+    if name in OUTPUTS:
         return name in signals.channels
     if name not in signals.origin.recorded | signals.origin.derived or name not in signals.names:
         return False

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
 from ...numerics.arrays import FloatArray
 from ...symbolic.detection import Detection
-from ..signals.skew import delay_response
+from ..signals.skew import time_derivatives
 from ..thresholds import SIDE
 from .effect_probing import Screen
 
@@ -17,13 +17,11 @@ from .effect_probing import Screen
 MIN_SHARE = 0.4
 
 #: Sensor errors that are confounded with effects: the input and its error, rad, rad and 1.
-ALIASES: Mapping[str, Mapping[str, float]] = {
-    "slip_angle_zero_offset": {"alpha": 1e-3},
-    "inclination_zero_offset": {"gamma": 2e-3},
-    "slip_zero_offset": {"kappa": 1e-3},
+ALIASES = {
+    "slip_angle_zero_offset": ("alpha", 1e-3),
+    "inclination_zero_offset": ("gamma", 2e-3),
+    "slip_zero_offset": ("kappa", 1e-3),
 }
-
-
 #: Differences of friction between the signs of a slip, which no effect of the models describes: role and slip.
 FRICTION_ALIASES: Mapping[str, tuple[str, str]] = {
     "drive_brake_friction": ("friction_x", "kappa"),
@@ -39,32 +37,33 @@ def alias_columns(screen: Screen) -> dict[str, FloatArray]:
 
     Each has the shape (n_channels, n, 1).
     """
-    problem, parameters = screen.problem, screen.solution.parameters
-    at = problem.simulator.forces(parameters)
-    read = set(problem.simulator.signals.names)
-    moved = {name: problem.simulator.forces(parameters, shift) for name, shift in ALIASES.items() if read >= set(shift)}
-    changes = {name: forces - at for name, forces in moved.items()}
-    simulator, named = problem.simulator, problem.simulator.signals.named()
+    simulator, parameters = screen.problem.simulator, screen.solution.parameters
+    at, named = simulator.forces(parameters), simulator.signals.named()
+    changes = {
+        name: simulator.forces(parameters, {slip: error}) - at
+        for name, (slip, error) in ALIASES.items()
+        if slip in named
+    }
     for name, (role, slip) in FRICTION_ALIASES.items():
         leading = simulator.symbolic_model.leading(role)
         if slip in named and leading in simulator.index:
             response = simulator.jacobian(parameters, [leading])[:, :, 0] * parameters[simulator.index[leading]]
             changes[name] = response * np.tanh(named[slip] / SIDE)
-    if problem.simulator.signals.timed:
-        changes[SKEW_OF_FORCES] = delay_response(simulator, parameters)
-    return {name: (problem.inverse_noise * change)[:, :, None] for name, change in changes.items()}
+    if simulator.signals.timed:
+        changes[SKEW_OF_FORCES] = -time_derivatives(simulator, parameters)[:, :, 0]
+    return {name: (screen.problem.inverse_noise * change)[:, :, None] for name, change in changes.items()}
 
 
 def correlations(
-    screen: Screen, coefficients: Sequence[str], others: Mapping[str, FloatArray], identified: Mapping[str, FloatArray]
+    screen: Screen, coefficients: Sequence[str], others: Iterable[tuple[str, FloatArray]]
 ) -> dict[str, float]:
     """Return the correlation of an identified effect's response with that of each other explanation.
 
     `screen`: of the solution with the identified effect. `coefficients`: coefficients of the identified effect.
-    `others`, shapes (n_channels, n, k): weighted responses of other explanations. `identified`: weighted responses of
-    the other identified effects, which are in the model. Returns: 0 to 1: the correlation of the effect's response with
-    the best linear combination of the other responses. The responses to the remaining coefficients and to the
-    disturbances of the recording are projected out of both.
+    `others`: other explanations, each with weighted responses of shape (n_channels, n, k); one may occur several times,
+    as only one of its time constants is right. Returns: 0 to 1: the largest correlation of the effect's response with
+    the best linear combination of the responses. The responses to the remaining coefficients and to the disturbances of
+    the recording are projected out of both.
     """
     solution, simulator = screen.solution, screen.problem.simulator
     declarations, names = simulator.symbolic_model.coefficients, [n for n in solution.free if n in coefficients]
@@ -86,7 +85,7 @@ def correlations(
         part / own_size for part, own_size in zip(parts.T, sizes, strict=True) if own_size > MIN_SHARE * size > 0.0
     ]
     correlation: dict[str, float] = {}
-    for name, columns in {**others, **identified}.items():
+    for name, columns in others:
         flat = columns.reshape(rest.shape[0], -1)
         other = projected_out(columns)
         norms = np.linalg.norm(flat, axis=0)
@@ -94,7 +93,8 @@ def correlations(
         if not other.shape[1] or size == 0.0:
             continue
         basis, _ = np.linalg.qr(other / np.linalg.norm(other, axis=0))
-        correlation[name] = max(float(np.linalg.norm(basis.T @ direction)) for direction in directions)
+        along = [float(np.linalg.norm(basis.T @ direction)) for direction in directions]
+        correlation[name] = max(correlation.get(name, 0.0), *along)
     return correlation
 
 

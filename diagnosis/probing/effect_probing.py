@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from ...numerics.arrays import FloatArray, IntArray
-from ...numerics.block_regression import BlockSums, autocovariance, block_sums, coloured_covariance, regression, wald_p
+from ...numerics.block_regression import BlockSums, autocovariance, block_sums, coloured_covariance, regression
 from ...symbolic.detection import Form, Probe
 from ..least_squares import LeastSquares, Solution
 from ..signals.simulation import Simulator
@@ -28,15 +28,14 @@ class Response:
 
     - `columns`, shape (n_channels, n, k): weighted responses, one per probe.
     - `estimate`, shape (k,): amplitudes, in units of the probes.
-    - `p_coloured`: p-value of the Wald test from the autocovariance of the noise.
-    - `error`, shape (k,): standard errors of the estimate: the larger one of those from the autocovariance of the noise
-      and from the jackknife over blocks.
+    - `coloured`, shape (k,): standard errors of the estimate from the autocovariance of the noise.
+    - `error`, shape (k,): the larger one of these and of those from the jackknife over blocks.
     - `independent_share`: largest share of a response's norm that is orthogonal to the baseline's tangent space.
     """
 
     columns: FloatArray
     estimate: FloatArray
-    p_coloured: float
+    coloured: FloatArray
     error: FloatArray
     independent_share: float
 
@@ -47,8 +46,8 @@ class Screen:
     def __init__(self, problem: LeastSquares, solution: Solution) -> None:
         self.problem, self.solution = problem, solution
         self.signals = problem.simulator.signals
-        shape = problem.inverse_noise.shape
-        self.tangent = problem.tangent(solution.parameters, solution.free).reshape(*shape, -1)
+        jacobian = problem.simulator.jacobian(solution.parameters, solution.free)
+        self.tangent = problem.weighted(np.concatenate([jacobian, problem.disturbances.columns], axis=-1))
         self.residual = problem.weighted(solution.residual)
         center, deviation = problem.prior(solution.free)
         values = solution.parameters[[problem.simulator.index[name] for name in solution.free]]
@@ -59,7 +58,6 @@ class Screen:
         self.edges = _edges(self.signals.block, problem.inverse_noise)
         self.sums = block_sums(self.tangent, self.residual, self.edges)
         self.baseline = regression(self.sums, self.prior_precision, self.prior_gradient)
-        self._noise = self.residual
         self._baseline_forces = problem.simulator.forces(solution.parameters)
 
     @property
@@ -67,24 +65,16 @@ class Screen:
         """The number of blocks with data."""
         return len(self.edges) - 1
 
-    def stretches(self, number: int) -> IntArray:
-        """Return the edges of long stretches with equal numbers of blocks, rows, shape (number + 1,)."""
-        marks: IntArray = np.round(np.linspace(0, self.n_blocks, number + 1)).astype(np.int64)
-        return np.asarray(self.edges[marks])
-
-    def stretch_losses(self, edges: IntArray) -> FloatArray:
-        """Return the squared misfit of each stretch between edges with the estimate from the others."""
-        return regression(
-            block_sums(self.tangent, self.residual, edges), self.prior_precision, self.prior_gradient
-        ).loss
+    def losses(self, edges: IntArray) -> FloatArray:
+        """Return the squared misfit of each part between edges with the estimate from the others."""
+        sums = block_sums(self.tangent, self.residual, edges)
+        return regression(sums, self.prior_precision, self.prior_gradient).loss
 
     def columns(self, form: Form) -> FloatArray:
         """Return the weighted responses of the forces to a form's probes, shape (n_channels, n, k)."""
-        return np.stack([self._column(form, probe) for probe in form.probes], axis=-1)
-
-    def _column(self, form: Form, probe: Probe) -> FloatArray:
-        moved = self.problem.simulator.forces(probed(self.problem.simulator, self.solution, form, probe))
-        return self.problem.weighted(np.nan_to_num(moved - self._baseline_forces))
+        simulator = self.problem.simulator
+        moved = [simulator.forces(probed(simulator, self.solution, form, probe)) for probe in form.probes]
+        return self.problem.weighted(np.nan_to_num(np.stack(moved, axis=-1) - self._baseline_forces[:, :, None]))
 
     def project(self, columns: FloatArray) -> FloatArray:
         """Return columns with the baseline's tangent space projected out."""
@@ -92,23 +82,29 @@ class Screen:
         cross = self.tangent.reshape(-1, q).T @ columns.reshape(-1, k)
         return np.asarray(columns - self.tangent @ (self.baseline.inverse @ cross))
 
-    def learn_noise(self, responses: Mapping[int, FloatArray]) -> None:
-        """Estimate the noise as the part of the residual that no combination of responses explains."""
-        self._noise = self.residual
+    @cached_property
+    def covariance(self) -> FloatArray:
+        """The autocovariance of the noise, which is the residual (`autocovariance`)."""
+        return self._autocovariance(self.residual)
+
+    def learn_noise(self, responses: Sequence[FloatArray]) -> None:
+        """Let the noise be the part of the residual that no combination of responses explains."""
         if responses:
-            combined = np.concatenate([self.project(columns) for columns in responses.values()], axis=-1)
+            combined = np.concatenate([self.project(columns) for columns in responses], axis=-1)
             flat = combined.reshape(-1, combined.shape[-1])
             matrix = flat.T @ flat
             matrix += np.diag(1e-3 * np.diag(matrix) + 1e-9)
-            self._noise = self.residual - (combined @ np.linalg.solve(matrix, flat.T @ self.residual.ravel()))
-        t = self.signals.t[self.signals.rows]
+            explained = combined @ np.linalg.solve(matrix, flat.T @ self.residual.ravel())
+            self.covariance = self._autocovariance(self.residual - explained)
+
+    def _autocovariance(self, noise: FloatArray) -> FloatArray:
+        t, used = self.signals.t[self.signals.rows], self.problem.inverse_noise > 0.0
         step = float(np.median(np.diff(t))) if self.signals.timed else MAX_CORRELATION_TIME / 25.0
         lags = int(np.clip(MAX_CORRELATION_TIME / max(step, 1e-6), 5, 200))
-        self._noise = np.where(self.problem.inverse_noise > 0.0, self._noise, 0.0)
-        self.covariance = autocovariance(self._noise, self.problem.inverse_noise > 0.0, lags)
+        return autocovariance(np.where(used, noise, 0.0), used, lags)
 
     def standard_errors(self) -> FloatArray:
-        """Return standard errors of coefficients and disturbances, after `learn_noise`.
+        """Return standard errors of coefficients and disturbances.
 
         They are those of the sandwich estimator for coloured noise, or the mean with the jackknife's if that is larger.
         """
@@ -126,18 +122,16 @@ class Screen:
         testable = independent > np.maximum(MIN_INDEPENDENT_SHARE * size, 1e-6)
         share = float(np.max(independent / np.maximum(size, 1e-300)))
         if not testable.any():
-            return Response(columns, np.zeros(k), 1.0, np.full(k, np.inf), share)
+            return Response(columns, np.zeros(k), np.full(k, np.inf), np.full(k, np.inf), share)
         sums = self._extended(columns)
         q = self.tangent.shape[-1]
         prior = np.concatenate([self.prior_precision, np.full(k, FREE_PRIOR**-2.0)])
         fit = regression(sums, prior, np.concatenate([self.prior_gradient, np.zeros(k)]))
         inner = fit.inverse[q:, q:]
-        coloured = inner @ coloured_covariance(free, self.covariance) @ inner
-        jackknife = fit.jackknife[q:, q:]
-        estimate = fit.estimate[q:]
-        use = np.ix_(testable, testable)
-        error = np.sqrt(np.maximum(np.diag(coloured), np.diag(jackknife)))
-        return Response(columns, estimate, wald_p(estimate[testable], coloured[use]), error, share)
+        coloured = np.diag(inner @ coloured_covariance(free, self.covariance) @ inner)
+        variance = np.maximum(coloured, np.diag(fit.jackknife)[q:])
+        alone, larger = (np.sqrt(np.maximum(square, 1e-300)) for square in (coloured, variance))
+        return Response(columns, fit.estimate[q:], alone, larger, share)
 
     def _extended(self, columns: FloatArray) -> BlockSums:
         """Return the cross products by block of the tangent space with columns appended."""
@@ -178,9 +172,9 @@ def tried(screen: Screen, candidates: Mapping[str, Candidate]) -> list[Tried]:
         for point in declared.points()
         if (form := unfitted(point, simulator, free)) is not None
     ]
-    columns = {i: screen.columns(form) for i, (_, form) in enumerate(forms)}
-    screen.learn_noise(columns)
-    return [Tried(name, form, screen.response(columns[i])) for i, (name, form) in enumerate(forms)]
+    responses = [screen.columns(form) for _, form in forms]
+    screen.learn_noise(responses)
+    return [Tried(name, form, screen.response(columns)) for (name, form), columns in zip(forms, responses, strict=True)]
 
 
 def probed(simulator: Simulator, solution: Solution, form: Form, probe: Probe) -> FloatArray:

@@ -16,7 +16,7 @@ from ...drawing.figure import Figure, Panel, Series, in_rows
 from ...drawing.labels import axis_label, drawn_unit, note, per_si
 from ...drawing.residual_panels import INPUTS, bins
 from ...drawing.style import BLACK, BLUE, DASHED, GRAY, RED, SOLID
-from ...numerics.arrays import BoolArray, FloatArray
+from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
 from ...symbolic.quantities import ALPHA, KAPPA
 from ...tires.evaluation import Conventions, evaluate
@@ -108,18 +108,15 @@ def memory_figure(diagnosis: Diagnosis, channel: str) -> Figure:
         forces.append(_force_panel(diagnosis, values, channel, slip, title))
         residuals.append(_residual_panel(diagnosis, values, channel, slip, title))
     computed, t = _evaluated(diagnosis, diagnosis.tire), diagnosis.rows["t"]
+    declared = diagnosis.tire.symbolic_model.states
+    units = {name: "-" if declared[name].unit == "1" else declared[name].unit for name in diagnosis.tire.states}
     states = [
-        Panel("t (s)", f"{name} ({_unit(diagnosis.tire, name)})", (Series("line", t, computed[name], size=0.9),),
+        Panel("t (s)", f"{name} ({units[name]})", (Series("line", t, computed[name], size=0.9),),
               x_axis="time", height=1.5)
         for name in diagnosis.tire.states if np.ptp(computed[name]) > 0.0
     ]  # fmt: skip
     rows = (tuple(forces), tuple(residuals), *((panel,) for panel in states))
     return Figure(f"memory_{channel}", f"{channel} by direction of slip, and states over time", rows)
-
-
-def _unit(tire: Tire, state: str) -> str:
-    unit = tire.symbolic_model.states[state].unit
-    return "-" if unit == "1" else unit
 
 
 def _widest_slip(rows: pd.DataFrame) -> str:
@@ -142,17 +139,19 @@ def _force_panel(diagnosis: Diagnosis, computed: FloatArray, channel: str, slip:
     frequent = float(edges[count.argmax()]) + width / 2.0
     near = np.abs(load - frequent) <= width
     measured = rows[channel].to_numpy(dtype=np.float64)
-    values = np.where(np.isfinite(measured), computed, np.nan)
-    points, lines, shown = [], [], []
-    for label, direction, color, dashes in DIRECTIONS:
-        x, mean = _means(diagnosis, measured, slip, direction, near, MIN_ROWS_OF_FORCE)
-        points.append(Series("points", x, mean, color, f"measured, {label}", marker="o", size=4.0))
-        shown.append(mean)
-        mean = _means(diagnosis, values, slip, direction, near, MIN_ROWS_OF_FORCE)[1]
-        lines.append(Series("line", x, mean, color, f"tire, {label}", dashes, size=1.3))
-    first, second = (line.points[1] for line in lines)
-    if coincide(first, second, *shown):
-        mean = np.where(np.isfinite(first), first, second)
+    of_tire = np.where(near & np.isfinite(measured), computed, np.nan)
+    x, shown = _by_direction(rows, np.where(near, measured, np.nan), slip, MIN_ROWS_OF_FORCE)
+    means = _by_direction(rows, of_tire, slip, MIN_ROWS_OF_FORCE)[1]
+    points = [
+        Series("points", x, mean, color, f"measured, {label}", marker="o", size=4.0)
+        for (label, _, color, _), mean in zip(DIRECTIONS, shown, strict=True)
+    ]
+    lines = [
+        Series("line", x, mean, color, f"tire, {label}", dashes, size=1.3)
+        for (label, _, color, dashes), mean in zip(DIRECTIONS, means, strict=True)
+    ]
+    if coincide(*means, *shown):
+        mean = np.where(np.isfinite(means[0]), *means)
         lines = [Series("line", x, mean, BLACK, "tire, both directions", size=1.3)]
     return Panel(
         axis_label(slip), axis_label(channel), (*points, *lines), f"{title}, Fz near {frequent:.0f} N", y_axis="force",
@@ -163,39 +162,28 @@ def _force_panel(diagnosis: Diagnosis, computed: FloatArray, channel: str, slip:
 def _residual_panel(diagnosis: Diagnosis, computed: FloatArray, channel: str, slip: str, title: str) -> Panel:
     """Return the mean residual over slip, separately for rising and for falling slip."""
     residual = diagnosis.rows[channel].to_numpy(dtype=np.float64) - computed
-    series = []
-    for label, direction, color, dashes in DIRECTIONS:
-        x, mean = _means(diagnosis, residual, slip, direction, np.ones(len(residual), dtype=bool), MIN_ROWS_OF_CELL)
-        series.append(Series("line", x, mean, color, label, dashes, size=1.2))
+    x, means = _by_direction(diagnosis.rows, residual, slip, MIN_ROWS_OF_CELL)
+    series = [
+        Series("line", x, mean, color, label, dashes, size=1.2)
+        for (label, _, color, dashes), mean in zip(DIRECTIONS, means, strict=True)
+    ]
     y = f"mean residual of {channel} ({drawn_unit(channel)})"
     return Panel(axis_label(slip), y, tuple(series), title, across=(0.0,), y_axis="residual", height=2.4)
 
 
-def _means(
-    diagnosis: Diagnosis,
-    values: FloatArray,
-    slip: str,
-    direction: float,
-    chosen: BoolArray,
-    least: int,
-) -> tuple[FloatArray, FloatArray]:
-    """Return intervals of slip, in the drawn unit, and the mean value of the chosen rows of a direction in each."""
-    rows = diagnosis.rows
-    at = rows[slip].to_numpy(dtype=np.float64)
-    growing = _growth(rows["t"].to_numpy(dtype=np.float64), at)
+def _by_direction(rows: pd.DataFrame, values: FloatArray, slip: str, least: int) -> tuple[FloatArray, list[FloatArray]]:
+    """Return intervals of slip, in the drawn unit, and for each of `DIRECTIONS` the mean value of its rows in them."""
+    t, at = (rows[name].to_numpy(dtype=np.float64) for name in ("t", slip))
+    later, earlier = (np.interp(t + sign * SMOOTHED / 2.0, t, np.abs(at)) for sign in (1.0, -1.0))
     edges = np.linspace(at.min(), at.max(), INTERVALS + 1)
     place = np.clip(np.digitize(at, edges) - 1, 0, INTERVALS - 1)
-    averaged = chosen & (direction * growing > 0.0) & np.isfinite(values)
-    count = np.bincount(place[averaged], minlength=INTERVALS)
-    total = np.bincount(place[averaged], values[averaged], INTERVALS)
-    mean = np.where(count >= least, total / np.maximum(count, 1), np.nan)
-    return 0.5 * (edges[1:] + edges[:-1]) * per_si(slip), mean
-
-
-def _growth(t: FloatArray, slip: FloatArray) -> FloatArray:
-    """Return the change of the size of a slip over a short time."""
-    later, earlier = (np.interp(t + sign * SMOOTHED / 2.0, t, np.abs(slip)) for sign in (1.0, -1.0))
-    return np.asarray(later - earlier)
+    means = []
+    for _, direction, *_ in DIRECTIONS:
+        averaged = (direction * (later - earlier) > 0.0) & np.isfinite(values)
+        count = np.bincount(place[averaged], minlength=INTERVALS)
+        total = np.bincount(place[averaged], values[averaged], INTERVALS)
+        means.append(np.where(count >= least, total / np.maximum(count, 1), np.nan))
+    return 0.5 * (edges[1:] + edges[:-1]) * per_si(slip), means
 
 
 def form_figure(diagnosis: Diagnosis) -> Figure:

@@ -10,7 +10,6 @@ from typing import Any
 from markupsafe import Markup
 
 from ...boundary.errors import DataError, path_from
-from ...drawing.figure import Figure
 from ...drawing.page import page_text, write_page
 from ...measurements import Recording, TableLike, recording_from
 from ...measurements.provenance import provenance
@@ -88,7 +87,7 @@ def report_page(
             "rating": {"green": "good", "amber": "limited", "red": "bad"}.__getitem__,
         },
         diagnosis=diagnosis,
-        maps=_maps(diagnosis),
+        maps=[residual_location_figure(diagnosis, channel) for channel in diagnosis.time_course],
         gain=gain_figure(diagnosis),
         memory=[memory_figure(diagnosis, name) for name in _with_memory(diagnosis)],
         form=[form_figure(diagnosis)] if diagnosis.form.delivered else [],
@@ -133,15 +132,3 @@ def _with_memory(diagnosis: Diagnosis) -> list[str]:
     if not diagnosis.tire.states or "t" not in diagnosis.rows or not channels:
         return []
     return list(dict.fromkeys(channels))
-
-
-def _maps(diagnosis: Diagnosis) -> list[Figure]:
-    """Return the residual maps of each channel before and after."""
-    figures = []
-    for channel, course in diagnosis.time_course.items():
-        before, after = (
-            [shown for shown in maps if shown["channel"] == channel]
-            for maps in (diagnosis.where, diagnosis.where_after)
-        )
-        figures.append(residual_location_figure(before, after, course, channel))
-    return figures

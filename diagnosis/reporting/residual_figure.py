@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from ...drawing.labels import axis_label, per_si
 from ...drawing.style import BLUE, DASHED, RED, SOLID
 from ...numerics.arrays import FloatArray
 from ..verdict.residual_location import MIN_ROWS_OF_CELL
+from ..verdict.result import Diagnosis
 
 #: Mean residual at the ends of the color scale, in noise standard deviations.
 FULL = 3.0
@@ -23,8 +24,6 @@ VISIBLE = 0.02
 def coincide(first: FloatArray, second: FloatArray, *drawn: FloatArray) -> bool:
     """Return whether two lines are one in a panel with them and other points; they may have NaN in the same rows.
 
-    Examples
-    --------
     >>> x = np.linspace(0.0, 100.0, 50)
     >>> coincide(x, x + 1.0), coincide(x, x + 5.0), coincide(x, x + 5.0, 10.0 * x)
     (True, False, True)
@@ -36,16 +35,15 @@ def coincide(first: FloatArray, second: FloatArray, *drawn: FloatArray) -> bool:
     return bool(np.abs(first - second)[both].max() <= VISIBLE * (np.nanmax(shown) - np.nanmin(shown)))
 
 
-def residual_location_figure(
-    before: Sequence[Mapping[str, Any]], after: Sequence[Mapping[str, Any]], course: Mapping[str, Any], channel: str
-) -> Figure:
+def residual_location_figure(diagnosis: Diagnosis, channel: str) -> Figure:
     """Return the maps of one channel for the baseline model and the improved model, and its misfit over time.
 
     Where the misfit of both models over time is the same, both are drawn once.
-
-    `before`, `after`: results of `residual_location.residual_maps` for one channel, over the same pairs. `course`:
-    result of `residual_location.time_course` for the channel.
     """
+    course = diagnosis.time_course[channel]
+    before, after = (
+        [shown for shown in maps if shown["channel"] == channel] for maps in (diagnosis.where, diagnosis.where_after)
+    )
     misfits = [np.asarray(course[name], dtype=np.float64) for name in ("before", "after")]
     models = [("baseline model", before, "before", RED, DASHED), ("improved model", after, "after", BLUE, SOLID)]
     if coincide(*misfits, np.zeros(1)):

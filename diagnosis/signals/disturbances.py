@@ -25,6 +25,7 @@ from ...measurements.virtual_bench.bench_errors import (
 )
 from ...numerics.arrays import FloatArray
 from ...numerics.periodic_lines import PeriodicLine
+from ...numerics.smoothing import rate_of
 from ...tires.states.transient import followed
 from ..thresholds import FREE_PRIOR
 from .signals import Signals
@@ -34,8 +35,9 @@ from .simulation import Simulator
 #: bench and repaired.
 DRIFT_PRIOR = 1.0
 
-#: How the names of cross-talk begin, before Fx_in_Fy.
+#: How the names of cross-talk begin, before Fx_in_Fy, and those of all disturbances of a recording.
 CROSS_TALK = "cross_talk_"
+OF_RECORDING = ("offset_", "drift", CROSS_TALK, "wave")
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,19 +47,13 @@ class Disturbances:
     - `names`: offset_Fy, drift1_Fy, ..., cross_talk_Fx_in_Fy.
     - `columns`, shape (n_channels, n, n_disturbances): change of the forces per unit of each, N and N m.
     - `deviation`, shape (n_disturbances,): standard deviation of the zero-mean prior of each.
-    - `added`: names of columns that are no disturbances of a recording: errors of the functional form of a model.
     - `lines`: periodic disturbances; the columns of the first one are wave1_cosine_Fx, wave1_sine_Fx, ...
     """
 
     names: tuple[str, ...]
     columns: FloatArray
     deviation: FloatArray
-    added: frozenset[str] = frozenset()
     lines: tuple[PeriodicLine, ...] = ()
-
-    def subsampled(self, rows: slice) -> Disturbances:
-        """Return the disturbances at a subset of the rows."""
-        return replace(self, columns=self.columns[:, rows])
 
     def implausible(self, values: FloatArray) -> tuple[str, ...]:
         """Return the names of the cross-talk that is larger than that of a bench."""
@@ -69,14 +65,14 @@ class Disturbances:
 
     def of_recording(self) -> Disturbances:
         """Return the disturbances without the columns that `extended` added."""
-        return self.without(self.added)
+        return self.without([name for name in self.names if not name.startswith(OF_RECORDING)])
 
     def without(self, names: Collection[str]) -> Disturbances:
         """Return the disturbances without some of them."""
         remain = np.array([name not in names for name in self.names])
         return Disturbances(
             tuple(name for name in self.names if name not in names), self.columns[:, :, remain], self.deviation[remain],
-            self.added.difference(names), self.lines,
+            self.lines,
         )  # fmt: skip
 
     def with_lines(
@@ -87,8 +83,7 @@ class Disturbances:
         `axes`, shape (n,): time and distance at the compared rows. `noise`, shape (n_channels,).
         """
         names, columns, index = _columns(_waves(lines, axes, channels), self.columns.shape[:2])
-        extended = self.extended(names, columns, FREE_PRIOR * noise[index])
-        return replace(extended, added=self.added, lines=tuple(lines))
+        return replace(self.extended(names, columns, FREE_PRIOR * noise[index]), lines=tuple(lines))
 
     def extended(self, names: tuple[str, ...], columns: FloatArray, deviation: FloatArray) -> Disturbances:
         """Return the disturbances with additional columns, for structure that no coefficient of the model explains."""
@@ -96,7 +91,6 @@ class Disturbances:
             (*self.names, *names),
             np.concatenate([self.columns, columns], axis=-1),
             np.concatenate([self.deviation, deviation]),
-            self.added | set(names),
             self.lines,
         )
 
@@ -234,10 +228,8 @@ def load_error_responses(simulator: Simulator, parameters: FloatArray) -> FloatA
     `simulator`: of a recording with time. `parameters`, shape (n_parameters,).
     """
     signals = simulator.signals
-    named = dict(zip(signals.names, signals.inputs, strict=True))
-    slip = np.hypot(np.tan(named["alpha"]), named["kappa"])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rate = np.nan_to_num(np.gradient(slip, signals.t), posinf=0.0, neginf=0.0)
+    named = signals.everywhere.named()
+    rate = rate_of(np.hypot(np.tan(named["alpha"]), named["kappa"]), signals.t)
     direction = np.tanh(rate / (TURNING * float(np.sqrt(np.mean(rate**2))) + 1e-12))
     load, at = signals.names.index("Fz"), simulator.forces(parameters)
     responses = []

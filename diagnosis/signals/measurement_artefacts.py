@@ -1,47 +1,13 @@
-"""Errors of a recording: disturbances, ripple once per wheel revolution, quantisation, ignored columns."""
+"""Errors of a recording that no fit removes: ripple once per wheel revolution, quantisation."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from ...measurements import Recording
 from ...numerics.arrays import FloatArray
-from ...numerics.smoothing import HALF_WIDTHS
 from ...numerics.wheel_periodicity import once_per_revolution
-from ...symbolic.channels import OUTPUTS
-from ...tires.tire import Tire
-from .disturbances import Disturbances, reported_disturbances
-from .predicted_temperature import SURROUNDINGS, TEMPERATURE
+from ...tires.states.transient import segment_starts
 from .signals import Signals
-
-#: A pause of this many time steps ends a segment.
-PAUSE = 5.0
-
-
-def recording_errors(
-    recording: Recording, signals: Signals, disturbances: Disturbances, values: FloatArray, residual: FloatArray,
-    tire: Tire,
-) -> dict[str, Any]:  # fmt: skip
-    """Return the disturbances and measurement artefacts of a recording.
-
-    `values`, shape (n_disturbances,): their estimates. `residual`, shape (n_channels, n): residual of the tire and the
-    disturbances, N and N m. `tire`: the baseline model. Returns: as `Diagnosis.recording`.
-    """
-    table = recording.table
-    used = {"t", "distance", *tire.inputs, *OUTPUTS, *(SURROUNDINGS if TEMPERATURE in signals.origin.derived else ())}
-    waves = [i for i, name in enumerate(disturbances.names) if name.startswith("wave")]
-    turning = residual + disturbances.columns[:, :, waves] @ values[waves]
-    return reported_disturbances(disturbances, values, signals) | {
-        "ripple": ripple(signals, turning, tire.values["UNLOADED_RADIUS"]),
-        "quantisation": {name: quantisation(table[name].to_numpy(np.float64)) for name in signals.channels},
-        "compared_every": int(np.diff(signals.table_rows).min()),
-        "smoothing_windows": [2 * half + 1 for half in HALF_WIDTHS] if any(signals.origin.noise.values()) else [],
-        "left_aside": dict(signals.excluded_channels),
-        "derived_columns": sorted(signals.origin.derived & set(table)),
-        "ignored_columns": [str(name) for name in table if name not in used],
-    }
 
 
 def ripple(signals: Signals, residual: FloatArray, radius: float) -> dict[str, float]:
@@ -53,11 +19,10 @@ def ripple(signals: Signals, residual: FloatArray, radius: float) -> dict[str, f
     if not signals.timed or "V" not in signals.origin.recorded or len(signals.rows) < 2:
         return {}
     t = signals.t[signals.rows]
-    inputs = dict(zip(signals.names, signals.inputs[:, signals.rows], strict=True))
+    inputs = signals.named()
     speed = inputs["V"] * (1.0 + inputs.get("kappa", 0.0))
     measured = [i for i, there in enumerate(signals.present) if there.any()]
-    pauses = np.diff(t, prepend=t[0]) > PAUSE * float(np.median(np.diff(t)))
-    segment = np.cumsum(pauses, dtype=np.int64)
+    segment = np.cumsum(segment_starts(t), dtype=np.int64)
     observed = np.where(signals.present, residual, np.nan)[measured]
     wave = once_per_revolution(t, speed, observed, segment, radius)
     if wave is None:

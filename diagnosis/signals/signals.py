@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -69,7 +70,6 @@ class Signals:
     - `rows`, shape (n,): rows of `t` and `inputs` at which forces are compared.
     - `table_rows`, shape (n,): the same rows, counted in the recording.
     - `channels`: measured outputs.
-    - `output_index`, shape (n_channels,): index of each channel in the outputs of the model.
     - `measured`, shape (n_channels, n): adapted SAE.
     - `present`, shape (n_channels, n): false if a channel was not measured or is an outlier.
     - `block`, shape (n,).
@@ -87,7 +87,6 @@ class Signals:
     rows: IntArray
     table_rows: IntArray
     channels: tuple[str, ...]
-    output_index: IntArray
     measured: FloatArray
     present: BoolArray
     block: IntArray
@@ -96,6 +95,11 @@ class Signals:
     timed: bool
     excluded_channels: Mapping[str, str] = field(default_factory=dict)
     skew: float = 0.0
+
+    @cached_property
+    def everywhere(self) -> Signals:
+        """The signals with forces at all rows of `t`, for what is simulated: no force was measured between them."""
+        return replace(self, rows=np.arange(len(self.t)))
 
     def delayed(self, seconds: float) -> Signals:
         """Return the signals with inputs that are delayed by a further time, s."""
@@ -147,11 +151,13 @@ def signals_of(
     if "Fz" not in table:
         raise DataError("the recording has no column 'Fz': a diagnosis needs the load")
     given = convert_signs(table, signs, FORMULA_SIGNS)
-    t, timed = _clock(given)
+    timed = "t" in given
+    t = _finite(given, "t") if timed else np.arange(len(given), dtype=np.float64)
     columns, noise, names, outputs = {}, {}, tire.inputs, tire.outputs
     smoothed = {}  # determines channels and rows, so that they are the same with and without smoothing
     for name in names:
-        columns[name] = smoothed[name] = _input(given, name, tire)
+        columns[name] = _finite(given, name) if name in given else np.full(len(given), tire.nominal(name))
+        smoothed[name] = columns[name]
         if timed and name in given and name != "distance":
             smoothed[name], deviation = _smoothed_by_segment(columns[name], t)
             if smooth:
@@ -174,7 +180,6 @@ def signals_of(
     measured = np.stack([given[name].to_numpy(dtype=np.float64)[rows] for name in channels])
     block = _blocks(t[rows])
     recorded = frozenset(name for name in names if name in given) - set(derived) | ({"distance"} if timed else set())
-    output_index = np.array([outputs.index(name) for name in channels])
     holdout = block % HOLDOUT_EVERY == HOLDOUT_EVERY // 2 + 1
     present = np.isfinite(measured)
     measured_blocks = len(np.unique(block[present.any(axis=0) & ~holdout]))
@@ -188,23 +193,13 @@ def signals_of(
     simulated = np.union1d(thin, rows)
     return Signals(
         names, t[simulated], inputs[:, simulated], np.searchsorted(simulated, rows), rows, channels,
-        output_index, measured, present, block, holdout,
+        measured, present, block, holdout,
         InputOrigin(recorded, frozenset(derived), noise), timed, excluded,
     )  # fmt: skip
 
 
-def _clock(table: pd.DataFrame) -> tuple[FloatArray, bool]:
-    if "t" not in table:
-        return np.arange(len(table), dtype=np.float64), False
-    t = table["t"].to_numpy(dtype=np.float64)
-    if not np.isfinite(t).all():
-        raise DataError(f"row {int(np.flatnonzero(~np.isfinite(t))[0]) + 1}: t is not a finite number")
-    return t, True
-
-
-def _input(table: pd.DataFrame, name: str, tire: Tire) -> FloatArray:
-    if name not in table:
-        return np.full(len(table), tire.nominal(name))
+def _finite(table: pd.DataFrame, name: str) -> FloatArray:
+    """Return the values of a column, all of which must be finite."""
     values = table[name].to_numpy(dtype=np.float64)
     if not np.isfinite(values).all():
         raise DataError(f"row {int(np.flatnonzero(~np.isfinite(values))[0]) + 1}: {name} is not a finite number")

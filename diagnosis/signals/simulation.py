@@ -7,21 +7,21 @@ stored. A simulator without such parameters solves states and forces together.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from ...measurements.state_starts import estimated_starts
-from ...numerics.arrays import FloatArray, IndexArray
-from ...tires.code import Code, chosen_derivatives, fastest_code
+from ...measurements.state_starts import fitted_starts
+from ...numerics.arrays import FloatArray, IndexArray, IntArray
+from ...tires.code import chosen_derivatives, fastest_code
 from ...tires.code.given_lines import GivenLines, given_lines
 from ...tires.states.equilibrium import equilibrium
 from ...tires.states.simulation import StateSimulation
-from ...tires.states.transient import Course, lagged_course, lateral_slip, segment_starts
+from ...tires.states.transient import Course, lagged_course, lateral_slip
 from ...tires.tire import Tire
 from .effect_states import amplitudes_of, groups_of
 from .signals import Signals
@@ -44,58 +44,46 @@ class Simulator:
 
     tire: Tire
     signals: Signals
-    _code: Code = field(init=False)
-    _forces: Callable[[bytes], FloatArray] = field(init=False)
-    _acting: Callable[[bytes, tuple[int, ...]], FloatArray] = field(init=False)
-    _slips: Callable[[bytes, tuple[int, ...]], dict[str, Course]] = field(init=False)
-    _stateful: Callable[[bytes, tuple[int, ...], tuple[str, ...]], FloatArray] = field(init=False)
-    #: The courses of states for the coefficients of their equations, and what drives them.
-    _stored: Callable[[bytes, tuple[int, ...], tuple[str, ...]], FloatArray] = field(init=False)
-    _driving: Callable[[tuple[int, ...]], dict[str, FloatArray]] = field(init=False)
-    _active: Callable[[tuple[int, ...]], FloatArray] = field(init=False)
-    #: Parameters at which forces drive the states, empty for those of the trial; the states at them, (n_states, n).
-    _driven_at: FloatArray = field(init=False, default_factory=lambda: np.empty(0))
-    _held: FloatArray = field(init=False, default_factory=lambda: np.empty((0, 0)))
-
-    #: The latest courses of states, from which the next iteration starts, and their times.
-    _courses: dict[str, FloatArray] = field(init=False, default_factory=dict)
-    _courses_at: FloatArray | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
-        self.symbolic_model, self.rescaled = self.tire.symbolic_model, self.tire.rescaled
-        self._code = fastest_code(self.symbolic_model)
-        self.names = list(self.symbolic_model.coefficients)
-        self.index = {name: i for i, name in enumerate(self.symbolic_model.parameters)}
-        self._off = self.tire.parameters()
-        self._inactive = self._inactive_inputs()
-        quantity_names = self._code.quantities_names
-        quantities = map(self.symbolic_model.quantity, ("relaxation_x", "relaxation_y"))
-        self._sigma = [quantity_names.index(name) for name in quantities if name]
-        reached = self.symbolic_model.reached(quantity_names[i] for i in self._sigma)
-        self._determines_lag = np.array([name in reached for name in self.symbolic_model.parameters])
-        added = [effect for effect in self.symbolic_model.added if effect.name in self.symbolic_model.relaxing_effects]
-        declarations = [declaration for effect in added for declaration in effect.declarations]
-        absent = [declaration.name for declaration in declarations if declaration.neutral == 0.0]
-        lengths = (*self.symbolic_model.motion.relaxation, *absent)
-        self._relaxation = np.array([self.index[name] for name in lengths], dtype=int)
-        #: Coefficients that act through time, and the steps of their differences.
-        relaxing = (declaration.name for declaration in declarations)
-        self._by_difference = {name: self._step(name) for name in (*lengths, *relaxing)}
+        self.symbolic_model = model = self.tire.symbolic_model
+        self._code = fastest_code(model)
+        self.names = list(model.coefficients)
+        self.index = {name: i for i, name in enumerate(model.parameters)}
+        self._outputs = [self.tire.outputs.index(name) for name in self.signals.channels]
+        self._off, inputs = self.tire.parameters(), list(self.tire.inputs)
+        owned = {effect: [self.index[name] for name in model.owned(effect) & self.index.keys()]
+                 for effect, _ in model.on_demand if effect not in self.tire.has}  # fmt: skip
+        #: Input row and coefficients of each on-demand effect that the tire lacks.
+        self._inactive = [(inputs.index(name), owned[effect]) for effect, name in model.on_demand if effect in owned]
+        names = self._code.quantities_names
+        self._sigma = [names.index(name) for role in ("relaxation_x", "relaxation_y") if (name := model.quantity(role))]
+        reached = model.reached(names[i] for i in self._sigma)
+        self._determines_lag = np.array([name in reached for name in model.parameters])
+        lagging = [effect for effect in model.added if effect.name in model.relaxing_effects]
+        relaxing = [declaration for effect in lagging for declaration in effect.declarations]
+        lengths = (*model.motion.relaxation, *(declared.name for declared in relaxing if declared.neutral == 0.0))
+        self._relaxation = [self.index[name] for name in lengths]
         #: Coefficients of relaxation alone.
-        self._relaxing = frozenset(self._by_difference)
+        self._relaxing = frozenset((*lengths, *(declared.name for declared in relaxing)))
         self._lags = np.isin(np.arange(len(self._off)), [self.index[name] for name in self._relaxing])
         self._sizes_of_states = amplitudes_of(self.tire)
-        shapes = {name for effect in self.symbolic_model.added for state in effect.states for name in state.reads}
-        self._by_difference |= {name: self._step(name) for name in self.symbolic_model.coefficients.keys() & shapes}
-        states = self.symbolic_model.states
-        reads = {group: {name for state in group for name in states[state].reads} for group in groups_of(states)}
+        shapes = {name for effect in model.added for state in effect.states for name in state.reads}
+        #: Coefficients that act through time, and the steps of their differences.
+        self._by_difference = {name: self._step(name) for name in self._relaxing | (model.coefficients.keys() & shapes)}
         #: The groups of states with the indices of the coefficients in their equations.
         self._groups = {
-            group: [self.index[name] for name in sorted(read & self.index.keys())] for group, read in reads.items()
+            group: sorted(
+                {self.index[name] for state in group for name in model.states[state].reads & self.index.keys()}
+            )
+            for group in groups_of(model.states)
         }
-        self._state_rows = [list(self.tire.inputs).index(name) for name in self.symbolic_model.states]
-        self._remember()
-        self._store()
+        self._state_rows = [inputs.index(name) for name in model.states]
+        #: Parameters at which forces drive the states, empty for those of the trial; the states at them, (n_states, n).
+        self._driven_at, self._held = np.empty(0), np.empty((0, 0))
+        #: The latest courses of states, from which the next iteration starts, and their times.
+        self._courses, self._courses_at = dict[str, FloatArray](), np.empty(0)
+        self.forget()
 
     def _step(self, name: str) -> float:
         declaration = self.symbolic_model.coefficients[name]
@@ -111,24 +99,22 @@ class Simulator:
         self._stateful = lru_cache(REMEMBERED)(self._with_states)
         self._slips = lru_cache(REMEMBERED)(self._lagged)
 
-    def _store(self) -> None:
-        """Keep courses of states at all rows: they serve for any of these."""
-        self._stored = lru_cache(STORED)(self._followed)
-        self._driving = lru_cache(1)(self._driving_values)
-        self._active = lru_cache(1)(self._computed_active)
-
     def forget(self) -> None:
         """Free the memory of what was computed; it is computed again when it is needed."""
         self._remember()
-        self._store()
+        # Courses of states at all rows for the coefficients of their equations, and what drives them: for any rows.
+        self._stored = lru_cache(STORED)(self._followed)
+        self._driving = lru_cache(1)(self._driving_values)
+        self._active = lru_cache(1)(self._computed_active)
 
     def with_signals(self, signals: Signals) -> Simulator:
         """Return a simulator of the same tire over other signals."""
         other = copy(self)
         other.signals = signals
-        other._remember()
-        if signals.inputs is not self.signals.inputs or signals.t is not self.signals.t:
-            other._store()
+        if signals.inputs is self.signals.inputs and signals.t is self.signals.t:
+            other._remember()
+        else:
+            other.forget()
         return other
 
     def driven_at(self, parameters: FloatArray) -> Simulator:
@@ -136,45 +122,34 @@ class Simulator:
 
         So are relaxation lengths: what else than their own coefficients they depend on has these values.
         """
-        other = copy(self)
-        other._driven_at = np.empty(0)
-        other._remember()
-        every = other.with_signals(replace(self.signals, rows=np.arange(len(self.signals.t))))
-        other._held = every.effective_inputs(parameters)[self._state_rows]
+        coupled, other = copy(self), copy(self)
+        coupled._driven_at = np.empty(0)
+        other._held = coupled.with_signals(self.signals.everywhere).effective_inputs(parameters)[self._state_rows]
         other._driven_at = parameters.copy()
-        other._remember()
-        other._store()
+        other.forget()
         return other
 
-    def _inactive_inputs(self) -> list[tuple[int, IndexArray, FloatArray]]:
-        """Return input row, coefficient indices and their values for each on-demand effect that the tire lacks."""
-        values, inputs = self.tire.parameters(), list(self.tire.inputs)
-        inactive = []
-        for effect, name in self.symbolic_model.on_demand:
-            if effect not in self.tire.has:
-                indices = np.array(
-                    [self.index[owned] for owned in self.symbolic_model.owned(effect) if owned in self.index]
-                )
-                inactive.append((inputs.index(name), indices, values[indices]))
-        return inactive
+    def without(self, parameters: FloatArray, coefficients: Collection[str]) -> FloatArray:
+        """Return parameters in which some coefficients are those of the tire, which lacks their effects."""
+        absent = parameters.copy()
+        indices = [self.index[name] for name in coefficients]
+        absent[indices] = self._off[indices]
+        return absent
 
     def effective_inputs(self, parameters: FloatArray) -> FloatArray:
         """Return the inputs at the compared rows, shape (n_inputs, n), with lagged slips and states.
 
         Inputs of on-demand effects are 0 while their coefficients are unchanged.
         """
-        unused = tuple(row for row, indices, values in self._inactive if np.array_equal(parameters[indices], values))
+        unused = tuple(row for row, at in self._inactive if np.array_equal(parameters[at], self._off[at]))
         if acting := self._acting_states(parameters):
             return self._stateful(parameters.tobytes(), unused, acting)
-        return self._with_lagged_slips(parameters, unused)
-
-    def _with_lagged_slips(self, parameters: FloatArray, unused: tuple[int, ...]) -> FloatArray:
-        """Return the inputs at the compared rows with lagged slips, shared by all callers."""
-        lags = self.signals.timed and self._sigma and parameters[self._relaxation].any()
-        return self._acting(self._determining_lag(parameters) if lags else b"", unused)
+        return self._acting(self._determining_lag(parameters), unused)
 
     def _determining_lag(self, parameters: FloatArray) -> bytes:
-        """Return parameters without differences that do not change the relaxation lengths."""
+        """Return parameters without differences that do not change the relaxation lengths; none if slips do not lag."""
+        if not (self.signals.timed and self._sigma and parameters[self._relaxation].any()):
+            return b""
         if not len(self._driven_at):
             return np.where(self._determines_lag, parameters, self._off).tobytes()
         return np.where(self._determines_lag & self._lags, parameters, self._driven_at).tobytes()
@@ -191,11 +166,15 @@ class Simulator:
     def _computed_acting(self, relevant: bytes, unused: tuple[int, ...]) -> FloatArray:
         """Return the inputs at the compared rows with lagged slips, for the parameters that determine them."""
         acts = np.ascontiguousarray(self._active(unused)[:, self.signals.rows])
-        for name, course in self._slips(relevant, unused).items() if relevant else ():
-            value = course.value[self.signals.rows]
-            acts[self.signals.names.index(name)] = np.arctan(value) if name == "alpha" else value
+        self._lag(acts, self._slips(relevant, unused), self.signals.rows)
         acts.flags.writeable = False
         return acts
+
+    def _lag(self, inputs: FloatArray, slips: Mapping[str, Course], rows: IntArray | slice) -> None:
+        """Replace slips in inputs by their courses at some rows."""
+        for name, course in slips.items():
+            value = course.value[rows]
+            inputs[self.signals.names.index(name)] = np.arctan(value) if name == "alpha" else value
 
     def _acting_states(self, parameters: FloatArray) -> tuple[str, ...]:
         """Return the names of the states whose effects are not switched off."""
@@ -208,18 +187,15 @@ class Simulator:
 
     def _with_states(self, parameters: bytes, unused: tuple[int, ...], states: tuple[str, ...]) -> FloatArray:
         """Return the inputs at the compared rows with lagged slips and states."""
-        signals, model, values, inputs = (
-            self.signals,
-            self.symbolic_model,
-            np.frombuffer(parameters),
-            self._active(unused),
-        )
+        signals, model = self.signals, self.symbolic_model
+        values, inputs = np.frombuffer(parameters), self._active(unused)
         if not signals.timed:
             return equilibrium(model, self._code, inputs[:, signals.rows], values, states)
         fitted = [name for name in states if model.states[name].start_is_fitted]
         if len(self._driven_at) and not fitted:
             return self._with_stored_states(values, unused, states)
         slips = self._slips(self._determining_lag(values), unused)
+        used = signals.present & ~signals.holdout
 
         def simulated(starts: Mapping[str, FloatArray]) -> FloatArray:
             simulation = StateSimulation(model, self._code, signals.t, inputs, values, False, slips, states, starts)
@@ -228,12 +204,22 @@ class Simulator:
             self._courses, self._courses_at = {name: rows[signals.names.index(name)] for name in states}, signals.t
             return rows
 
+        def residual(acting: FloatArray) -> FloatArray:
+            forces = self._code.forces(acting[:, signals.rows], values)[self._outputs]
+            return np.where(used, signals.measured - forces, 0.0)
+
         rows = simulated({})
-        return (self._with_fitted_starts(fitted, rows, values, simulated) if fitted else rows)[:, signals.rows]
+        if fitted:  # by the training rows; offsets and drift of the recording are part of the residual
+            courses = {name: rows[signals.names.index(name)] for name in fitted}
+            starts = fitted_starts(
+                signals.t, courses, residual(rows), lambda trial, _: residual(simulated(trial)), rows=signals.rows
+            )
+            rows = simulated(starts)
+        return rows[:, signals.rows]
 
     def _with_stored_states(self, values: FloatArray, unused: tuple[int, ...], states: tuple[str, ...]) -> FloatArray:
         """Return the inputs at the compared rows with lagged slips and states that given forces drive."""
-        rows = self._with_lagged_slips(values, unused).copy()
+        rows = self._acting(self._determining_lag(values), unused).copy()
         for group, indices in self._groups.items():
             if names := tuple(name for name in group if name in states):
                 trial = self._driven_at.copy()
@@ -274,9 +260,8 @@ class Simulator:
         The acting inputs have the lagged slips, and the states at these parameters.
         """
         rows, at, code = self._active(unused).copy(), self._driven_at, self._code
-        lags = at[self._relaxation].any() if self._sigma else False
-        for name, course in self._courses_of_slips(rows, self._sigma_at(rows, at)).items() if lags else ():
-            rows[self.signals.names.index(name)] = np.arctan(course.value) if name == "alpha" else course.value
+        if self._sigma and at[self._relaxation].any():
+            self._lag(rows, self._courses_of_slips(rows, self._sigma_at(rows, at)), slice(None))
         rows[self._state_rows] = self._held
         lines = [self._lines_of(group) for group in self._groups] + ([self._lag_lines] if self._sigma else [])
         read = frozenset[str]().union(*(part.reads for part in lines))
@@ -287,43 +272,11 @@ class Simulator:
             name: row.copy() for names, table in named for name, row in zip(names, table, strict=True) if name in read
         }
 
-    def _with_fitted_starts(
-        self,
-        names: list[str],
-        rows: FloatArray,
-        parameters: FloatArray,
-        simulated: Callable[[Mapping[str, FloatArray]], FloatArray],
-    ) -> FloatArray:
-        """Return simulated inputs in which states begin each segment with the value that the training rows determine.
-
-        Offsets and drift of the recording are part of the residual from which these values are estimated.
-        """
-        signals = self.signals
-        begins = segment_starts(signals.t)
-        segment, indices = np.cumsum(begins) - 1, [signals.names.index(name) for name in names]
-        used = signals.present & ~signals.holdout
-
-        def residual(acting: FloatArray) -> FloatArray:
-            forces = self._code.forces(acting[:, signals.rows], parameters)[signals.output_index]
-            return np.where(used, signals.measured - forces, 0.0)
-
-        def spread(values: FloatArray) -> dict[str, FloatArray]:
-            return dict(zip(names, values[:, segment], strict=True))
-
-        error = residual(rows)
-        deviation = np.maximum(np.sqrt(np.mean(error**2, axis=1)), 1e-9)[:, None]
-        size = np.maximum(np.sqrt(np.mean(rows[indices] ** 2, axis=1)), 1e-6)
-        starts = estimated_starts(
-            lambda values, none: residual(simulated(spread(values))) / deviation,
-            segment[signals.rows], rows[indices][:, np.flatnonzero(begins)], size,
-        )  # fmt: skip
-        return simulated(spread(starts))
-
     def _lagged(self, relevant: bytes, unused: tuple[int, ...]) -> dict[str, Course]:
-        """Return the courses of the lagged slips, for the parameters that determine them; none without relaxation."""
-        inputs, parameters = self._active(unused), np.frombuffer(relevant)
-        if not self._sigma or not parameters[self._relaxation].any():
+        """Return the courses of the lagged slips, for the parameters that determine them (`_determining_lag`)."""
+        if not relevant:
             return {}
+        inputs, parameters = self._active(unused), np.frombuffer(relevant)
         if not len(self._driven_at):
             return self._courses_of_slips(inputs, self._sigma_at(inputs, parameters))
         lines = self._lag_lines
@@ -355,11 +308,11 @@ class Simulator:
         rows = self.effective_inputs(parameters).copy()
         for name, shift in shifts.items():
             rows[self.signals.names.index(name)] += shift
-        return self._code.forces(rows, parameters)[self.signals.output_index]
+        return self._code.forces(rows, parameters)[self._outputs]
 
     def _computed_forces(self, parameters: bytes) -> FloatArray:
         values = np.frombuffer(parameters)
-        forces = self._code.forces(self.effective_inputs(values), values)[self.signals.output_index]
+        forces = self._code.forces(self.effective_inputs(values), values)[self._outputs]
         forces.flags.writeable = False  # shared by all callers
         return forces
 
@@ -386,7 +339,7 @@ class Simulator:
     def _entries(self, free: tuple[str, ...]) -> tuple[IndexArray, IndexArray, IndexArray]:
         """Return entries of the generated Jacobian by free coefficients, and the channel and column of each."""
         forces, coefficients = self._code.entries
-        channel_of = {int(force): i for i, force in enumerate(self.signals.output_index)}
+        channel_of = {force: i for i, force in enumerate(self._outputs)}
         chosen = [
             (int(entry), channel_of[int(forces[entry])], i)
             for i, name in enumerate(free)

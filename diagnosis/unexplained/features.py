@@ -1,24 +1,29 @@
 """Physical features for the regression of unexplained structure, and the model quantities that they act on.
 
 A sparse regression on physical features replaces one on polynomials. Each product is a factor or a term of a named
-quantity, so that it can be added to the model equations.
+quantity, so that it can be added to the model equations. Rates and memories are computed from a recording at once. A
+tire needs equations: a direction of change becomes the hysteresis of a lagged slip, a rate the difference between an
+input and its lag.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
+from scipy.signal import lfilter
 
 from ...numerics.arrays import FloatArray
+from ...numerics.smoothing import rate_of
 from ...symbolic.model import Model
 from ...tires.tire import Tire
 from ..probing.candidates import excited, varies
 from ..signals.signals import Signals
 from ..signals.simulation import Simulator
-from .past import Described, rates_and_memory
+from ..thresholds import SIDE
 
 #: Inputs of the steady-state core. Structure in these alone is an error of the functional form, not a missing effect.
 CORE_INPUTS = frozenset({"alpha", "kappa", "Fz"})
@@ -32,9 +37,8 @@ class Feature:
     - `values`, shape (n,): dimensionless, of order 1.
     - `odd`: whether the sign changes under mirroring left to right. Odd features are terms; even ones are factors, or
       scale a term.
-    - `expressible`: whether the text is a formula of inputs and nominal values.
-    - `formula`: of a rate or memory: a formula that reads states and resembles it, or ''.
-    - `states`: the states that this formula requires, of `past.STATES`.
+    - `formula`: of a rate or memory: a formula that reads states and resembles it.
+    - `states`: the states that this formula requires, of `STATES`.
     - `slips`: the slips that it contains other than as the magnitude of both.
     """
 
@@ -42,26 +46,28 @@ class Feature:
     depends_on: frozenset[str]
     values: FloatArray
     odd: bool = False
-    expressible: bool = True
     formula: str = ""
     states: tuple[str, ...] = ()
     slips: frozenset[str] = frozenset()
 
     @property
     def in_effect_file(self) -> str:
-        """The formula in an effect file, or '' if none can contain it."""
-        return self.text if self.expressible else self.formula
+        """The formula in an effect file."""
+        return self.formula or self.text
 
     def __mul__(self, other: Feature) -> Feature:
-        formulas = self.in_effect_file, other.in_effect_file
+        text, written = (
+            "*".join(map(bracketed, both))
+            for both in ((self.text, other.text), (self.in_effect_file, other.in_effect_file))
+        )
+        states = tuple(dict.fromkeys((*self.states, *other.states)))
         return Feature(
-            f"{bracketed(self.text)}*{bracketed(other.text)}",
+            text,
             self.depends_on | other.depends_on,
             self.values * other.values,
             self.odd != other.odd,
-            self.expressible and other.expressible,
-            "*".join(map(bracketed, formulas)) if all(formulas) else "",
-            tuple(dict.fromkeys((*self.states, *other.states))),
+            written if states else "",
+            states,
             self.slips | other.slips,
         )
 
@@ -122,6 +128,22 @@ FORMULAS = (
 #: Those that change their sign under mirroring left to right.
 ODD = ("10*gamma", "5*tan(alpha)")
 FUNCTIONS = {"absolute": np.absolute, "sqrt": np.sqrt, "tan": np.tan}
+#: Time constant of the lag whose difference from its input replaces a rate, s.
+RATE_LAG = 0.1
+#: The states of proposed effects by name, which no effect of the library has: the keys of their tables in an effect
+#: file. Each stands behind those that it reads.
+#: Length and widths are those with which a diagnosis starts the effects of the library.
+STATES: Mapping[str, Mapping[str, str | tuple[str, ...]]] = {
+    "found_followed_kappa": {"kind": "lag", "drive": "kappa", "length": "0.05"},
+    "found_followed_alpha": {"kind": "lag", "drive": "tan(alpha)", "length": "0.05"},
+    "found_alpha_direction": {"kind": "hysteresis", "drive": "found_followed_alpha", "width": "0.02"},
+    "found_kappa_direction": {"kind": "hysteresis", "drive": "found_followed_kappa", "width": "0.02"},
+    "found_recent_alpha": {"kind": "lag", "drive": "alpha", "rate": "1/0.3"},
+    "found_late_alpha": {"kind": "lag", "drive": "alpha", "rate": f"1/{RATE_LAG}"},
+    "found_late_load": {"kind": "lag", "drive": "Fz", "rate": f"1/{RATE_LAG}"},
+    "found_recent_slip_1": {"kind": "lag", "drive": "absolute(tan(alpha)) + absolute(kappa)", "rate": "1.0"},
+    "found_recent_slip_5": {"kind": "lag", "drive": "absolute(tan(alpha)) + absolute(kappa)", "rate": "0.2"},
+}
 #: The slip without which the quantity of a role changes nothing.
 SLIP_OF_ROLE = {
     "friction_x": "kappa",
@@ -153,14 +175,19 @@ def locations_of(model: Model) -> list[Location]:
     return locations
 
 
-def determined(location: Location, feature: Feature, signals: Signals, tire: Tire) -> bool:
-    """Return whether a recording determines a formula with a feature at a location.
+def placed(
+    simulator: Simulator, factors: Sequence[Feature], terms: Sequence[Feature]
+) -> Iterator[tuple[Location, Feature]]:
+    """Yield each location with the features that act there: factors or terms which the recording determines.
 
     A slip in the formula of a quantity that acts through the other slip requires combined slip: where there is none,
     noise of a slip that is zero has a large coefficient, with which the formula is far off elsewhere.
     """
-    needed = feature.slips | location.slips if feature.slips else feature.slips
-    return not feature.expressible or len(needed) < 2 or excited(signals, tire, sorted(needed))
+    for location in locations_of(simulator.symbolic_model):
+        for feature in factors if location.how == "factor" else terms:
+            needed = feature.slips | location.slips if feature.slips and not feature.states else frozenset()
+            if len(needed) < 2 or excited(simulator.signals, simulator.tire, sorted(needed)):
+                yield location, feature
 
 
 def directions(simulator: Simulator, parameters: FloatArray) -> dict[str, FloatArray]:
@@ -186,27 +213,27 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
 
     An input that does not vary is in no formula; a memory of several inputs depends on those that vary.
     """
-    named = dict(zip(signals.names, signals.inputs, strict=True))
+    named = signals.everywhere.named()
     even_ones: list[Feature] = []
     odd_ones: list[Feature] = []
     constant = frozenset(name for name in signals.names if not varies(signals, tire, name))
-    past = rates_and_memory(signals.t, named) if signals.timed else ()
-    for text, depends, every, odd, formula, states in (*_of_inputs(named, tire), *past):
-        values, names = every[signals.rows], frozenset(depends.split())
-        rates = {name[1:].partition("/")[0] for name in names if name.endswith("/dt")}
-        if constant & (rates if states else names):
+    sources = signals.origin.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}
+    past = _of_the_past(signals.t, named) if signals.timed else ()
+    for feature in (*_of_inputs(named, tire), *past):
+        values, read = feature.values[signals.rows], feature.depends_on
+        rates = {name[1:].partition("/")[0] for name in read if name.endswith("/dt")}
+        depends_on = read - constant
+        if constant & (rates if feature.states else read) or not depends_on & sources or float(np.std(values)) <= 1e-9:
             continue
-        names -= constant
-        sources = signals.origin.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}
-        if float(np.std(values)) > 1e-9 and names & sources:
-            slips = names & {"alpha", "kappa"}
-            slips = slips if len(slips) == 1 else frozenset()
-            feature = Feature(text, names, values, odd, not states, formula, states, slips)
-            (odd_ones if odd else even_ones).append(feature)
+        slips = depends_on & {"alpha", "kappa"}
+        slips = slips if len(slips) == 1 else frozenset()
+        (odd_ones if feature.odd else even_ones).append(
+            replace(feature, depends_on=depends_on, values=values, slips=slips)
+        )
     return even_ones, odd_ones
 
 
-def _of_inputs(named: Mapping[str, FloatArray], tire: Tire) -> Iterator[Described]:
+def _of_inputs(named: Mapping[str, FloatArray], tire: Tire) -> Iterator[Feature]:
     """Yield the features of inputs whose nominal values the tire has."""
     middle = str(round(float(named["T"].mean()))) if "T" in named else ""
     for text in (formula.replace("MIDDLE", middle) for formula in FORMULAS):
@@ -214,4 +241,46 @@ def _of_inputs(named: Mapping[str, FloatArray], tire: Tire) -> Iterator[Describe
         inputs = read & named.keys()
         if read - inputs <= tire.values.keys():
             values = eval(text, {**FUNCTIONS, **{name: named.get(name, tire.values.get(name)) for name in read}})
-            yield text, " ".join(inputs), values, text in ODD, "", ()
+            yield Feature(text, frozenset(inputs), values, text in ODD)
+
+
+def _of_the_past(t: FloatArray, named: Mapping[str, FloatArray]) -> Iterator[Feature]:
+    """Yield features of rates of change and of memory: first-order lags of the inputs.
+
+    `t`, shape (m,), s. `named`, shape (m,): inputs.
+    """
+    steps = np.diff(t)
+    step = float(np.median(steps[steps > 0.0]))
+    width = max(3, round(0.1 / step))
+
+    def rate(name: str) -> FloatArray:
+        return np.asarray(uniform_filter1d(rate_of(named[name], t), width, mode="nearest"))
+
+    def in_units(name: str, state: str, unit: float, odd: bool) -> Feature:
+        """Return a rate in multiples of a unit: the difference between an input and its lag."""
+        formula = f"{1.0 / (RATE_LAG * unit):.4g}*({name} - {state})"
+        return Feature(f"rate of {name}", frozenset({f"d{name}/dt"}), rate(name) / unit, odd, formula, (state,))
+
+    for slip, odd in (("alpha", True), ("kappa", False)):
+        turning, changing = rate(slip), frozenset({f"d{slip}/dt", "memory"})
+        typical = 0.3 * float(np.sqrt(np.mean(turning**2))) + 1e-9
+        direction, state = np.tanh(turning / typical), f"found_{slip}_direction"
+        states = (f"found_followed_{slip}", state)
+        if odd:
+            yield in_units("alpha", "found_late_alpha", 3.3 * typical, odd)
+        yield Feature(f"direction of {slip}'s change", changing, direction, odd, state, states)
+        signed, formula = direction * np.tanh(named[slip] / SIDE), f"{state}*tanh({slip}/{SIDE})"
+        yield Feature(f"{slip} growing or falling", changing | {slip}, signed, False, formula, states)
+    yield in_units("Fz", "found_late_load", float(np.std(rate("Fz"))) + 1e-9, False)
+    slide, slips = np.abs(np.tan(named["alpha"])) + np.abs(named["kappa"]), frozenset({"memory", "alpha", "kappa"})
+    for seconds in (1.0, 5.0):
+        name, values = f"found_recent_slip_{seconds:g}", 5.0 * _low_pass(slide, step / seconds)
+        yield Feature(f"slip of the last {seconds:g} s", slips, values, False, f"5*{name}", (name,))
+    values, name = 5.0 * _low_pass(named["alpha"], step / 0.3), "found_recent_alpha"
+    yield Feature("alpha of the last 0.3 s", frozenset({"dalpha/dt", "memory"}), values, True, f"5*{name}", (name,))
+
+
+def _low_pass(values: FloatArray, share: float) -> FloatArray:
+    """Return a signal behind a first-order lag; `share` is the ratio of time step and time constant."""
+    decay = np.exp(-share)
+    return np.asarray(lfilter([1.0 - decay], [1.0, -decay], values, zi=decay * values[:1])[0])

@@ -6,7 +6,7 @@ A formula becomes a proposed effect: its file, and the model with it.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -16,12 +16,9 @@ from ...boundary.errors import EffectError
 from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
 from ...symbolic.added import AddedEffect, effect_from
-from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 from ..probing.effect_probing import Screen
-from ..signals.simulation import Simulator
-from .features import Feature, Location, bracketed, determined, directions, features, locations_of
-from .past import STATES
+from .features import STATES, Feature, Location, bracketed, directions, features, placed
 
 
 @dataclass(frozen=True)
@@ -50,19 +47,6 @@ class Unknown:
         return f"{self.effect.name}.toml" if self.effect else None
 
 
-@dataclass(frozen=True, eq=False)
-class AddedFormula:
-    """A proposed formula that was added to the model.
-
-    - `tire`: the baseline model with the effect of the formula.
-    """
-
-    effect: AddedEffect
-    tire: Tire
-    problem: LeastSquares
-    solution: Solution
-
-
 def effect_of(structure: UnexplainedStructure) -> AddedEffect:
     """Return structure as an effect; rates and memories become states."""
     location, depends_on = structure.location, structure.depends_on
@@ -86,23 +70,26 @@ def effect_of(structure: UnexplainedStructure) -> AddedEffect:
     return effect_from(table, f"{name}.toml")
 
 
-def unknown_of(structure: UnexplainedStructure, effect: AddedEffect, added: AddedFormula | str) -> Unknown:
-    """Return the report of structure that no candidate effect explains.
+def proposed(
+    structure: UnexplainedStructure, problem: LeastSquares, solution: Solution, against: str = ""
+) -> tuple[Unknown, tuple[LeastSquares, Solution] | None]:
+    """Return the report of structure that no candidate effect explains, and the model with its formula if possible.
 
-    `effect`: result of `effect_of`. `added`: result of `with_formula`.
+    `solution`: without the formula. `against`: the reason why it may not be added to the model, if any.
     """
-    formula = structure.formula
-    if isinstance(added, AddedFormula):
-        index = added.problem.simulator.index
-        formula = structure.formula_with(
-            [added.solution.parameters[index[declaration.name]] for declaration in added.effect.declarations]
-        )
-    measurements = [_MEASUREMENTS[name] for name in structure.depends_on if name in _MEASUREMENTS]
-    reason = "" if isinstance(added, AddedFormula) else added
-    return Unknown(
-        structure.depends_on, formula, isinstance(added, AddedFormula), effect, reason,
-        measurements[0] if measurements else "",
-    )  # fmt: skip
+    effect, added = effect_of(structure), None
+    names = [declaration.name for declaration in effect.declarations]
+    if not against:
+        try:
+            extended, parameters = problem.with_effect(effect, solution, dict(zip(names, structure.sizes, strict=True)))
+        except EffectError as error:
+            against = f"the model cannot contain the formula: {error}"
+        else:
+            fitted = extended.solve(parameters, (*solution.free, *names), iterations=8)
+            sizes = fitted.parameters[[extended.simulator.index[name] for name in names]]
+            structure, added = replace(structure, sizes=tuple(sizes.tolist())), (extended, fitted)
+    measurement = next((_MEASUREMENTS[name] for name in structure.depends_on if name in _MEASUREMENTS), "")
+    return Unknown(structure.depends_on, structure.formula, not against, effect, against, measurement), added
 
 
 #: Measurement that determines the form of structure that depends on a rate. Relaxation depends on the distance rolled,
@@ -113,29 +100,6 @@ _MEASUREMENTS = {
     "dFz/dt": "step the load at constant slip, at two speeds",
     "memory": "hold the slip after a sweep, and repeat the sweep after a rest",
 }
-
-
-def with_formula(
-    structure: UnexplainedStructure, effect: AddedEffect, start: Tire, problem: LeastSquares, solution: Solution
-) -> AddedFormula | str:
-    """Add a formula to the model.
-
-    `effect`: result of `effect_of`. `solution`: solution without the formula. Returns: otherwise the reason why the
-    model cannot contain the formula.
-    """
-    try:
-        tire = replace(start, added=(*start.added, effect))
-        simulator = Simulator(tire, problem.simulator.signals.with_inputs_of(tire))  # the states are inputs
-    except EffectError as error:
-        return f"the model cannot contain the formula: {error}"
-    parameters = tire.parameters()
-    for name in problem.simulator.names:
-        parameters[simulator.index[name]] = solution.parameters[problem.simulator.index[name]]
-    for declaration, size in zip(effect.declarations, structure.sizes, strict=True):
-        parameters[simulator.index[declaration.name]] = size
-    extended = replace(problem, simulator=simulator.driven_at(parameters))
-    free = (*solution.free, *(declaration.name for declaration in effect.declarations))
-    return AddedFormula(effect, tire, extended, extended.solve(parameters, free, iterations=8))
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,16 +121,10 @@ class UnexplainedStructure:
     @property
     def formula(self) -> str:
         """The formula as text."""
-        return self.formula_with(self.sizes)
-
-    def formula_with(self, sizes: Iterable[float]) -> str:
-        """Return the formula with given coefficients.
-
-        `sizes`: one per term.
-        """
-        terms = " ".join(f"{value:+.3g}*{bracketed(term.text)}" for value, term in zip(sizes, self.terms, strict=True))
+        terms = zip(self.sizes, self.terms, strict=True)
+        total = " ".join(f"{value:+.3g}*{bracketed(term.text)}" for value, term in terms)
         head = "1 " if self.location.how == "factor" else ""
-        return f"{' and '.join(self.location.quantities)}, {self.location.how}: {head}{terms}"
+        return f"{' and '.join(self.location.quantities)}, {self.location.how}: {head}{total}"
 
 
 #: Number of features whose evidence is computed. Convention: computing time.
@@ -188,18 +146,15 @@ class Dictionary:
     def __init__(self, screen: Screen) -> None:
         problem, signals = screen.problem, screen.signals
         self._weights = problem.inverse_noise
-        tire = problem.simulator.tire
-        even, odd = features(signals, tire)
-        simple = [feature for feature in even if feature.expressible]
+        even, odd = features(signals, problem.simulator.tire)
+        simple = [feature for feature in even if not feature.states]
         pairs = [feature * other for i, feature in enumerate(simple) for other in simple[i:]]
         odd_pairs = [feature * other for feature in odd for other in simple]
         self.acting = directions(problem.simulator, screen.solution.parameters)
-        self.terms: list[tuple[Location, Feature]] = [
+        self.terms = [
             (location, feature)
-            for location in locations_of(problem.simulator.symbolic_model)
+            for location, feature in placed(problem.simulator, [*even, *pairs], [*odd, *odd_pairs, *even])
             if np.any(self._weights * self.acting[location.name])
-            for feature in ([*even, *pairs] if location.how == "factor" else [*odd, *odd_pairs, *even])
-            if determined(location, feature, signals, tire)
         ]
 
     def column(self, i: int) -> FloatArray:

@@ -14,7 +14,9 @@ from scipy.special import stdtrit
 from ...measurements import Recording
 from ...numerics.arrays import FloatArray
 from ...numerics.noise_floor import ErrorSplit
+from ...numerics.smoothing import HALF_WIDTHS
 from ...numerics.ties import graded
+from ...symbolic.channels import OUTPUTS
 from ...tires.tire import Tire
 from ..explanations.answer import Answer, OneOf
 from ..explanations.effect_evidence import Evidence
@@ -25,13 +27,14 @@ from ..probing.candidates import Candidate
 from ..probing.confounding import UNRECORDED_TEMPERATURE, alias_columns, correlations, separating_measurement
 from ..probing.effect_probing import Screen, Tried, tried
 from ..signals.disturbances import reported_disturbances
-from ..signals.measurement_artefacts import recording_errors
+from ..signals.measurement_artefacts import quantisation, ripple
+from ..signals.predicted_temperature import SURROUNDINGS, TEMPERATURE, predicting, source_of_temperature
 from ..signals.signals import FORMULA_SIGNS, Signals
 from ..thresholds import REPORTED
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy, adequacies
 from .detectability import detectable_sizes
-from .extrapolation import Extrapolation, extrapolations
+from .extrapolation import extrapolations
 from .findings import CoefficientInterval, FormCorrection, FoundEffect, Size
 from .fit_error import (
     DeliveredResiduals,
@@ -113,15 +116,19 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
     findings = _in_order(outcome, unknown, adequacy)
     confounded = confounded_with(outcome, tested)
     refined = tuple(f"{name}: {', '.join(form.free)}" for name, form in fits.refinements)
-    detectable, not_identifiable = detectable_sizes(fits.after, lacking, tested, fits.start)
+    detectable, not_identifiable = detectable_sizes(fits.after, lacking, tested)
     of_recording = _recording_errors(outcome, delivery)
+    read = {name: _inputs_of(outcome, name) for name in added}
     one_of = outcome.answer.one_of(finding.effect for finding in findings)
     sentences = verdict_sentences(
         findings, unknown, confounded, refined, adequacy, detectable, against, of_recording,
         one_of=one_of, stopped=bool(outcome.stopped),
     )  # fmt: skip
-    form = _form(fits, delivered=not against)
+    errors_of_form = {} if fits.form is None else Size.by_channel(signals.channels, fits.form)
+    form = FormCorrection(errors_of_form, fits.form is not None and not against)
     sentences += [form.sentence] * form.delivered
+    source = _source_of_temperature(outcome, findings)
+    sentences += [source] * bool(source)
     if outcome.stopped:
         sentences[0] = f"Best explanation so far, {outcome.stopped}: {sentences[0]}"
     return Diagnosis(
@@ -140,7 +147,7 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
             detectable, not_identifiable, _next_measurements(outcome, one_of, confounded, unknown)
         ),
         misfit=Misfit(delivery.errors, residual_maps(fits.before), where_after, time_course(fits.before, final)),
-        improvement=Improvement(refined, form, _extrapolations(outcome, added), against),
+        improvement=Improvement(refined, form, extrapolations(fits.after, added, read), against),
         run=DiagnosisRun(
             outcome.recording.table,
             outcome.recording.signs,
@@ -149,13 +156,6 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
             outcome.stopped,
         ),
     )
-
-
-def _form(fits: Final, *, delivered: bool) -> FormCorrection:
-    """Return the sizes of the correction of the form by channel."""
-    if fits.form is None:
-        return FormCorrection({}, False)
-    return FormCorrection(Size.by_channel(fits.after.signals.channels, fits.form.change), delivered)
 
 
 def _added(fits: Final) -> dict[str, tuple[str, ...]]:
@@ -170,30 +170,24 @@ def _delivery(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -
     """Return the improved tire with its fit error, or the baseline tire if there are reasons against it."""
     fits = outcome.final
     before, after = fits.before, fits.after
-    base_tire = tire_of(before.problem.simulator.tire, before.problem, before.solution, ())
-    tire = tire_of(fits.start, after.problem, after.solution, (*added, *((FORM,) if fits.form else ())))
+    base_tire = tire_of(before.problem, before.solution, ())
+    tire = tire_of(after.problem, after.solution, (*added, *((FORM,) if fits.form is not None else ())))
     # The equations of all effects are compiled already; those of the delivered tires alone would take seconds.
     complete = tuple(replace(either, added=fits.start.added) for either in (base_tire, tire))
     recording = without_skew(outcome.recording, outcome.signals)
     of_base, of_improved = (
         residual_of(either, fit, recording) for either, fit in zip(complete, (before, after), strict=True)
     )
-    residuals = judged = delivered_residuals(of_base, of_improved, before.signals, outcome.signals.table_rows)
-    errors = compared = fit_errors(before, after, residuals)
-    if set(tire.states) - set(base_tire.states) and outcome.signals.timed:
-        judged = fitted_residuals(before, after)
-        compared = fit_errors(before, after, judged)
-    against: tuple[str, ...] = ()
-    if added or fits.refinements or fits.form:
-        against = reasons_against(compared, judged)
-    splits = error_splits(of_base if against else of_improved, residuals, recording, outcome.signals.channels)
+    residuals = delivered_residuals(of_base, of_improved, outcome.signals)
+    more_states = bool(set(tire.states) - set(base_tire.states)) and outcome.signals.timed
+    judged = fitted_residuals(before, after) if more_states else residuals
+    against = reasons_against(judged) if added or fits.refinements or fits.form is not None else ()
     if against:
-        tire, after, errors = base_tire, before, fit_errors(before, before, replace(residuals, after=residuals.before))
-    with_floor = {
-        part: {name: {**error, "floor": splits[name].floor} for name, error in by_channel.items()}
-        for part, by_channel in errors.items()
-    }
-    return _Delivery(base_tire, tire, against, after, residuals, with_floor, splits)
+        tire, after, of_improved, residuals = base_tire, before, of_base, replace(residuals, after=residuals.before)
+    elif TEMPERATURE in outcome.signals.origin.derived & set(outcome.recording.table):
+        tire = predicting(tire, outcome.recording)
+    splits = error_splits(of_improved, residuals, recording)
+    return _Delivery(base_tire, tire, against, after, residuals, fit_errors(before, after, residuals, splits), splits)
 
 
 def _next_measurements(
@@ -210,43 +204,48 @@ def _next_measurements(
 
 def _recording_errors(outcome: DiagnosisOutcome, delivery: _Delivery) -> dict[str, Any]:
     """Return the errors of the recording as estimated with the delivered tire, and what the baseline tire removes."""
-    before, final = outcome.final.before, delivery.final
-    problem, solution = final.problem, final.solution
-    errors = recording_errors(
-        outcome.recording, final.signals, problem.disturbances, solution.disturbance, solution.residual,
-        outcome.final.start,
-    )  # fmt: skip
+    table, before, final = outcome.recording.table, outcome.final.before, delivery.final
+    signals, disturbances, values = final.signals, final.problem.disturbances, final.solution.disturbance
+    start, origin = outcome.final.start, signals.origin
+    used = {"t", "distance", *start.inputs, *OUTPUTS, *(SURROUNDINGS if TEMPERATURE in origin.derived else ())}
+    waves = [i for i, name in enumerate(disturbances.names) if name.startswith("wave")]
+    turning = final.solution.residual + disturbances.columns[:, :, waves] @ values[waves]
+    outliers = delivery.residuals.outlier_rows()
     base = reported_disturbances(before.problem.disturbances, before.solution.disturbance, before.signals)
-    outliers = delivery.residuals.outlier_rows(final.signals.channels)
-    return {
-        **errors,
+    return reported_disturbances(disturbances, values, signals) | {
+        "ripple": ripple(signals, turning, start.values["UNLOADED_RADIUS"]),
+        "quantisation": {name: quantisation(table[name].to_numpy(np.float64)) for name in signals.channels},
+        "compared_every": int(np.diff(signals.table_rows).min()),
+        "smoothing_windows": [2 * half + 1 for half in HALF_WIDTHS] if any(origin.noise.values()) else [],
+        "left_aside": dict(signals.excluded_channels),
+        "derived_columns": sorted(origin.derived & set(table)),
+        "ignored_columns": [str(name) for name in table if name not in used],
         **{f"{key}_base": base[key] for key in ("removed", "cross_talk", "periodic")},
         "outlier_rows": outliers,
         "outliers": {name: len(rows) for name, rows in outliers.items()},
     }
 
 
+def _source_of_temperature(outcome: DiagnosisOutcome, findings: Sequence[FoundEffect]) -> str:
+    """Return which temperature the identified effects read, in a sentence, or ''."""
+    start, candidates = outcome.final.start, outcome.candidates
+    effects = [finding.effect for finding in findings if finding.effect in candidates]
+    reading = [name for name in effects if TEMPERATURE in candidates[name].requires]
+    recorded = TEMPERATURE in outcome.signals.origin.recorded and not start.values.get("THACT")
+    return source_of_temperature(reading, effects, start, recorded)
+
+
 def _unknown(fits: Final, adequacy: tuple[Adequacy, ...], *, delivered: bool) -> tuple[Unknown, ...]:
     """Return the unknown component, or that there is one if a channel is far above its noise floor."""
-    parts = fits.unknown or _unidentified(adequacy, fits)
-    if delivered:
-        return parts
-    return tuple(replace(part, added=False, not_added_because=NOT_DELIVERED) if part.added else part for part in parts)
-
-
-def _unidentified(adequacy: tuple[Adequacy, ...], fits: Final) -> tuple[Unknown, ...]:
-    """Return the structure in channels far above their noise floor, if no effect was identified."""
+    if fits.unknown:
+        withheld = [part for part in fits.unknown if part.added and not delivered]
+        return tuple(replace(part, added=False, not_added_because=NOT_DELIVERED) for part in withheld) or fits.unknown
     worst = max(adequacy, key=lambda rated: graded(rated.ratio) if rated.rating == "red" else 0.0)
     if worst.rating != "red" or fits.effects:
         return ()
     depends_on = tuple(sorted({*worst.over, *(("memory",) if worst.memory else ())}))
     reason = "no effect and no formula explains it"
     return (Unknown(depends_on, "", False, None, reason, "hold or repeat the operating conditions of the residual"),)
-
-
-def _extrapolations(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -> tuple[Extrapolation, ...]:
-    after = outcome.final.after
-    return extrapolations(after.problem, after.solution, added, {name: _inputs_of(outcome, name) for name in added})
 
 
 def _inputs_of(outcome: DiagnosisOutcome, effect: str) -> tuple[str, ...]:
@@ -285,12 +284,11 @@ def _shown(evidence: Evidence, screen: Screen) -> tuple[str, ...]:
 def _finding(outcome: DiagnosisOutcome, name: str, evidence: Evidence) -> FoundEffect:
     fits = outcome.final
     problem, solution, names = fits.after.problem, fits.after.solution, fits.effects[name]
-    errors = fits.whitened.standard_errors()
     quantile = float(stdtrit(fits.after.n_blocks - 1, 0.975))
     declarations, coefficients = fits.start.symbolic_model.coefficients, {}
     for coefficient in names:
         value = float(solution.parameters[problem.simulator.index[coefficient]])
-        error = float(errors[solution.free.index(coefficient)]) * quantile
+        error = float(fits.errors[solution.free.index(coefficient)]) * quantile
         coefficients[coefficient] = CoefficientInterval(value, value - error, value + error)
     return FoundEffect(
         name,
@@ -300,21 +298,21 @@ def _finding(outcome: DiagnosisOutcome, name: str, evidence: Evidence) -> FoundE
         evidence.gain,
         evidence.gain_error,
         outcome.answer.probabilities[name],
-        _stretches(evidence, outcome.signals),
+        _stretches(evidence, fits.after),
         Size.by_channel(outcome.signals.channels, evidence.change),
         frozenset(coefficient for coefficient in names if declarations[coefficient].flips),
         problem.at_bounds(solution.parameters, names),
     )
 
 
-def _stretches(evidence: Evidence, signals: Signals) -> tuple[tuple[float, float], ...]:
+def _stretches(evidence: Evidence, screen: Screen) -> tuple[tuple[float, float], ...]:
     """Return the stretches of time with two thirds of the evidence."""
     order = np.argsort(-graded(evidence.gains), kind="stable")
     cumulative = np.cumsum(np.maximum(evidence.gains[order], 0.0))
     if cumulative[-1] <= 0.0:
         return ()
     chosen = sorted(order[: int(np.searchsorted(cumulative, REPORTED_EVIDENCE * cumulative[-1])) + 1].tolist())
-    t, edges = signals.t[signals.rows], evidence.edges
+    t, edges = screen.signals.t[screen.signals.rows], screen.edges
     spans: list[tuple[float, float]] = []
     for g in chosen:
         first, last = float(t[edges[g]]), float(t[min(edges[g + 1], len(t)) - 1])
@@ -327,18 +325,14 @@ def _stretches(evidence: Evidence, signals: Signals) -> tuple[tuple[float, float
 
 def confounded_with(outcome: DiagnosisOutcome, tested: Sequence[Tried]) -> dict[str, dict[str, float]]:
     """Return the confounded explanations of each identified effect, with their correlation."""
-    fits, screen = outcome.final, outcome.final.after
-    others, confounded = _alternatives(tested), {}
+    fits, screen, confounded = outcome.final, outcome.final.after, dict[str, dict[str, float]]()
+    others = [*_alternatives(tested), *alias_columns(screen).items()]
     for name, coefficients in fits.effects.items():
-        identified = {
-            other: screen.tangent[:, :, [screen.solution.free.index(coefficient) for coefficient in owned]]
+        identified = [
+            (other, screen.tangent[:, :, [screen.solution.free.index(coefficient) for coefficient in owned]])
             for other, owned in fits.effects.items() if other != name
-        }  # fmt: skip
-        correlated = correlations(screen, coefficients, {**others, **alias_columns(screen)}, identified)
-        size: dict[str, float] = {}
-        for key, value in correlated.items():
-            other = key.partition(" ")[0]
-            size[other] = max(value, size.get(other, 0.0))
+        ]  # fmt: skip
+        size = correlations(screen, coefficients, [*others, *identified])
         contained = outcome.candidates[name].contains
         confounded[name] = {other: value for other, value in size.items() if value > REPORTED and other != contained}
         if "distance" in outcome.candidates[name].requires and "T" not in outcome.signals.origin.recorded:
@@ -346,15 +340,9 @@ def confounded_with(outcome: DiagnosisOutcome, tested: Sequence[Tried]) -> dict[
     return {name: others for name, others in confounded.items() if others}
 
 
-def _alternatives(tested: Sequence[Tried]) -> dict[str, FloatArray]:
-    """Return the weighted responses of effects that were not identified, by name.
-
-    Each point of a grid is an explanation of its own, since only one value of a time constant is right: its key is the
-    name, a space and a number.
-    """
-    columns: dict[str, FloatArray] = {}
-    for i, candidate in enumerate(tested):
-        key = f"{candidate.name} {i}" if candidate.form.grid else candidate.name
-        parts = [columns[key]] if key in columns else []
-        columns[key] = np.concatenate([*parts, candidate.response.columns], axis=-1)
-    return columns
+def _alternatives(tested: Sequence[Tried]) -> list[tuple[str, FloatArray]]:
+    """Return effects that were not identified, with their weighted responses, those of each point of a grid alone."""
+    grouped = dict[tuple[str, int], list[FloatArray]]()
+    for i, effect in enumerate(tested):
+        grouped.setdefault((effect.name, i if effect.form.grid else -1), []).append(effect.response.columns)
+    return [(name, np.concatenate(columns, axis=-1)) for (name, _), columns in grouped.items()]

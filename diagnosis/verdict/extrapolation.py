@@ -12,7 +12,8 @@ from ...drawing.labels import range_text
 from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
 from ...symbolic.declarations import Quantity
-from ..least_squares import LeastSquares, Solution
+from ..least_squares import LeastSquares
+from ..probing.effect_probing import Screen
 
 #: Distance outside an input's range at which an effect is evaluated, as a share of the range and of the distance to the
 #: limit of the physical range, and the change of its part of a force, relative to the force, that is reported as
@@ -58,22 +59,19 @@ class Extrapolation:
 
 
 def extrapolations(
-    problem: LeastSquares, solution: Solution, effects: Mapping[str, Collection[str]],
-    inputs: Mapping[str, Collection[str]],
-) -> tuple[Extrapolation, ...]:  # fmt: skip
+    improved: Screen, effects: Mapping[str, Collection[str]], inputs: Mapping[str, Collection[str]]
+) -> tuple[Extrapolation, ...]:
     """Return the measured ranges of the inputs of identified effects, and the change of the effects outside them.
 
-    `solution`: of the improved model. `effects`, `inputs`: by identified effect: its free coefficients, and the inputs
+    `improved`: of the improved model. `effects`, `inputs`: by identified effect: its free coefficients, and the inputs
     that it depends on. Returns: in the order of the effects; without slips and time, whose range depends on the test
     program.
     """
-    signals, absent = problem.simulator.signals, problem.simulator.tire.parameters()
+    problem, solution, signals = improved.problem, improved.solution, improved.signals
     named = signals.named()
     extrapolated = []
     for effect, coefficients in effects.items():
-        without = solution.parameters.copy()
-        indices = [problem.simulator.index[name] for name in coefficients]
-        without[indices] = absent[indices]
+        without = problem.simulator.without(solution.parameters, coefficients)
         for name in inputs[effect]:
             if name not in named or name not in signals.origin.recorded or name in ("t", "alpha", "kappa"):
                 continue

@@ -7,7 +7,7 @@ improved tire is delivered if its predictive density on the hold-out set is the 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,12 +15,13 @@ import numpy as np
 from ...drawing.labels import drawn_unit
 from ...measurements import Recording
 from ...measurements.state_starts import with_fitted_starts
-from ...numerics.arrays import BoolArray, FloatArray, IntArray
+from ...numerics.arrays import BoolArray, FloatArray
 from ...numerics.noise_floor import ErrorSplit, error_split
 from ...numerics.ties import graded
 from ...tires.evaluation import Conventions, evaluate
 from ...tires.signs import convert_signs
 from ...tires.tire import Tire
+from ..least_squares import density_gains
 from ..probing.effect_probing import Screen
 from ..signals.disturbances import removed_at
 from ..signals.outliers import short_range
@@ -33,44 +34,31 @@ FitErrors = dict[str, dict[str, dict[str, float]]]
 class DeliveredResiduals:
     """Residuals of the delivered tires over the compared rows of a recording, N and N m.
 
-    - `rows`, shape (m,): rows of the recording.
-    - `before`, `after`, shape (n_channels, m): of the baseline tire and the improved tire, in the sign convention of
+    - `signals`: of the solutions, over the compared rows.
+    - `before`, `after`, shape (n_channels, n): of the baseline tire and the improved tire, in the sign convention of
       the computation.
-    - `used`, shape (n_channels, m): false if a channel was not measured or is an outlier.
-    - `holdout`, shape (m,).
-    - `compared`, shape (n,): positions of the rows that the diagnosis compared.
+    - `used`, shape (n_channels, n): false if a channel was not measured or is an outlier.
     """
 
-    rows: IntArray
+    signals: Signals
     before: FloatArray
     after: FloatArray
     used: BoolArray
-    holdout: BoolArray
-    compared: IntArray
 
-    def outlier_rows(self, channels: Sequence[str]) -> dict[str, list[int]]:
+    def outlier_rows(self) -> dict[str, list[int]]:
         """Return the rows that are outliers by channel, counted from 0."""
-        measured = np.isfinite(self.before)
-        return {
-            name: self.rows[present & ~used].tolist()
-            for name, present, used in zip(channels, measured, self.used, strict=True)
-        }
+        outliers = zip(self.signals.channels, np.isfinite(self.before) & ~self.used, strict=True)
+        return {name: self.signals.table_rows[rows].tolist() for name, rows in outliers}
 
 
-def delivered_residuals(before: FloatArray, after: FloatArray, signals: Signals, rows: IntArray) -> DeliveredResiduals:
+def delivered_residuals(before: FloatArray, after: FloatArray, signals: Signals) -> DeliveredResiduals:
     """Return the residuals of both tires over the compared rows of a recording.
 
     `before`, `after`, shape (n_channels, n_rows): of the baseline tire and the improved tire (`residual_of`).
-    `signals`: of their solutions. `rows`, shape (m,): the compared rows.
     """
-    first, last = before[:, rows], after[:, rows]
-    used = np.stack([short_range(np.nan_to_num(row), np.isfinite(row))[1] for row in first])
-    compared = np.searchsorted(rows, signals.table_rows)
-    used[:, compared] &= signals.present
-    holdout = np.zeros(len(rows), dtype=bool)
-    for start, end in signals.holdout_stretches():
-        holdout[compared[start] : compared[end] + 1] = True
-    return DeliveredResiduals(rows, first, last, used, holdout, compared)
+    first, last = (residual[:, signals.table_rows] for residual in (before, after))
+    used = [short_range(np.nan_to_num(row), np.isfinite(row))[1] for row in first]
+    return DeliveredResiduals(signals, first, last, signals.present & used)
 
 
 def fitted_residuals(before: Screen, after: Screen) -> DeliveredResiduals:
@@ -79,11 +67,7 @@ def fitted_residuals(before: Screen, after: Screen) -> DeliveredResiduals:
     A state that follows the direction of slip follows noise of the slip, too. Whether a tire with states is better is
     therefore decided with these inputs.
     """
-    signals, compared = after.signals, np.arange(len(after.signals.rows))
-    return DeliveredResiduals(
-        signals.table_rows, before.solution.residual, after.solution.residual, signals.present, signals.holdout,
-        compared,
-    )  # fmt: skip
+    return DeliveredResiduals(after.signals, before.solution.residual, after.solution.residual, after.signals.present)
 
 
 def without_skew(recording: Recording, signals: Signals) -> Recording:
@@ -117,49 +101,45 @@ def residual_of(tire: Tire, screen: Screen, recording: Recording) -> FloatArray:
     return np.asarray(measured - simulated - removed)
 
 
-def error_splits(
-    residual: FloatArray, residuals: DeliveredResiduals, recording: Recording, channels: Sequence[str]
-) -> dict[str, ErrorSplit]:
+def error_splits(residual: FloatArray, residuals: DeliveredResiduals, recording: Recording) -> dict[str, ErrorSplit]:
     """Return the noise floor of each channel and the other parts of its error (`tirefmu.numerics.noise_floor`).
 
     They are those of the compared rows and of the rows between them, outside the hold-out set, without outliers: a
     floor must not depend on how many rows are compared. `residual`: of the delivered tire (`residual_of`).
     """
-    table, segment = recording.table, np.zeros(len(recording.table), dtype=np.int64)
-    for number, rows in enumerate(recording.segments()):
-        segment[rows] = number
-    every, begins = int(np.diff(residuals.rows).min()), residuals.rows[~residuals.holdout]
-    followed = begins[np.isin(begins + every, residuals.rows)]
+    rows, holdout, channels = residuals.signals.table_rows, residuals.signals.holdout, residuals.signals.channels
+    every, begins = int(np.diff(rows).min()), rows[~holdout]
+    followed = begins[np.isin(begins + every, rows)]
     fitted = np.unique(np.concatenate([begins, *(followed + offset for offset in range(1, every))]))
     rest = {}
     for name, row, used in zip(channels, residual, residuals.used, strict=True):
         scatter = short_range(np.nan_to_num(row[fitted]), np.isfinite(row[fitted]))[1]
         rest[name] = np.full(len(row), np.nan)
         rest[name][fitted[scatter]] = row[fitted[scatter]]
-        rest[name][residuals.rows[~used]] = np.nan
-    return error_split(table, rest, segment)
+        rest[name][rows[~used]] = np.nan
+    return error_split(recording.table, rest, recording.segment_numbers())
 
 
-def fit_errors(before: Screen, after: Screen, residuals: DeliveredResiduals) -> FitErrors:
+def fit_errors(
+    before: Screen, after: Screen, residuals: DeliveredResiduals, splits: Mapping[str, ErrorSplit]
+) -> FitErrors:
     """Return root mean square residuals of the delivered tires, with all errors of the recording removed.
 
     `before`, `after`: of the solutions of the baseline model and the improved model. `residuals`: of both delivered
-    tires. Returns: train, cv, holdout -> channel -> before, after.
+    tires. `splits`: of the delivered tire. Returns: train, cv, holdout -> channel -> before, after, floor.
     """
-    compared, used = residuals.compared, residuals.used
-    both = (residuals.before, residuals.after)
+    both, used, holdout = (residuals.before, residuals.after), residuals.used, residuals.signals.holdout
     validated = [
-        residual[:, compared] + _change_without_block(screen)
-        for residual, screen in zip(both, (before, after), strict=True)
+        residual + _change_without_block(screen) for residual, screen in zip(both, (before, after), strict=True)
     ]
     parts = {
-        "train": (both, used & ~residuals.holdout),
-        "cv": (validated, (after.problem.inverse_noise > 0.0) & used[:, compared]),
-        "holdout": (both, used & residuals.holdout),
+        "train": (both, used & ~holdout),
+        "cv": (validated, (after.problem.inverse_noise > 0.0) & used),
+        "holdout": (both, used & holdout),
     }
     return {
         part: {
-            name: {"before": _rms(rows[0][i], mask[i]), "after": _rms(rows[1][i], mask[i])}
+            name: {"before": _rms(rows[0][i], mask[i]), "after": _rms(rows[1][i], mask[i]), "floor": splits[name].floor}
             for i, name in enumerate(after.signals.channels)
         }
         for part, (rows, mask) in parts.items()
@@ -168,47 +148,32 @@ def fit_errors(before: Screen, after: Screen, residuals: DeliveredResiduals) -> 
 
 def _change_without_block(screen: Screen) -> FloatArray:
     """Return the change of the residuals of each block if it is not used for the estimate, N and N m."""
-    change = np.zeros_like(screen.residual)
+    change, inverse_noise = np.zeros_like(screen.residual), screen.problem.inverse_noise
     for g, (first, last) in enumerate(zip(screen.edges[:-1], screen.edges[1:], strict=True)):
         shift = screen.baseline.others[g] - screen.baseline.estimate
         change[:, first:last] -= screen.tangent[:, first:last] @ shift
-    inverse_noise = screen.problem.inverse_noise
-    return np.where(inverse_noise > 0.0, change / np.where(inverse_noise > 0.0, inverse_noise, 1.0), 0.0)
+    return np.divide(change, inverse_noise, out=np.zeros_like(change), where=inverse_noise > 0.0)
 
 
 def _rms(residual: FloatArray, present: BoolArray) -> float:
     return float(np.sqrt(np.mean(residual[present] ** 2))) if present.any() else float("nan")
 
 
-def reasons_against(errors: FitErrors, residuals: DeliveredResiduals) -> tuple[str, ...]:
-    """Return the reason why an improved tire is not delivered, or nothing.
-
-    `errors`: of the delivered tires (`fit_errors`). `residuals`: of the same tires, from which the errors are
-    computed.
-    """
+def reasons_against(residuals: DeliveredResiduals) -> tuple[str, ...]:
+    """Return the reason why an improved tire is not delivered, or nothing."""
     gain = density_gain(residuals)
     if gain.sum() >= 0.0:  # NaN is a reason
         return ()
-    worst = list(errors["holdout"])[int(np.argmin(graded(gain)))]  # of NaN, the first one
-    error, unit = errors["holdout"][worst], drawn_unit(worst)
+    worst = int(np.argmin(graded(gain)))  # of NaN, the first one
+    held, name = residuals.used[worst] & residuals.signals.holdout, residuals.signals.channels[worst]
+    before, after = (_rms(rows[worst], held) for rows in (residuals.before, residuals.after))
     return (
-        f"it predicts the hold-out set worse than the baseline tire ({worst}: {error['after']:.3g} instead of "
-        f"{error['before']:.3g} {unit})",
+        f"it predicts the hold-out set worse than the baseline tire ({name}: {after:.3g} instead of {before:.3g} "
+        f"{drawn_unit(name)})",
     )
 
 
 def density_gain(residuals: DeliveredResiduals) -> FloatArray:
-    """Return by how much the logarithm of the predictive density of the hold-out set increases, shape (n_channels,).
-
-    Residuals are normal with the standard deviation that the tire has on the fitted rows: a tire that fits these better
-    is more certain, and loses more where it is wrong.
-    """
-    return np.asarray(_log_density(residuals, residuals.after) - _log_density(residuals, residuals.before))
-
-
-def _log_density(residuals: DeliveredResiduals, rows: FloatArray) -> FloatArray:
-    squares = np.where(residuals.used, rows, 0.0) ** 2
-    fitted, held = residuals.used & ~residuals.holdout, residuals.used & residuals.holdout
-    variance = np.sum(squares, axis=1, where=fitted) / np.maximum(fitted.sum(axis=1), 1)
-    variance = np.where(variance > 0.0, variance, 1e-300)
-    return np.asarray(-0.5 * (held.sum(axis=1) * np.log(variance) + np.sum(squares, axis=1, where=held) / variance))
+    """Return the increase of the logarithm of the predictive density of the hold-out set, shape (n_channels,)."""
+    used, holdout = residuals.used, residuals.signals.holdout
+    return np.asarray(density_gains(residuals.before, residuals.after, used & ~holdout, used & holdout).sum(axis=1))

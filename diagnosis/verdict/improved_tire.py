@@ -7,17 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...symbolic.added import AddedEffect
 from ...tires.definition import RANGES
 from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 
 
-def tire_of(start: Tire, problem: LeastSquares, solution: Solution, added: Collection[str]) -> Tire:
-    """Return the tire of a solution.
-
-    `start`: the baseline model. `added`: names of the effects that are added to it.
-    """
+def tire_of(problem: LeastSquares, solution: Solution, added: Collection[str]) -> Tire:
+    """Return the tire of a solution: the baseline model with the effects of these names."""
+    start = problem.simulator.tire
     present = set(start.has) | set(added)
     if "relax_load" in present:
         present.discard("relax_lat")
@@ -26,8 +23,8 @@ def tire_of(start: Tire, problem: LeastSquares, solution: Solution, added: Colle
     used = tuple(  # also effects that are off but declare the nominal value of an input
         e for e in start.added if e.name in present or nominal & {declaration.name for declaration in e.declarations}
     )
-    unused = _unused_coefficients(start, used)
-    values = {name: value for name, value in start.values.items() if name not in unused}
+    of_used, of_all = ({d.name for effect in effects for d in effect.declarations} for effects in (used, start.added))
+    values = {name: value for name, value in start.values.items() if name in of_used or name not in of_all}
     tire = replace(start, effects=tuple(present), added=used, values=values)
     index, factors = problem.simulator.index, tire.rescaled
     values = {
@@ -38,9 +35,3 @@ def tire_of(start: Tire, problem: LeastSquares, solution: Solution, added: Colle
     varied = [name for name in RANGES if name in inputs and np.ptp(inputs[name]) > 0.0]
     ranges = {name: (float(inputs[name].min()), float(inputs[name].max())) for name in varied}
     return replace(tire, values=values, ranges=ranges)
-
-
-def _unused_coefficients(start: Tire, used: Collection[AddedEffect]) -> set[str]:
-    """Return the coefficients of added effects that the tire does not contain."""
-    retained = {declaration.name for effect in used for declaration in effect.declarations}
-    return {declaration.name for effect in start.added for declaration in effect.declarations} - retained

@@ -34,17 +34,12 @@ def residual_maps(screen: Screen) -> list[dict[str, Any]]:
     named = signals.named()
     recorded = [name for name in named if name not in signals.origin.derived]
     pairs = _pairs([name for name in recorded if varies(signals, screen.problem.simulator.tire, name)])
-    maps = []
-    for channel, residual, inverse_noise in zip(
-        signals.channels, screen.residual, screen.problem.inverse_noise, strict=True
-    ):
-        used = inverse_noise > 0.0
-        for first, second in pairs:
-            maps.append(
-                {"channel": channel, "over": [first, second]}
-                | _mapped(named[first][used], named[second][used], residual[used])
-            )
-    return maps
+    rows = zip(signals.channels, screen.residual, screen.problem.inverse_noise > 0.0, strict=True)
+    return [
+        {"channel": channel, "over": [first, second]} | _mapped(named[first][used], named[second][used], residual[used])
+        for channel, residual, used in rows
+        for first, second in pairs
+    ]
 
 
 def _pairs(varying: Sequence[str]) -> list[tuple[str, str]]:

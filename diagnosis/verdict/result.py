@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
@@ -27,6 +27,10 @@ from .findings import FormCorrection, FoundEffect, turned_sign
 from .parts import DiagnosisRun, Identifiability, Improvement, Misfit, WrittenFiles
 from .summary import diagnosis_html, diagnosis_text
 from .verdict import headline_text
+
+#: The errors of a recording that have a sign, and its waves, whose amplitudes have none.
+SIGNED = ("offset", "removed", "removed_base", "cross_talk", "cross_talk_base")
+WAVES = ("periodic", "periodic_base")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -119,38 +123,20 @@ class Diagnosis:
         reversed_names = reversed_columns(self.signs, signs)
         if not reversed_names:
             return self
-        offset = {name: turned_sign(value, name in reversed_names) for name, value in self.recording["offset"].items()}
-        turned: dict[str, Any] = {}
-        for end in ("", "_base"):
-            turned[f"removed{end}"] = {
-                name: {
-                    "offset": turned_sign(removed["offset"], name in reversed_names),
-                    "drift": [turned_sign(value, name in reversed_names) for value in removed["drift"]],
-                }
-                for name, removed in self.recording[f"removed{end}"].items()
-            }
-            turned[f"periodic{end}"] = [
-                wave
-                | {
-                    part: {name: turned_sign(value, name in reversed_names) for name, value in wave[part].items()}
-                    for part in ("cosine", "sine")
-                }
-                for wave in self.recording[f"periodic{end}"]
-            ]
-            turned[f"cross_talk{end}"] = {  # the share of one force in another: Fx_in_Fy
-                name: turned_sign(value, len(reversed_names & set(name.split("_in_"))) == 1)
-                for name, value in self.recording[f"cross_talk{end}"].items()
-            }
+        turned = {key: _turned(self.recording[key], reversed_names) for key in SIGNED}
+        for key in WAVES:
+            waves = self.recording[key]
+            turned[key] = [_turned(wave, reversed_names) | {"amplitude": wave["amplitude"]} for wave in waves]
         return replace(
             self,
             signs=signs,
             found=tuple(finding.mirrored() for finding in self.found),
             misfit=replace(
                 self.misfit,
-                where=_mirrored_maps(self.where, reversed_names),
-                where_after=_mirrored_maps(self.where_after, reversed_names),
+                where=[_turned_map(shown, reversed_names) for shown in self.where],
+                where_after=[_turned_map(shown, reversed_names) for shown in self.where_after],
             ),
-            recording={**self.recording, "offset": offset, **turned},
+            recording={**self.recording, **turned},
         )
 
     @property
@@ -285,19 +271,13 @@ class Diagnosis:
         """The effects that the diagnosis wrote itself."""
         return tuple(part.effect for part in self.unknown if part.effect is not None)
 
-    @property
-    def _summarized(
-        self,
-    ) -> tuple[tuple[str, ...], tuple[FoundEffect, ...], Mapping[str, Mapping[str, float]], int, str]:
-        return (self.headline, *self.sentences), self.found, self.gap["holdout"], len(self.rows), self.signs
-
     def __repr__(self) -> str:
         """Return the verdict, the findings with their evidence, and the hold-out error before and after."""
-        return diagnosis_text(*self._summarized)
+        return diagnosis_text(self)
 
     def _repr_html_(self) -> str:
         """Return the summary with a table of coefficients, for a notebook."""
-        return diagnosis_html(*self._summarized)
+        return diagnosis_html(self)
 
     def holdout_mask(self, n: int) -> npt.NDArray[np.bool_]:
         """Return which of a recording's n rows are in the hold-out set.
@@ -358,15 +338,24 @@ class Diagnosis:
         return path / "diagnosis.json"
 
 
-def _mirrored_maps(maps: Iterable[dict[str, Any]], reversed_names: Collection[str]) -> list[dict[str, Any]]:
-    """Return maps of `residual_location.residual_maps`, those of reversed channels with the opposite sign."""
-    return [_mirrored_map(shown) if shown["channel"] in reversed_names else shown for shown in maps]
+def _turned(value: Any, reversed_names: Collection[str], turned: bool = False) -> Any:
+    """Return numbers by channel, those of reversed channels with the opposite sign.
+
+    The share of one force in another, Fx_in_Fy, has it if one of the two is reversed.
+    """
+    if isinstance(value, Mapping):
+        both = {name: len({*reversed_names}.intersection(name.split("_in_"))) == 1 for name in value}
+        return {name: _turned(item, reversed_names, turned != both[name]) for name, item in value.items()}
+    if isinstance(value, list):
+        return [_turned(item, reversed_names, turned) for item in value]
+    return turned_sign(value, turned) if isinstance(value, float) else value
 
 
-def _mirrored_map(shown: dict[str, Any]) -> dict[str, Any]:
-    """Return a map of `residual_location.residual_maps` with the opposite sign; cells without rows have no mean."""
-    mean = [[None if cell is None else turned_sign(cell) for cell in row] for row in shown["mean"]]
-    return {**shown, "mean": mean, "worst": {**shown["worst"], "mean": turned_sign(shown["worst"]["mean"])}}
+def _turned_map(shown: dict[str, Any], reversed_names: Collection[str]) -> dict[str, Any]:
+    """Return a map of `residual_location.residual_maps`, that of a reversed channel with the opposite sign."""
+    turned = shown["channel"] in reversed_names
+    worst = {**shown["worst"], "mean": turned_sign(shown["worst"]["mean"], turned)}
+    return {**shown, "mean": _turned(shown["mean"], (), turned), "worst": worst}
 
 
 def diagnosis_schema() -> dict[str, Any]:

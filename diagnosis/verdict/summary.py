@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from ...boundary.escaping import visible
 from ...drawing.labels import drawn_unit
 from ...tires.notebook import html_details, html_summary, html_table
 from ..explanations.answer import percent
-from .findings import FoundEffect
+
+if TYPE_CHECKING:
+    from .result import Diagnosis
 
 
 def before_and_after(channel: str, error: Mapping[str, float]) -> str:
@@ -21,44 +24,27 @@ def before_and_after(channel: str, error: Mapping[str, float]) -> str:
     return f"RMSE {error['before']:.4g} {unit} before, {error['after']:.4g} {unit} after"
 
 
-def diagnosis_text(
-    verdict: Sequence[str],
-    findings: Sequence[FoundEffect],
-    holdout: Mapping[str, Mapping[str, float]],
-    n_rows: int,
-    signs: str,
-) -> str:
-    """Return the verdict, the findings with their evidence, and the hold-out error before and after.
-
-    `verdict`: headline and sentences. `holdout`: by channel: root mean square on the hold-out ``before`` and ``after``,
-    N and N m. `signs`: sign convention of the coefficients.
-    """
-    headline, *sentences = verdict
-    lines = [f"Diagnosis: {headline}", *(f"  {sentence}" for sentence in sentences)]
-    for finding in findings:
+def diagnosis_text(diagnosis: Diagnosis) -> str:
+    """Return the verdict, the findings with their evidence, and the hold-out error before and after."""
+    lines = [f"Diagnosis: {diagnosis.headline}", *(f"  {sentence}" for sentence in diagnosis.sentences)]
+    for finding in diagnosis.found:
         values = ", ".join(f"{name} {interval.value:.4g}" for name, interval in finding.coefficients.items())
         sure = percent(finding.probability)
         channels = ", ".join(finding.channels)
         lines.append(f"  {finding.effect} in {channels}: probability {sure}{'; ' * bool(values)}{values}")
-    for channel, error in holdout.items():
+    for channel, error in diagnosis.gap["holdout"].items():
         lines.append(f"  {channel} on the hold-out set: {before_and_after(channel, error)}")
-    lines.append(f"  {n_rows} rows; coefficients in {signs} signs")
+    lines.append(f"  {len(diagnosis.rows)} rows; coefficients in {diagnosis.signs} signs")
     return "\n".join(visible(line) for line in lines)
 
 
-def diagnosis_html(
-    verdict: Sequence[str],
-    findings: Sequence[FoundEffect],
-    holdout: Mapping[str, Mapping[str, float]],
-    n_rows: int,
-    signs: str,
-) -> str:
+def diagnosis_html(diagnosis: Diagnosis) -> str:
     """Return the summary as HTML, with the coefficients of the findings."""
     rows = [
         (finding.effect, name, interval.value, interval.lower, interval.upper)
-        for finding in findings
+        for finding in diagnosis.found
         for name, interval in finding.coefficients.items()
     ]
     header = ["effect", "coefficient", "value", "lower (95 %)", "upper (95 %)"]
-    table = html_details(f"Coefficients ({signs} signs)", html_table(header, rows))
-    return html_summary(diagnosis_text(verdict, findings, holdout, n_rows, signs), table if rows else "")
+    table = html_details(f"Coefficients ({diagnosis.signs} signs)", html_table(header, rows))
+    return html_summary(diagnosis_text(diagnosis), table if rows else "")

@@ -114,7 +114,9 @@ def _missing(
 def _one_of_text(alternatives: OneOf, findings: Sequence[FoundEffect]) -> str:
     """Return the sentence on effects of which one is missing, and which of them the improved tire has."""
     delivered = [finding for finding in findings if finding.effect in alternatives.effects]
-    names = ", ".join(finding.effect for finding in delivered) + ", the simplest" * (len(delivered) == 1)
+    names = ", ".join(finding.effect for finding in delivered)
+    if len(delivered) == 1:
+        names += ", the most probable" if names == alternatives.effects[0] else ", a simpler one"
     at_bounds = ", ".join(name for finding in delivered for name in finding.at_bounds)
     bounds = f"; at its bound: {at_bounds}" if at_bounds else ""
     share = percent(alternatives.probability)

@@ -71,7 +71,6 @@ def problem(tire, table):
 def at_true_values(problem, tire):
     """Return a screen at the true coefficients."""
     screen = Screen(problem, problem.at(tire.parameters(), FREE))
-    screen.learn_noise({})
     return screen
 
 
@@ -83,5 +82,4 @@ def without_camber(problem, tire):
     signals = signals_of(rows, tire, "adapted-sae", smooth=False)
     other = replace(problem, simulator=problem.simulator.with_signals(signals))
     screen = Screen(other, other.at(tire.parameters(), FREE))
-    screen.learn_noise({})
     return screen

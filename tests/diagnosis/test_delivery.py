@@ -1,6 +1,7 @@
 """What a diagnosis delivers is what it reports."""
 
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -119,31 +120,18 @@ def compared(seed=0, fx=0.0, fy=0.0, of_fy=1.0):
     before = noise + np.array([[0.0], [of_fy]]) * np.sin(np.arange(6000) / 40.0)
     after = noise + np.stack([np.broadcast_to(one, 6000) for one in (fx, fy)])
     known = np.ones((2, 6000), dtype=bool)
-    return DeliveredResiduals(np.arange(6000), before, after, known, block % 8 == 5, np.arange(6000))
-
-
-def judged(residuals):
-    errors = {
-        "holdout": {
-            name: {
-                "before": np.sqrt(np.mean(before[residuals.holdout] ** 2)),
-                "after": np.sqrt(np.mean(after[residuals.holdout] ** 2)),
-            }
-            for name, before, after in zip(("Fx", "Fy"), residuals.before, residuals.after, strict=True)
-        }
-    }
-    return reasons_against(errors, residuals)
+    return DeliveredResiduals(SimpleNamespace(channels=("Fx", "Fy"), holdout=block % 8 == 5), before, after, known)
 
 
 def test_a_tire_that_predicts_the_holdout_set_worse_is_not_delivered():
-    wave, held = np.cos(np.arange(6000) / 23.0), compared().holdout
-    assert judged(compared()) == ()
-    assert "(Fx: " in judged(compared(fx=2.0 * wave, of_fy=0.0))[0]
+    wave, held = np.cos(np.arange(6000) / 23.0), compared().signals.holdout
+    assert reasons_against(compared()) == ()
+    assert "(Fx: " in reasons_against(compared(fx=2.0 * wave, of_fy=0.0))[0]
     # Better on the fitted rows, worse on the others: it is more certain where it is wrong.
-    assert "(Fx: " in judged(compared(fx=4.0 * wave * held))[0]
-    assert "nan" in judged(compared(fx=np.where(held, np.nan, 0.0)))[0]
+    assert "(Fx: " in reasons_against(compared(fx=4.0 * wave * held))[0]
+    assert "nan" in reasons_against(compared(fx=np.where(held, np.nan, 0.0)))[0]
     # One channel gives way for a larger gain of another one; what happens on the fitted rows alone does not count.
-    assert judged(compared(fx=0.5 * wave, of_fy=5.0)) == ()
+    assert reasons_against(compared(fx=0.5 * wave, of_fy=5.0)) == ()
 
 
 def test_the_density_is_that_of_the_residual_of_the_fitted_rows():
@@ -152,8 +140,8 @@ def test_the_density_is_that_of_the_residual_of_the_fitted_rows():
     gain = 0.0
     for before, after in zip(residuals.before, residuals.after, strict=True):
         for sign, rows in ((-1.0, before), (1.0, after)):
-            deviation = np.sqrt(np.mean(rows[~residuals.holdout] ** 2))
-            gain += sign * norm.logpdf(rows[residuals.holdout], scale=deviation).sum()
+            deviation = np.sqrt(np.mean(rows[~residuals.signals.holdout] ** 2))
+            gain += sign * norm.logpdf(rows[residuals.signals.holdout], scale=deviation).sum()
     assert density_gain(residuals).sum() == pytest.approx(gain, rel=1e-9)
 
 
@@ -206,7 +194,7 @@ def test_effects_of_which_one_is_missing_are_one_answer():
     head, tail = verdict_sentences([lag, friction, wear], (), {}, (), (), {}, (), nothing, one_of=classes)
     assert head == (
         "Missing: load_lag (probability over 90 %); slip_history or temp_friction (one of them: probability over 90 %; "
-        "the improved tire has temp_friction, the simplest)"
+        "the improved tire has temp_friction, a simpler one)"
     )
     assert "wear_drift" in tail
     assert headline_text([lag, friction, wear], (), True, False, classes) == (
@@ -288,7 +276,9 @@ def test_an_effect_that_ends_soon_is_judged_where_it_acts(at_true_values):
     rows = at_true_values.problem.inverse_noise.shape
     everywhere, early = np.ones(rows), np.zeros(rows)
     early[:, : rows[1] // 10] = np.random.default_rng(0).uniform(0.5, 1.5, (rows[0], rows[1] // 10))
-    np.testing.assert_array_equal(_stretches(at_true_values, everywhere, 10.0), at_true_values.stretches(STRETCHES))
+    blocks = np.diff(np.searchsorted(at_true_values.edges, _stretches(at_true_values, everywhere, 10.0)))
+    assert len(blocks) == STRETCHES
+    assert np.ptp(blocks) <= 1  # equal numbers of blocks of time
     edges = _stretches(at_true_values, early, 10.0)
     assert len(edges) == STRETCHES + 1
     assert (edges[0], edges[-1]) == (0, rows[1])

@@ -16,6 +16,7 @@ from tirefmu.diagnosis.explanations import RankedExplanation
 from tirefmu.diagnosis.reporting import report
 from tirefmu.diagnosis.reporting.effect_figures import gain_figure, memory_figure
 from tirefmu.diagnosis.reporting.report import report_page
+from tirefmu.diagnosis.reporting.residual_figure import residual_location_figure
 from tirefmu.diagnosis.unexplained.formula_proposal import Unknown
 from tirefmu.diagnosis.verdict import (
     Adequacy,
@@ -34,6 +35,9 @@ from ..declared_flags import declared_flags, flags
 from ..hostile import EACH_PAGE, Skeleton, is_plain
 from ..json_schemas import check_file
 from .suite import make_case
+
+#: A figure that is drawn at once, in place of others.
+EMPTY = Figure("figure", "figure", ((Panel("x", "y"),),))
 
 
 def answer(case, **more):
@@ -177,9 +181,9 @@ def page_with_text(thrust, text):
     case, diagnosis = thrust
     changed, simulated = with_text(diagnosis, text)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(report, "_maps", lambda *_: [])
+        patch.setattr(report, "residual_location_figure", lambda *_: EMPTY)
         patch.setattr(drawn, "png", lambda *_: b"")
-        patch.setattr(report, "gain_figure", lambda *_: Figure("gain", "gain", ((Panel("x", "y"),),)))
+        patch.setattr(report, "gain_figure", lambda *_: EMPTY)
         return report_page(changed, Recording(case.table, case.signs, text), simulated, text)
 
 
@@ -204,7 +208,7 @@ def test_no_text_changes_the_structure_of_the_page(thrust, plain_page, text):
 
 
 def test_the_parts_of_a_recording_have_plain_names_on_the_page(thrust, monkeypatch):
-    monkeypatch.setattr(report, "_maps", lambda *_: [])
+    monkeypatch.setattr(report, "residual_location_figure", lambda *_: EMPTY)
     case, diagnosis = thrust
     _, simulated = with_text(diagnosis, "plain")
     page = report_page(diagnosis, Recording(case.table, case.signs, "plain"), simulated)
@@ -216,7 +220,7 @@ def test_the_parts_of_a_recording_have_plain_names_on_the_page(thrust, monkeypat
 
 def test_the_first_screen_has_the_next_measurement_the_picture_and_the_numbers(thrust, monkeypatch):
     """The force that the improved tire improves most; before, after and floor of each channel; the coefficients."""
-    monkeypatch.setattr(report, "_maps", lambda *_: [])
+    monkeypatch.setattr(report, "residual_location_figure", lambda *_: EMPTY)
     case, diagnosis = thrust
     page = report_page(diagnosis, Recording(case.table, case.signs, "plain"))
     first = page[page.index(diagnosis.headline) : page.index("<h2")]
@@ -260,7 +264,7 @@ def test_the_gain_is_drawn_over_the_input_that_the_effect_acts_through(thrust):
 
 def test_no_panel_has_two_lines_that_coincide(thrust):
     _, diagnosis = thrust
-    maps = report._maps(diagnosis)
+    maps = [residual_location_figure(diagnosis, channel) for channel in diagnosis.time_course]
     assert len(maps) == 3
     for figure in maps:
         no_lines_coincide(figure)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from tirefmu.diagnosis.diagnose import _start_model
+from tirefmu.diagnosis.diagnose import _start_model, with_library
 from tirefmu.diagnosis.explanations import (
     UNKNOWN,
     Addition,
@@ -121,6 +121,20 @@ def test_an_effect_with_the_same_columns_is_tried_in_place_of_another_one():
     assert gain.estimate == pytest.approx([2.0], rel=0.05)  # it has the size of the part
 
 
+def test_the_effects_most_like_another_one_are_tried_in_its_place():
+    rng = np.random.default_rng(1)
+    part, *others = np.linalg.qr(rng.standard_normal((400, 7)))[0].T
+    shares = {"third": 0.45, "unlike": 0.2, "first": 0.9, "fourth": 0.4, "second": 0.6}  # correlation with the part
+    alike = [c * part + np.sqrt(1.0 - c**2) * other for c, other in zip(shares.values(), others, strict=False)]
+    rows = 1e3 * np.stack([part, *alike], axis=1)
+    matrix = rows.T @ rows
+    columns = Projected.of(NormalEquations(matrix, matrix[0], matrix[0, 0], np.ones(6), np.zeros(6)), [1] * 6)
+    additions = [Addition(name, np.zeros((1, 1, 1)), np.ones(1)) for name in shares]
+    assert list(rivals_of(columns, additions)) == ["first", "second", "third"]
+    few = NormalEquations(matrix[:3, :3], matrix[0, :3], matrix[0, 0], np.ones(3), np.zeros(3))
+    assert list(rivals_of(Projected.of(few, [1] * 3), additions[:2])) == ["third"]
+
+
 def test_the_answer_is_a_distribution_over_explanations():
     evidences = {(): 0.0, ("conicity",): 3.0, ("conicity", UNKNOWN): 1.0, ("plysteer",): 2.0}
     answer = answer_of(evidences, ["conicity", "plysteer", "wear_drift"])
@@ -173,7 +187,7 @@ def test_the_simplest_of_equal_effects_is_delivered():
         linear = SimpleNamespace(solution=SimpleNamespace(free=tuple(range(free))))
         return SimpleNamespace(explanation=explanation, linear=linear)
 
-    sets = {("history", "lag"): (0.0, 5), ("lag", "temperature"): (-0.3, 6), ("lag", "pressure"): (-4.0, 2)}
+    sets = {("history", "lag"): (0.0, 5), ("lag", "temperature"): (-0.3, 6), ("lag", "pressure"): (-1.5, 2)}
     refits = {parts: refit(parts, free) for parts, (_, free) in sets.items()}
     model = SimpleNamespace(added=[SimpleNamespace(name="history", states=("s",))])
     shared = SimpleNamespace(problem=SimpleNamespace(simulator=SimpleNamespace(symbolic_model=model)))
@@ -286,7 +300,8 @@ def unlimited():
 def of_case(hidden):
     """Return the baseline problem of a made recording, its solution, and some candidates."""
     case = make_case(13, hidden)
-    start = _start_model(recording_from(case.table, signs=case.signs), "mf96", case.effects, case.nominal, None, ())
+    recording = recording_from(case.table, signs=case.signs)
+    start = with_library(_start_model(recording, "mf96", case.effects, case.nominal))
     problem, solution = fit_baseline(start, signals_of(case.table, start, case.signs), fitted=False)
     names = ("conicity", "plysteer", "camber_thrust", "pressure_friction", "load_lag")
     return problem, solution, {name: one for name, one in candidates_for(start).items() if name in names}

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.diagnosis.diagnose import _start_model
+from tirefmu.diagnosis.diagnose import _start_model, with_library
 from tirefmu.diagnosis.explanations import FORM, form_effect, form_of
 from tirefmu.diagnosis.probing import fit_baseline
 from tirefmu.diagnosis.signals import signals_of
@@ -19,10 +19,11 @@ from .suite import make_case
 
 @pytest.fixture(scope="module")
 def made():
-    """Return the problem of a recording whose tire is of the model, the solution, and the model."""
+    """Return the problem of a recording whose tire is of the model, and the solution."""
     case = make_case(13, ())
-    start = _start_model(recording_from(case.table, signs=case.signs), "mf96", case.effects, case.nominal, None, ())
-    return *fit_baseline(start, signals_of(case.table, start, case.signs), fitted=False), start
+    recording = recording_from(case.table, signs=case.signs)
+    start = with_library(_start_model(recording, "mf96", case.effects, case.nominal))
+    return fit_baseline(start, signals_of(case.table, start, case.signs), fitted=False)
 
 
 def distorted(problem, share):
@@ -40,17 +41,17 @@ def test_an_exact_form_is_not_corrected(made):
 
 @pytest.mark.slow
 def test_what_the_formula_errs_by_is_corrected_on_rows_that_no_fit_used(made):
-    problem, solution, start = made
+    problem, solution = made
     wrong = distorted(problem, 0.08)
     fitted = wrong.solve(solution.parameters, solution.free)
-    form = form_of(wrong, fitted, start)
+    wider, corrected, change = form_of(wrong, fitted)
     signals = wrong.simulator.signals
     side = signals.channels.index("Fy")
     held = signals.present[side] & signals.holdout
-    before, after = (np.sqrt(np.mean(one.residual[side][held] ** 2)) for one in (fitted, form.solution))
+    before, after = (np.sqrt(np.mean(one.residual[side][held] ** 2)) for one in (fitted, corrected))
     assert after < 0.8 * before
-    assert np.sqrt(np.mean(form.change[side] ** 2)) > 0.3 * before
-    assert FORM in tire_of(form.start, form.problem, form.solution, [FORM]).has
+    assert np.sqrt(np.mean(change[side] ** 2)) > 0.3 * before
+    assert FORM in tire_of(wider, corrected, [FORM]).has
 
 
 def test_the_correction_is_zero_outside_the_tested_range():

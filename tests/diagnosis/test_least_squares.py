@@ -28,7 +28,7 @@ def test_a_tire_is_recovered_from_other_initial_values(problem, tire):
     truth = start[indices].copy()
     start[indices] *= 0.8
     solution = problem.solve(start, FREE)
-    deviation = np.sqrt(np.diag(np.linalg.inv(problem._normal(solution.parameters, FREE, solution.disturbance)[0])))
+    deviation = np.sqrt(np.diag(np.linalg.inv(problem._normal(solution)[0])))
     assert np.max(np.abs(solution.parameters[indices] - truth) / deviation) < 4.0
     assert solution.cost < 0.5 * problem.inverse_noise.size
     np.testing.assert_array_equal(np.delete(solution.parameters, indices), np.delete(start, indices))
@@ -48,15 +48,14 @@ def test_the_gradient_equals_finite_differences_of_the_cost(problem, tire):
     center = {**problem.center, "PDY1": 1.2, "PKY1": 60.0}
     held = replace(problem, center=center, inverse_noise=1e-2 * problem.inverse_noise)
     parameters = tire.parameters()
-    disturbance = held.best_disturbance(held.misfit(parameters))
-    _, descent = held._normal(parameters, FREE, disturbance)
+    _, descent = held._normal(held.at(parameters, FREE))
     for i, name in enumerate(FREE):
         costs = []
         for sign in (1.0, -1.0):
             moved = parameters.copy()
             step = 1e-5 * abs(moved[held.simulator.index[name]])
             moved[held.simulator.index[name]] += sign * step
-            costs.append(held._cost(moved, FREE, held.best_disturbance(held.misfit(moved))))
+            costs.append(held.at(moved, FREE).cost)
         assert (costs[1] - costs[0]) / (2.0 * step) == pytest.approx(descent[i], rel=1e-4)
 
 
@@ -76,7 +75,7 @@ def test_a_coefficient_beyond_its_bound_ends_at_the_bound(problem, tire):
     assert solution.parameters[index] == 1.5
     assert bound.at_bounds(solution.parameters, FREE) == ("PDY1",)
     assert bound.at_bounds(tire.parameters(), ("PKY1", "PHY1")) == ()
-    _, descent = bound._normal(solution.parameters, FREE, solution.disturbance)
+    _, descent = bound._normal(solution)
     assert descent[FREE.index("PDY1")] > 0.0  # a larger value would decrease the cost
 
 
@@ -102,7 +101,7 @@ def test_excluded_rows_have_no_influence(problem, tire):
     assert silent.any()
     spoiled = replace(signals, measured=np.where(silent, 1e4, signals.measured))
     other = replace(problem, simulator=problem.simulator.with_signals(spoiled))
-    one, two = (each.best_disturbance(each.misfit(parameters)) for each in (problem, other))
+    one, two = (each.at(parameters, FREE).disturbance for each in (problem, other))
     np.testing.assert_allclose(one, two, atol=1e-9)
 
 
@@ -130,7 +129,7 @@ def test_offsets_drifts_and_cross_talk_are_estimated(problem, tire):
     measured[index["Mz"]] += 0.6 * np.cos(2.0 * along)
     measured[index["Fy"]] += 0.004 * signals.measured[index["Fx"]]
     other = replace(problem, simulator=problem.simulator.with_signals(replace(signals, measured=measured)))
-    found = other.best_disturbance(other.misfit(tire.parameters()))
+    found = other.at(tire.parameters(), FREE).disturbance
     reported = reported_disturbances(problem.disturbances, found, other.simulator.signals)
     assert reported["offset"]["Fx"] == pytest.approx(12.0, abs=1.0)
     assert reported["offset"]["Fy"] == pytest.approx(0.0, abs=1.0)

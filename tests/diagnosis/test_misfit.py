@@ -8,6 +8,7 @@ import pytest
 from tirefmu.diagnosis import diagnose
 from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.diagnosis.probing import reweighted
+from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.signals import OUTLIER, quantisation, ripple
 from tirefmu.diagnosis.verdict import (
     MAX_CHANGE,
@@ -31,8 +32,8 @@ NOISE = {"Fx": 5.0, "Fy": 5.0, "Mz": 0.5}
 def test_the_noise_floor_equals_the_noise(at_true_values, tire, table):
     recording = Recording(table, "adapted-sae", "bench")
     residual, signals = residual_of(tire, at_true_values, recording), at_true_values.signals
-    residuals = delivered_residuals(residual, residual, signals, signals.table_rows)
-    splits = error_splits(residual, residuals, recording, signals.channels)
+    residuals = delivered_residuals(residual, residual, signals)
+    splits = error_splits(residual, residuals, recording)
     assert {name: one.floor for name, one in splits.items()} == pytest.approx(NOISE, rel=0.1)
 
 
@@ -70,7 +71,9 @@ def test_the_error_of_the_true_tire_is_the_noise(at_true_values, without_camber,
     screens, signals = (without_camber, at_true_values), at_true_values.signals
     without = replace(tire, values={**tire.values, "PVY3": -0.3})  # as wrong as the tire of the other recording
     both = [residual_of(each, screen, recording) for each, screen in zip((without, tire), screens, strict=True)]
-    reported = fit_errors(*screens, delivered_residuals(*both, signals, signals.table_rows))
+    residuals = delivered_residuals(*both, signals)
+    splits = error_splits(both[1], residuals, recording)
+    reported = fit_errors(*screens, residuals, splits)
     for part in ("train", "cv", "holdout"):
         for channel, noise in NOISE.items():
             assert reported[part][channel]["after"] == pytest.approx(noise, rel=0.15)
@@ -122,7 +125,8 @@ def test_weights_are_the_reciprocal_noise_and_outliers_are_excluded(problem, tir
 
 
 def extrapolated(screen, parameters, effects, inputs):
-    return extrapolations(screen.problem, screen.problem.at(parameters, screen.solution.free), effects, inputs)
+    improved = Screen(screen.problem, screen.problem.at(parameters, screen.solution.free))
+    return extrapolations(improved, effects, inputs)
 
 
 def test_the_measured_range_of_an_effect_is_that_of_its_input(at_true_values, tire):

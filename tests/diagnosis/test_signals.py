@@ -113,4 +113,3 @@ def test_without_longitudinal_slip_fx_is_excluded(table, tire):
     signals = signals_of(table.assign(kappa=0.0), tire, "adapted-sae")
     assert signals.channels == ("Fy", "Mz")
     assert list(signals.excluded_channels) == ["Fx"]
-    assert signals.output_index.tolist() == [1, 2]

@@ -8,14 +8,15 @@ import pytest
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.signals import Simulator
 from tirefmu.diagnosis.unexplained.features import (
+    STATES,
     Feature,
-    determined,
+    _low_pass,
     directions,
     features,
     locations_of,
+    placed,
 )
 from tirefmu.diagnosis.unexplained.formula_proposal import Dictionary, UnexplainedStructure, effect_of
-from tirefmu.diagnosis.unexplained.past import STATES, _low_pass
 from tirefmu.symbolic.added import library
 
 
@@ -39,19 +40,19 @@ def test_an_input_that_does_not_vary_is_in_no_formula(at_true_values, name):
     inputs[row] = inputs[row].mean()
     for feature in [one for many in features(replace(signals, inputs=inputs), tire) for one in many]:
         assert not {name, f"d{name}/dt"} & feature.depends_on
-        assert not feature.expressible or name not in feature.text
+        assert feature.states or name not in feature.text
 
 
 def test_a_product_is_odd_if_one_of_its_factors_is():
     values = np.array([1.0, -2.0])
     even, odd = Feature("Fz", frozenset({"Fz"}), values), Feature("10*gamma", frozenset({"gamma"}), values, odd=True)
-    rate = Feature("rate of alpha", frozenset({"dalpha/dt"}), values, odd=True, expressible=False)
+    formula = "alpha - late_alpha"
+    rate = Feature("rate of alpha", frozenset({"dalpha/dt"}), values, True, formula, states=("late_alpha",))
     assert [(a * b).odd for a, b in ((even, even), (even, odd), (odd, even), (odd, odd))] == [False, True, True, False]
-    assert not (even * rate).expressible
-    assert (even * rate).in_effect_file == ""  # neither part of the rate is a formula
-    lagged = replace(rate, formula="alpha - late_alpha", states=("late_alpha",))
-    assert (even * lagged).in_effect_file == "Fz*(alpha - late_alpha)"
-    assert (even * lagged).states == ("late_alpha",)
+    assert (even * rate).text == "Fz*(rate of alpha)"
+    assert (even * rate).in_effect_file == "Fz*(alpha - late_alpha)"
+    assert (even * rate).states == ("late_alpha",)
+    assert (even * odd).in_effect_file == (even * odd).text
     assert (even * odd).text == "Fz*10*gamma"
     assert (even * odd).depends_on == {"Fz", "gamma"}
     np.testing.assert_array_equal((even * odd).values, values**2)
@@ -113,12 +114,9 @@ def test_a_formula_of_two_slips_needs_combined_slip(problem):
 
     def formulas(recording):
         even, odd = features(recording, tire)
-        return {
-            (location.name, feature.text)
-            for location in locations_of(problem.simulator.symbolic_model)
-            for feature in (*even, *odd, *(one * other for one in even for other in even))
-            if determined(location, feature, recording, tire)
-        }
+        every = (*even, *odd, *(one * other for one in even for other in even))
+        simulator = problem.simulator.with_signals(recording)
+        return {(location.name, feature.text) for location, feature in placed(simulator, every, every)}
 
     lost = formulas(signals) - formulas(pure)
     assert ("trail", "5*absolute(kappa)") in lost
@@ -134,7 +132,7 @@ def test_the_states_of_a_proposal_resemble_the_features(at_true_values):
     """
     simulator, size = at_true_values.problem.simulator, 0.02
     place = next(one for one in locations_of(simulator.symbolic_model) if one.name == "friction")
-    past = [one for many in features(at_true_values.signals, simulator.tire) for one in many if not one.expressible]
+    past = [one for many in features(at_true_values.signals, simulator.tire) for one in many if one.states]
     assert {state for one in past for state in one.states} == STATES.keys()
     effect = effect_of(UnexplainedStructure(place, tuple(past), (size,) * len(past)))
     tire = replace(simulator.tire, added=(*simulator.tire.added, effect))
@@ -166,7 +164,7 @@ def test_a_formula_has_its_variables_and_sizes(at_true_values):
     structure = UnexplainedStructure(place, (camber,), (0.25,))
     assert structure.depends_on == ("Fz", "gamma")
     assert structure.formula.endswith("term: +0.25*10*absolute(gamma)")
-    assert structure.formula_with([-0.5]).endswith("term: -0.5*10*absolute(gamma)")
+    assert replace(structure, sizes=(-0.5,)).formula.endswith("term: -0.5*10*absolute(gamma)")
     effect = effect_of(structure)
     assert effect.name == "found_fz_gamma"
     assert [one.name for one in effect.declarations] == ["FOUND1"]

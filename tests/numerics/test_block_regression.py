@@ -2,12 +2,9 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 from scipy.signal import lfilter
 
-from tirefmu.numerics import autocovariance, block_sums, coloured_covariance, limited, regression, wald_p
+from tirefmu.numerics import autocovariance, block_sums, coloured_covariance, regression
 
 
 def coloured(rng, n, memory):
@@ -70,31 +67,3 @@ def test_autocovariance_ignores_unused_rows():
     whole = autocovariance(noise, np.ones_like(present), 40)
     part = autocovariance(np.where(present, noise, 0.0), present, 40)
     np.testing.assert_allclose(part[0, 0, :5], whole[0, 0, :5], atol=0.05)
-
-
-@pytest.mark.parametrize("blocks", [None, 40])
-def test_p_values_without_an_effect_are_uniform(blocks):
-    rng = np.random.default_rng(3)
-    if blocks is None:
-        values = [wald_p(rng.standard_normal(2), np.eye(2)) for _ in range(2000)]
-    else:
-        values = []
-        for _ in range(2000):
-            draws = rng.standard_normal((blocks, 2))
-            values.append(wald_p(draws.mean(axis=0), np.cov(draws.T) / blocks, blocks))
-    share = np.mean(np.array(values) < 0.05)
-    assert abs(share - 0.05) < 4.0 * np.sqrt(0.05 * 0.95 / 2000)
-
-
-def test_too_few_blocks_give_no_significance():
-    assert wald_p(np.array([100.0, 100.0]), np.eye(2), 3) == 1.0
-
-
-@given(gains=arrays(float, st.integers(2, 30), elements=st.floats(-1e3, 1e6)), share=st.floats(0.05, 0.9))
-def test_no_limited_gain_exceeds_its_share(gains, share):
-    counted = limited(gains, share)
-    assert (counted <= np.maximum(gains, 0.0)).all()
-    assert counted.max() <= share * max(counted.sum(), 0.0) * (1.0 + 1e-9)
-    if counted.any():
-        raised = np.minimum(gains, 1.001 * counted.max())  # the largest possible limit
-        assert (raised == counted).all() or raised.max() > share * raised.sum()
