@@ -7,13 +7,13 @@ import pytest
 import road
 
 import tirefmu
-from tirefmu.applications.driving.estimate import _moved, no_forces
-from tirefmu.applications.driving.evaluation import curved, interval_data, values_of
-from tirefmu.applications.driving.inputs.grid import forward_speed, gridded, spinning
-from tirefmu.applications.driving.inputs.log import read_log
-from tirefmu.applications.driving.inputs.unknowns import ALONG, AXLES, unknowns_of
+from tirefmu.applications.driving import estimate
 from tirefmu.applications.driving.interval import BALANCE, interval_of
+from tirefmu.symbolic.vehicle.quantities import CORNERS
 
+AXLES = ("front", "rear")
+#: Lateral factor that a longitudinal one follows, and the entry of the car by which it differs.
+ALONG = {"LMUX": ("LMUY", "grip"), "LKX": ("LKY", "slip_stiffness")}
 FACTORS = {
     "front": {"LMUX": 0.91, "LMUY": 0.75, "LKX": 1.1, "LKY": 1.12},
     "rear": {"LMUX": 0.72, "LMUY": 0.85, "LKX": 0.9, "LKY": 1.2},
@@ -38,15 +38,10 @@ def along(axle, name):
     return f"{entry}_{axle}", FACTORS[axle][name] / FACTORS[axle][lateral]
 
 
-def unbalanced(drive, car, tire, truths):
+def unbalanced(answer, motion, truths):
     """Yield what the balance of both axles lacks at the true motion, per load (rms), in driving and in braking."""
-    log, motion = drive
-    tires = {axle: tire.in_signs("iso") for axle in AXLES}
-    recorded = read_log(log, {})
-    speed = forward_speed(recorded, car)
-    first, unknowns = gridded(recorded, car, speed), unknowns_of(car, recorded, tires)
-    wheels = spinning(recorded, car)
-    interval = interval_of(car, tires, unknowns, sampled=first.sampled, spins=wheels, step=first.step)
+    first, unknowns, car = answer.grid, answer.unknowns, answer.car
+    interval = interval_of(car, answer.tires, unknowns, sampled=first.sampled, spins=CORNERS, step=first.step)
     at, t = np.empty(first.n_nodes), road.STEP * np.arange(len(motion["vx"]))
     at[first.left], at[first.right] = first.t - first.step / 2, first.t + first.step / 2
     states = np.stack([np.interp(at, t, motion[name]) for name in ("vx", "vy", "yaw_rate")], axis=1)
@@ -56,17 +51,19 @@ def unbalanced(drive, car, tire, truths):
         z = np.zeros(len(names))
         for name, factor in true.items():
             z[names.index(name)] = np.log(factor) / unknowns.spread[names.index(name)] * car.values.get(name, 1.0)
-        grid = _moved(first, interval, states, recorded, car, unknowns.car_values(car, z))
-        added = curved(grid, interval, no_forces(grid, states, z), states, z)
-        lacking = (values_of(interval, grid, states, z, interval_data(grid)) + added.correction)[:, -len(BALANCE) :]
+        grid = estimate._moved(first, interval, states, answer.log, car, unknowns.car_values(car, z))
+        added = estimate.curved(grid, interval, estimate.no_forces(grid, states, z), states, z)
+        lacking = (estimate.values_of(interval, grid, states, z, estimate.interval_data(grid)) + added.correction)[
+            :, -len(BALANCE) :
+        ]
         yield [float(np.sqrt(np.mean(lacking[rows] ** 2))) for rows in (ax > 1.0, ax < -1.5)]
 
 
-def test_the_forces_of_the_true_motion_are_balanced_if_the_tires_are_right_along_the_wheel(drive, car, tire):
+def test_the_forces_of_the_true_motion_are_balanced_if_the_tires_are_right_along_the_wheel(at_the_limit, drive):
     lateral = {(axle, name): FACTORS[axle][name] for axle in AXLES for name in ("LMUY", "LKY")}
-    lateral["brake_front"] = 0.72 / car.values["brake_front"]
+    lateral["brake_front"] = 0.72 / at_the_limit.car.values["brake_front"]
     all_of = lateral | dict(along(axle, name) for axle in AXLES for name in ALONG)
-    without, whole = unbalanced(drive, car, tire, [lateral, all_of])
+    without, whole = unbalanced(at_the_limit, drive[1], [lateral, all_of])
     assert max(whole) < 0.005
     assert max(without) > 2.0 * max(whole)
 

@@ -166,7 +166,7 @@ def car_schema() -> dict[str, Any]:
     sections["steering"]["properties"]["map"] = {"type": "array", "items": pair, "minItems": 2}
     sections["wheels"]["properties"]["driven"] = {"enum": list(LAYOUTS)}
     sections["columns"] = {"type": "object", "additionalProperties": {"type": "string"}}
-    return document("car", "1.1", "Car of a drive", object_schema(sections, ["body"]))
+    return document("car", "1.2", "Car of a drive", object_schema(sections, ["body"]))
 
 
 def _number(entry: Entry) -> list[dict[str, Any]]:
