@@ -17,7 +17,7 @@ from ...numerics.ties import graded
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import starts
-from ..thresholds import CONFOUNDED, REFIT_MARGIN, RIVALS
+from ..thresholds import CONFOUNDED, EFFECT_ODDS, REFIT_MARGIN, RIVALS
 from .additions import Gain, best_formula, gains, in_place_of, projected, rivals_of
 from .answer import Answer, answer_of
 from .budget import Budget, Ended
@@ -242,15 +242,20 @@ def _settled(table: Table) -> Move:
 
 
 def reduced(table: Table, refit: Refitted) -> Move:
-    """Refit an explanation without each of its parts, except those that the roots need."""
+    """Compare an explanation with those that lack one of its parts; those that may lead are refitted."""
     for part in refit.explanation.parts:
         less = refit.explanation.without(part)
-        if less.parts not in table.refits and not table.needs(part):
-            table.report(f"comparing {part} with other explanations")
-            start = table.without(refit, less)
-            begins = [start, table.with_absent_core(start, refit)]
-            table = table.with_refit(refitted(table.shared, less, begins, refit.linear.simulator))
-            yield table
+        if less.parts in table.refits:
+            continue
+        if part != UNKNOWN:
+            table = table.with_linear(less.parts, refit.linear.evidence_without(part), less.log_prior)
+            if table.is_far(less.parts):
+                continue
+        table.report(f"comparing {part} with other explanations")
+        start = table.without(refit, less)
+        begins = [start, table.with_absent_core(start, refit)]
+        table = table.with_refit(refitted(table.shared, less, begins, refit.linear.simulator))
+        yield table
     return table
 
 
@@ -260,14 +265,15 @@ def extended(table: Table, refit: Refitted) -> Move:
     table, possible = table.possible(refit.linear)
     scored = gains(projected(refit.linear, possible), possible) if possible else {}
     totals = {name: float(np.logaddexp.reduce([form.gain for form in forms])) for name, forms in scored.items()}
+    prior = refit.explanation.log_prior + float(np.log(EFFECT_ODDS))
     for name in sorted(totals, key=lambda part: -graded(totals[part])):
-        more = _with_gain(table, refit, _best(scored[name]))
+        more = _with_gain(table, refit.explanation, _best(scored[name]))
         if more.parts in table.refits:
             continue
         score = refit.score + totals[name]
-        table = table.with_linear(more.parts, score, refit.explanation)
+        table = table.with_linear(more.parts, score - prior, prior)
         if score > max(table.scores.values()) + REFIT_MARGIN:
-            table = table.with_refit(_with_effect(table, refit, _best(scored[name]), ()))
+            table = table.with_refit(_with_effect(table, refit, more, _best(scored[name])))
             yield table
     return table
 
@@ -284,9 +290,10 @@ def extended_boldly(table: Table, refit: Refitted) -> Move:
     scored = gains(projected(refit.linear, possible, exactly=True), possible)
     best = {name: _best(forms) for name, forms in scored.items()}
     for name in sorted(best, key=lambda part: -graded(best[part].gain))[:RIVALS]:
-        if best[name].gain > 0.0 and not table.compared(_with_gain(table, refit, best[name])):
+        more = _with_gain(table, refit.explanation, best[name])
+        if best[name].gain > 0.0 and not table.compared(more):
             table.report(f"comparing {', '.join(refit.explanation.parts)} with {name}")
-            table = table.with_refit(_with_effect(table, refit, best[name], ()))
+            table = table.with_refit(_with_effect(table, refit, more, best[name]))
             yield table
     return table
 
@@ -296,17 +303,18 @@ def exchanged(table: Table, refit: Refitted) -> Move:
 
     The linear problem at the explanation without it says little about what acts through time: all others follow then.
     """
-    for part in refit.explanation.effects:
-        less = table.refits.get(refit.explanation.without(part).parts)
-        if less is None:
-            continue
-        table, possible = table.possible(less.linear)
-        others = [addition for addition in possible if addition.name != part]
-        for name, best in rivals_of(in_place_of(part, refit.linear, others), others).items():
-            if name in refit.explanation.effects or table.compared(_with_gain(table, less, best)):
+    table, possible = table.possible(refit.linear)
+    for part in refit.explanation.effects if possible else ():
+        less = refit.explanation.without(part)
+        for name, best in rivals_of(in_place_of(part, refit.linear, possible), possible).items():
+            more = _with_gain(table, less, best)
+            if table.compared(more):
                 continue
             table.report(f"comparing {part} with {name}")
-            table = table.with_refit(_with_effect(table, less, best, [table.without(refit, less.explanation)]))
+            begins = _starts(refit, best, table.without(refit, less))
+            if less.parts in table.refits:
+                begins = [*_starts(table.refits[less.parts], best), *begins]
+            table = table.with_refit(refitted(table.shared, more, begins, refit.linear.simulator))
             yield table
     return table
 
@@ -356,21 +364,21 @@ def _best(forms: Collection[Gain]) -> Gain:
     return max(forms, key=lambda form: graded(form.gain))
 
 
-def _with_gain(table: Table, refit: Refitted, gain: Gain) -> Explanation:
+def _with_gain(table: Table, explanation: Explanation, gain: Gain) -> Explanation:
     """Return an explanation with an addition, without terms that are errors of its form."""
-    more = refit.explanation.with_effect(gain.addition.name, gain.addition.form)
+    more = explanation.with_effect(gain.addition.name, gain.addition.form)
     errors = form_errors(more, table.shared.candidates, table.shared.problem.simulator.symbolic_model)
     terms = tuple(term for term in more.terms if not errors.contain(term.location, term.depends_on))
     return replace(more, terms=terms)
 
 
-def _with_effect(table: Table, refit: Refitted, gain: Gain, others: Collection[FloatArray]) -> Refitted:
-    """Refit an addition of an effect; coefficients of a grid are fitted, so that its points are one explanation.
+def _with_effect(table: Table, refit: Refitted, more: Explanation, gain: Gain) -> Refitted:
+    """Refit an explanation with an addition; coefficients of a grid are fitted: its points are one explanation."""
+    return refitted(table.shared, more, _starts(refit, gain), refit.linear.simulator)
 
-    The fit begins at the coefficients of the refit, and at others.
-    """
-    simulator, form = refit.linear.simulator, gain.addition.form
-    solutions = [refit.linear.solution, *(replace(refit.linear.solution, parameters=other) for other in others)]
-    estimate = gain.estimate * gain.addition.deviation
-    begins = [start for at in solutions for start in starts(simulator, at, form, estimate)]
-    return refitted(table.shared, _with_gain(table, refit, gain), begins, simulator)
+
+def _starts(refit: Refitted, gain: Gain, parameters: FloatArray | None = None) -> list[FloatArray]:
+    """Return initial values for a refit with an addition, beside the coefficients of a refit or given ones."""
+    solution, estimate = refit.linear.solution, gain.estimate * gain.addition.deviation
+    at = solution if parameters is None else replace(solution, parameters=parameters)
+    return starts(refit.linear.simulator, at, gain.addition.form, estimate)

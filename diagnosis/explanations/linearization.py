@@ -109,8 +109,7 @@ class Linearization:
         another one is added, which therefore gains more in a refit than beside errors of this size.
         """
         if exactly:
-            _, contained, errors = _columns_and_equations(self)
-            end = len(contained.target)
+            end, errors = len(self._own_equations.target), _contents(self).errors
             return self.equations(additions).without(range(end - errors, end))
         if not additions:
             return self._own_equations
@@ -132,19 +131,40 @@ class Linearization:
         whole = joined([self.problem.disturbance_products[0], self._columns]).at(rows)
         return whole.times(whole)
 
+    def evidence_without(self, effect: str) -> float:
+        """Return the logarithm of the evidence if an effect of the explanation is absent, in the linear problem."""
+        base, lost = self._own_equations, [i for i, name in enumerate(_contents(self).owners) if name == effect]
+        response = Addition(effect, self.response(effect)[:, :, None], np.ones(1))
+        whole = self.equations([response])  # its products with all columns: the response is a part of the misfit then
+        distances = base.gradient[lost] ** 2 / base.precision[lost]
+        power = base.power + 2.0 * whole.target[-1] + whole.matrix[-1, -1] - float(np.sum(distances))
+        rest = replace(base, target=base.target + whole.matrix[:-1, -1], power=float(power))
+        return rest.without(lost).solved()[1]
+
     @property
     def _own_equations(self) -> NormalEquations:
-        return _columns_and_equations(self)[1]
+        return _contents(self).equations
 
     @property
     def _columns(self) -> WeightedColumns:
         """The weighted columns beside the disturbances; the last one is the misfit."""
-        return _columns_and_equations(self)[0]
+        return _contents(self).columns
 
     @property
     def contained(self) -> list[FloatArray]:
         """What the explanation contains beside the disturbances, N and N m, each of shape (n_channels, n, k)."""
         return self._contained()[0]
+
+    def _owners(self, parts: Sequence[FloatArray]) -> list[str]:
+        """Return the effect of each column of `contained`; empty if explanations without it have the column, too."""
+        forms = self.explanation.forms
+        freed = {name: effect for effect, form in forms for name in form.free}
+        owners = [freed.get(name, "") for name in self._inside] + [""] * parts[1].shape[-1]  # errors of the bench
+        owners += [name for name, form in self._refinements for _ in form.probes]
+        sizes = [part.shape[-1] for part in parts[len(parts) - len(forms) :]]
+        of_errors = [effect for (effect, _), size in zip(forms, sizes, strict=True) for _ in range(size)]
+        others = sum(part.shape[-1] for part in parts) - len(owners) - len(of_errors)
+        return [*owners, *[""] * others, *of_errors]
 
     def _contained(self) -> tuple[list[FloatArray], FloatArray, FloatArray]:
         """Columns beside the disturbances, their prior deviations, and distances from the means in deviations.
@@ -349,14 +369,25 @@ class Linearization:
         return added
 
 
-@lru_cache(maxsize=2)
-def _columns_and_equations(linear: Linearization) -> tuple[WeightedColumns, NormalEquations, int]:
-    """Return the weighted columns with the misfit, and the normal equations, of what an explanation contains.
+@dataclass(frozen=True, eq=False)
+class _Contents:
+    """The columns of an explanation.
 
-    The last columns of the equations are the errors of the form of its effects, of the returned number.
-
-    They are stored for the latest linearizations only.
+    - `columns`: weighted, beside the disturbances; the last one is the misfit.
+    - `equations`: the normal equations of the disturbances and of these.
+    - `owners`: the effect of each column of the equations; empty of what explanations without the effect contain, too.
+    - `errors`: the number of the last columns of the equations, which are errors of the form of effects.
     """
+
+    columns: WeightedColumns
+    equations: NormalEquations
+    owners: list[str]
+    errors: int
+
+
+@lru_cache(maxsize=2)
+def _contents(linear: Linearization) -> _Contents:
+    """Return what an explanation contains; it is stored for the latest linearizations only."""
     problem, (parts, deviation, distance) = linear.problem, linear._contained()
     misfit = problem.misfit(linear.solution.parameters)[:, :, None]
     columns = joined([problem.weighted_columns(part) for part in (*parts, misfit)])
@@ -367,10 +398,11 @@ def _columns_and_equations(linear: Linearization) -> tuple[WeightedColumns, Norm
     distances = np.concatenate([np.zeros(len(deviations) - len(distance)), distance])
     power = float(matrix[-1, -1]) + float(np.sum(distances**2))
     equations = NormalEquations(matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations)
-    number = len(linear.explanation.forms)
-    return columns, equations, sum(part.shape[-1] for part in parts[len(parts) - number :])
+    owners = [*[""] * len(products), *linear._owners(parts)]
+    errors = sum(part.shape[-1] for part in parts[len(parts) - len(linear.explanation.forms) :])
+    return _Contents(columns, equations, owners, errors)
 
 
 def forget_columns() -> None:
     """Free the memory of stored columns; they are computed again when they are needed."""
-    _columns_and_equations.cache_clear()
+    _contents.cache_clear()

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...numerics.ties import graded
-from ..thresholds import EFFECT_ODDS, FOLDS, REFIT_MARGIN
+from ..thresholds import FOLDS, REFIT_MARGIN
 from .answer import percent
 from .evidence import caution, folds_of, inflation
 from .explanation import Explanation
@@ -24,8 +24,8 @@ from .refit import Refitted, Shared
 FloatArray = npt.NDArray[np.float64]
 Parts = tuple[str, ...]
 
-#: Score, relative to the most probable one, below which an explanation is not tried again under another noise, nor what
-#: is missed by it: three margins. Convention: computing time.
+#: Score, relative to the largest one, below which an explanation is not tried again under another noise, and not at all
+#: if the linear problem says so: three margins. Convention: computing time.
 FAR = 3.0 * REFIT_MARGIN
 
 
@@ -65,12 +65,16 @@ class Table:
         self.shared.budget.answered = True
         return table
 
-    def with_linear(self, parts: Parts, score: float, base: Explanation) -> Table:
-        """Return the table with the score of the linear problem at an explanation with an effect less."""
-        if score <= sum(self.linear.get(parts, (-np.inf, 0.0))):
+    def with_linear(self, parts: Parts, evidence: float, prior: float) -> Table:
+        """Return the table with evidence and prior odds from the linear problem at an explanation next to this one."""
+        if evidence + prior <= sum(self.linear.get(parts, (-np.inf, 0.0))):
             return self
-        prior = base.log_prior + float(np.log(EFFECT_ODDS))
-        return replace(self, linear={**self.linear, parts: (score - prior, prior)})
+        return replace(self, linear={**self.linear, parts: (evidence, prior)})
+
+    def is_far(self, parts: Parts) -> bool:
+        """Return whether both the score of an explanation and the one that makes its probability are far behind."""
+        scores, divided = self.scores, self.divided()
+        return all(of[parts] < max(of.values()) + FAR for of in (scores, divided))
 
     def possible(self, linear: Linearization) -> tuple[Table, list[Addition]]:
         """Return what an explanation lacks, and the table with its columns."""
@@ -124,16 +128,6 @@ class Table:
         best = max(divided[parts] for parts in self.refits)
         near = [refit for parts, refit in self.refits.items() if divided[parts] > best + REFIT_MARGIN]
         return [leader, *(refit for refit in near if refit is not leader)]
-
-    def needs(self, part: str) -> bool:
-        """Return whether the roots have a part, and all are far behind without it."""
-        roots, scores, divided = self.roots, self.scores, self.divided()
-        best = max(divided.values())
-        less = [tuple(name for name in root if name != part) for root in roots]
-        return all(part in root for root in roots) and all(
-            parts in self.refits and scores[parts] < scores[roots[0]] + FAR and divided[parts] < best + FAR
-            for parts in less
-        )
 
     def probable_with(self, formula: Refitted, parts: Parts) -> bool:
         """Return whether an explanation is more probable with a formula: a better tire alone is no unknown effect."""

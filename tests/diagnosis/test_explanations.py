@@ -31,7 +31,7 @@ from tirefmu.diagnosis.explanations import (
     unknown_terms,
     without_folds,
 )
-from tirefmu.diagnosis.explanations.compare import _simplest
+from tirefmu.diagnosis.explanations.compare import _simplest, reduced
 from tirefmu.diagnosis.explanations.table import Table
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
 from tirefmu.diagnosis.signals import between_rows, signals_of
@@ -452,8 +452,34 @@ def test_a_step_between_two_rows_is_not_a_measurement(at_true_values, problem):
     assert np.all(np.median(wide[:, far], axis=1) < largest)
 
 
-def test_a_part_is_needed_if_all_that_lead_were_compared_without_it_and_are_far_behind():
-    table = table_of({(): 0.0, ("lag",): 200.0, ("heat", "lag"): 210.0, ("heat",): 5.0}, set())
-    assert table.needs("lag")
-    assert not table.needs("heat")  # the most probable one lacks it
-    assert not table_of({(): 0.0, ("heat", "lag"): 210.0}, set()).needs("lag")  # not compared
+def test_the_evidence_without_an_effect_does_not_depend_on_its_size(at_true_values, tire):
+    """It is that of the explanation without it, exactly if the effect is zero; else but for what is not linear."""
+    problem, solution, candidates = at_true_values.problem, at_true_values.solution, candidates_for(tire)
+    without = Linearization(Explanation(), problem, solution, candidates).equations().solved()[1]
+    form, values = candidates["camber_stiffness"].forms[0], []
+    for size in (0.0, 0.05):
+        parameters = solution.parameters.copy()
+        parameters[problem.simulator.index["PKY3"]] = size
+        at = problem.at(parameters, (*solution.free, *form.free))
+        linear = Linearization(Explanation((("camber_stiffness", form),)), problem, at, candidates)
+        values.append(linear.evidence_without("camber_stiffness"))
+    assert values[0] == pytest.approx(without, rel=1e-9)
+    power = float(np.sum(problem.weighted(linear.response("camber_stiffness")) ** 2))
+    assert values[1] == pytest.approx(without, abs=1e-3 * power)
+
+
+def test_an_explanation_is_far_if_neither_its_score_nor_its_probability_is_near():
+    table = table_of({(): 0.0, ("lag",): 2000.0, ("heat", "lag"): 2100.0, ("heat",): 1000.0}, set())
+    assert table.caution > 10.0
+    assert [parts for parts in table.refits if not table.is_far(parts)] == [("lag",), ("heat", "lag")]
+
+
+def test_what_the_linear_problem_shows_to_be_far_behind_is_not_refitted():
+    table = table_of({(): 0.0, ("heat", "lag"): 2000.0}, set())
+    refit = table.refits["heat", "lag"]
+    refit.linear.evidence_without = {"heat": 300.0, "lag": 200.0}.__getitem__
+    with pytest.raises(StopIteration) as end:  # without a refit
+        next(reduced(table, refit))
+    scores = end.value.value.scores
+    assert scores["lag",] == pytest.approx(300.0 + np.log(EFFECT_ODDS))
+    assert scores["heat",] == pytest.approx(200.0 + np.log(EFFECT_ODDS))
