@@ -127,6 +127,21 @@ def estimated(
 ) -> tuple[Grid, Estimate]:  # fmt: skip
     """Return the grid with the estimated steering, and the estimate from initial states, shape (n_nodes, n_states).
 
+    The factors start alone: entries of the car would take what the tires differ by, and end in another optimum. Where
+    that does not converge, all unknowns start together. See `_estimated`.
+    """
+    given = interval, unknowns, start, log, car, forces, near
+    first = _estimated(grid, *given)
+    second = first if first[1].converged or near else _estimated(grid, *given, together=True)
+    return second if second[1].converged else first
+
+
+def _estimated(
+    grid: Grid, interval: Interval, unknowns: Unknowns, start: FloatArray, log: Log, car: Car, forces: Forces,
+    near: Estimate | None, together: bool = False,
+) -> tuple[Grid, Estimate]:  # fmt: skip
+    """Return what `estimated` does from one start.
+
     Steps of the unknowns and of the deviations of all residuals decrease one criterion: minus the logarithm of the
     posterior, integrated over the states. The deviations wait until a step of the unknowns is not shortened: far from
     the optimum, the errors of the unknowns are none of the forces, and a long log would never leave a large deviation.
@@ -145,7 +160,7 @@ def estimated(
         start, deviations, size, (z, rest) = near.states, near.deviations, near.size, np.split(near.z, [n])
     elif rows is not None:
         some, nodes = grid.part(rows)
-        _, first = estimated(some, interval, unknowns, start[nodes], log, car, forces)
+        _, first = _estimated(some, interval, unknowns, start[nodes], log, car, forces, None, together)
         start, deviations, size, z = start.copy(), first.deviations, first.size, first.z[:n]
         start[nodes] = first.states
         grid = _moved(grid, interval, start, log, car, unknowns.car_values(car, z))
@@ -163,11 +178,12 @@ def estimated(
     at = _solved(grid, interval, added, start, z, deviations, np.ones((len(grid.t), len(floor))))
     converged, arrived, part, last, resized = False, near is not None or rows is not None, 1.0, np.zeros(len(z)), 0.0
     longest, slope, stalled = np.inf, np.zeros(len(z)), False
+    of_tires = (np.arange(len(z)) >= len(unknowns.car)) & (np.arange(len(z)) < n)
     for round_ in range(NEAR_ROUNDS if near else ROUNDS):
         fresh = stalled or longest < NEAR or round_ % SLOPE_ROUNDS == 0
         if fresh:  # it changes slowly
             slope = _volume_slope(grid, interval, at, added.tires(z))
-        change, change_z = at.factor.step(z + slope, z)
+        change, change_z = at.factor.step(z + slope, z, of_tires | arrived | together)
         widening = np.clip(at.excess(), -LONGEST_STEP, LONGEST_STEP)
         widening = np.clip(widening, np.log(floor / at.deviations), np.log(ceiling / at.deviations))
         widening[len(grid.sampled) : -n_balance] = 0.0  # errors of the integration

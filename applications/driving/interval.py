@@ -23,7 +23,7 @@ from ...tires.code.casadi_code import ARRAYS, casadi_expression
 from ...tires.code.modules import two_track
 from .inputs.car import Car, loads_of
 from .inputs.grid import MEASURED
-from .inputs.unknowns import AXLES, FACTORS, Unknowns
+from .inputs.unknowns import ALONG, AXLES, FACTORS, Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -31,9 +31,12 @@ MOTION = ("v_x", "v_y", "yaw_rate")
 POSE = ("x", "y", "heading")
 #: Residuals of the balance of forces, per static load.
 BALANCE = ("e_front", "e_rear")
-#: Further results of an interval for each axle: the inputs of a wheel that is the mean of both, its forces, W axes, and
-#: the side force of the tire alone. Fy is the tire's and half of what the motion requires beyond it.
-OUTPUTS = tuple(f"{name}_{axle}" for name in ("alpha", "kappa", "V", "Fz", "Fy", "Fy_tire") for axle in AXLES)
+#: Further results of an interval for each axle: the inputs of a wheel that is the mean of both, its side force, W axes,
+#: and that of the tire alone; longitudinal force of the left and of the right wheel. Fy is the tire's and half of what
+#: the motion requires beyond it.
+OUTPUTS = tuple(
+    f"{name}_{axle}" for name in ("alpha", "kappa", "V", "Fz", "Fy", "Fy_tire", "Fx_left", "Fx_right") for axle in AXLES
+)
 #: Those whose standard deviations are computed.
 UNCERTAIN = tuple(f"{name}_{axle}" for name in ("alpha", "Fy") for axle in AXLES)
 #: Intervals that are evaluated at a time.
@@ -123,6 +126,9 @@ def interval_of(
     lag = [behind[i] + (p[name] - used[3 + i]) * behind[2 + i] for i, name in enumerate(("pitch_lag", "roll_lag"))]
     *turned, gamma = two_track.turned(*motion, *lag, steer, *(p[name] for name in SUSPENSION), xp=ARRAYS)
     factors = {axle: {name: _factor(unknowns, axle, name, z) for name in FACTORS} for axle in AXLES}
+    for axle, row in factors.items():
+        row |= {name: row[lateral] * p[f"{entry}_{axle}"] for name, (lateral, entry) in ALONG.items()}
+    slopes = [slip_stiffness(tires[axle]) * factors[axle]["LKX"] for axle in AXLES]
     relaxations = {axle: relaxation_of(tires[axle]) for axle in AXLES}
     stretch = [p["relaxation"] * factors[axle]["LKY"] ** relaxations[axle].power for axle in AXLES]
     wheels = _wheels(motion, lag, turned, turning, p)
@@ -130,7 +136,7 @@ def interval_of(
     for i, corner in enumerate(CORNERS):
         wheels[f"alpha_{corner}"] += behind[4 + i] + (stretch[i // 2] - used[5 + i // 2]) * behind[8 + i]
     pulls = _pulls(middle, rate, turned[0], car, p)
-    slips = _kappa_of_pulls(pulls, p, tires)
+    slips = [[pull / (load * slope)] * 2 for pull, load, slope in zip(pulls, loads_of(p), slopes, strict=True)]
     late = {corner: p["wheel_delay"] * wheels[f"V_dot_{corner}"] for corner in CORNERS}
     scales = {axle: p[name] / car.values[name] if spins else 1.0 for axle, name in zip(AXLES, RADII, strict=True)}
     spun = data[2 * n + 6 : 2 * n + 10] + (p["wheel_delay"] - used[2]) * data[2 * n + 10 : 2 * n + 14]
@@ -140,7 +146,7 @@ def interval_of(
     body = [p[entry] for entry in BODY.values()]
     Fx = []
     for i, axle in enumerate(AXLES):
-        stiffness = [slip_stiffness(tires[axle]) * wheels[f"Fz_{axle[0]}{side}"] for side in "lr"]
+        stiffness = [slopes[i] * wheels[f"Fz_{axle[0]}{side}"] for side in "lr"]
         apart = _apart(pulls[i], kappa[i], forces[axle][0][:2], stiffness) if len(spins) == len(CORNERS) else 0.0
         Fx += [pulls[i] / 2 + apart, pulls[i] / 2 - apart]
     order = [*Fx, *(forces[axle][1][side] for axle in AXLES for side in (0, 1))]
@@ -154,7 +160,7 @@ def interval_of(
     parts |= {name: balance[name] / load for name, load in zip(BALANCE, loads_of(p), strict=True)}
     residual = ca.vertcat(*parts.values())
     required_forces = [balance[f"e_{axle}"] / ca.cos(turned[i]) / 2 for i, axle in enumerate(AXLES)]
-    outputs = ca.vertcat(*_outputs(wheels, forces, kappa, required_forces))
+    outputs = ca.vertcat(*_outputs(wheels, forces, kappa, required_forces), *Fx[::2], *Fx[1::2])
     arguments = [left, right, data, ca.vertcat(z, used)]
     chunks = [ca.Function("interval", arguments, [residual], {"cse": True}).map(CHUNK)]
     for results in (residual, outputs):
@@ -218,7 +224,7 @@ def _forces(
     """Return Fx and Fy of the left and of the right wheel, and of a wheel that is the mean of both."""
     model = tire.symbolic_model
     parameters = ca.SX(ca.DM(tire.parameters()))
-    for name in FACTORS:
+    for name in factors.keys() & model.coefficients.keys():
         parameters[list(model.coefficients).index(name)] *= factors[name]
     results = []
     pair = [
@@ -281,12 +287,6 @@ def _kappa_of_spins(rims: Mapping[str, Any], wheels: Mapping[str, Any], spins: t
     pairs = [(f"{axle[0]}l", f"{axle[0]}r") for axle in AXLES]
     # A wheel without a logged spin has the slip of the other one.
     return [[slips[a if a in spins else b] for a, b in (pair, pair[::-1])] for pair in pairs]
-
-
-def _kappa_of_pulls(pulls: list[Any], p: Mapping[str, Any], tires: Mapping[str, Tire]) -> list[list[Any]]:
-    """Return the longitudinal slip of each axle that gives its longitudinal force, to first order in the slip."""
-    loads = loads_of(p)
-    return [[pulls[i] / (loads[i] * slip_stiffness(tires[axle]))] * 2 for i, axle in enumerate(AXLES)]
 
 
 def _apart(pull: Any, kappa: list[Any], Fx: list[Any], stiffness: list[Any]) -> Any:

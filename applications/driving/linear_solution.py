@@ -14,6 +14,7 @@ from .interval import Linear
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
+BoolArray = npt.NDArray[np.bool_]
 
 #: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
 LONGEST_STEP = 1.0
@@ -106,10 +107,10 @@ class Factor:
         """Return the derivatives of the cost by the unknowns, for the best states, and `more`."""
         return np.asarray(self._slopes[:, 2 * self.n :].sum(axis=0) + more - self._border.T @ self.solved_gradient)
 
-    def step(self, slope: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the step of the states and of the unknowns."""
-        gradient = self.slope(slope)
-        change_z = -cho_solve(cho_factor(self.schur), gradient)
+    def step(self, slope: FloatArray, z: FloatArray, free: BoolArray) -> tuple[FloatArray, FloatArray]:
+        """Return the step of the states and of the unknowns, of which some are free."""
+        change_z = np.zeros(len(z))
+        change_z[free] = -cho_solve(cho_factor(self.schur[free][:, free]), self.slope(slope)[free])
         change_z *= min(1.0, LONGEST_STEP / max(float(np.abs(change_z).max()), 1e-12))
         change_z = np.clip(z + change_z, -LARGEST, LARGEST) - z
         return (-self.solved_gradient - self.solved_border @ change_z).reshape(-1, self.n), change_z

@@ -1,7 +1,8 @@
 """The simulated vehicle over the recorded steering and speed, in pieces of a few seconds, against the log.
 
-The four tires are generated code, or FMUs. The code has the states of effects (lagged slips, heat) from the recorded
-motion; an FMU has states of its own, which begin with each piece.
+The four tires are generated code, or FMUs. The longitudinal forces are those of the recorded motion: equal forces of
+both wheels of an axle would lack a yaw moment where one is near its limit. The code has the states of effects (lagged
+slips, heat) from the recorded motion; an FMU has states of its own, which begin with each piece.
 """
 
 from __future__ import annotations
@@ -93,7 +94,8 @@ def simulated_pieces(
     offset = unknowns.car_values(car, estimate.z)["offset"]
     steer = grid.steer[:, rows] * (car.values["ratio"] / p["ratio"])[:, None] + offset
     speed = estimate.states[:, 0]
-    kappa = estimate.outputs.values[:, [OUTPUTS.index(f"kappa_{axle}") for axle in AXLES]][rows].repeat(2, axis=2)
+    kappa = _outputs(estimate, "kappa")[rows].repeat(2, axis=2)
+    Fx = np.stack([_outputs(estimate, f"Fx_{side}")[rows] for side in ("left", "right")], axis=3).reshape(*kappa.shape)
     state = estimate.states[grid.left[rows[:, 0]], 1:3].T
     longest = min(MAX_STEP, MAX_SHARE * _shortest_time(some[0], tires, float(speed[grid.left[rows]].min())))
     substeps = int(np.ceil(grid.step / longest - 1e-9))
@@ -109,7 +111,7 @@ def simulated_pieces(
             at = rows[:, k]
             ends = speed[grid.left[at]], speed[grid.right[at]]
             held = {name: values[:, :, k] for name, values in past.items()}
-            given = kappa[:, k].T, held, (ends[1] - ends[0]) / grid.step, grid.behind[0, at], forces
+            given = kappa[:, k].T, Fx[:, k].T, held, (ends[1] - ends[0]) / grid.step, grid.behind[0, at], forces
             before = state
             for i in range(substeps):
                 share = (i + 0.5) / substeps
@@ -124,6 +126,11 @@ def simulated_pieces(
                 [mean[1], (state[0] - before[0]) / grid.step + mean[1] * (ends[0] + ends[1]) / 2, mean[0]], axis=1
             )
     return motion.reshape(n_cars, -1, *motion.shape[1:])
+
+
+def _outputs(estimate: Estimate, name: str) -> FloatArray:
+    """Return one of `OUTPUTS` of both axles, shape (n, 2)."""
+    return estimate.outputs.values[:, [OUTPUTS.index(f"{name}_{axle}") for axle in AXLES]]
 
 
 def _shortest_time(p: Mapping[str, float], tires: Mapping[str, Tire], speed: float) -> float:
@@ -160,12 +167,13 @@ class _Vehicle:
         self._rolled, self._last = rolled, np.zeros((2, len(rolled)))
 
     def rates(
-        self, vx: FloatArray, state: FloatArray, steer: FloatArray, step: float, kappa: FloatArray,
+        self, vx: FloatArray, state: FloatArray, steer: FloatArray, step: float, kappa: FloatArray, Fx: FloatArray,
         held: Mapping[str, FloatArray], along: FloatArray, pitch: FloatArray, forces: TireForces,
     ) -> FloatArray:  # fmt: skip
         """Return the rates of lateral speed and yaw rate; loads follow from the last ones. `step`: see `TireForces`.
 
-        `held`: `states_of` the tires. `pitch`: what the lag of pitch adds to the longitudinal acceleration.
+        `Fx`, shape (4, n): as the recorded motion requires, N. `held`: `states_of` the tires. `pitch`: what the lag of
+        pitch adds to the longitudinal acceleration.
         """
         motion = vx, *state, along, *self._last
         lag = pitch, self._rolled - (self._last[0] + vx * state[1])
@@ -173,9 +181,7 @@ class _Vehicle:
         alpha, V, Fz = np.array(two_track.wheels(*motion, *lag, *turned, *self._body)).reshape(3, len(CORNERS), -1)
         gamma = np.broadcast_to(gamma, alpha.shape)
         inputs = {**held, "kappa": kappa, "alpha": alpha + held.get("alpha", 0.0), "gamma": gamma, "Fz": Fz, "V": V}
-        Fx, Fy = forces(inputs, step)
-        # The wheels of an axle have the same torque.
-        Fx = Fx.reshape(2, 2, -1).mean(axis=1).repeat(2, axis=0)
+        _, Fy = forces(inputs, step)
         self._last = np.array(two_track.accelerations(vx, *state, *turned, *self._body, *Fx, *Fy)[1:])
         return self._last
 

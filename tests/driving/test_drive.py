@@ -117,10 +117,16 @@ def test_new_tires_predict_the_parts_that_were_left_out(answer):
 
 
 def test_errors_without_a_common_sign_are_no_gain():
-    before = np.array([1.0, 1.2, 0.9, 1.1, 1.0])
+    before = np.array([1.0, 1.2, 0.9, 1.1, 1.0, 1.3])
     assert is_better(before, 0.8 * before)
     assert not is_better(before, before)
-    assert not is_better(before, before * [0.5, 1.6, 0.7, 1.5, 1.1])
+    assert not is_better(before, before * [0.5, 1.6, 0.7, 1.5, 1.1, 0.9])
+    # One part that gains much more than the others is no reason to doubt them; one that loses is.
+    assert is_better(before, before * [0.7, 0.8, 0.75, 0.8, 0.7, 1e-3])
+    assert not is_better(before, before * [0.7, 0.8, 0.75, 0.8, 0.7, 1e3])
+    for n in (3, 5):
+        assert is_better(before[:n], before[:n] * [0.8, 0.81, 0.79, 0.8, 0.81][:n])
+        assert not is_better(before[:n], before[:n] * [0.9, 1.2, 0.8, 0.9, 1.1][:n])
 
 
 def test_a_joint_deviation_is_one_although_no_entry_alone_is(answer):

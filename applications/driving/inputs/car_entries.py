@@ -36,7 +36,8 @@ class Entry:
 
 # The default uncertainties are judgement: a scale under the wheels knows a mass within 1 %, a car with driver and fuel
 # within 3 %; a yaw inertia from a formula is right within 10 %; a consumer IMU has the offsets below after warm-up, and
-# gains within 0.5 %. Roll and pitch of cars reach two thirds of their value in 30 to 80 ms.
+# gains within 0.5 %. Roll and pitch of cars reach two thirds of their value in 30 to 80 ms. A floor or wear changes a
+# tire in all directions, but not alike.
 _ENTRIES = (
     Entry("body", "wheelbase", "distance of the axles", "m", 2.4, None, 0.002, "relative", 0.05, 20.0),
     Entry("body", "mass", "mass with driver and fuel", "kg", 1100.0, None, 0.03, "relative", 0.1, 1e5),
@@ -74,6 +75,12 @@ _ENTRIES = (
     Entry("wheels", "radius_rear", "rolling radius of the rear wheels", "m", 0.3, 0.0, 0.005, "relative", 0.0, 3.0),
     Entry("wheels", "relaxation", "lateral relaxation lengths over those of the tire files", "1", 1.0, 1.0, 0.2,
           "relative", 0.0, 10.0),
+    *(
+        Entry("wheels", f"{name}_{axle}", f"longitudinal over lateral {meaning} of the {axle} tires, over that of "
+              "their file", "1", 1.0, 1.0, 0.2, "relative", 0.0, 10.0)
+        for name, meaning in (("grip", "friction"), ("slip_stiffness", "slip stiffness"))
+        for axle in ("front", "rear")
+    ),
     Entry("wheels", "brake_front", "share of the braking force at the front axle", "1", 0.65, 0.6, 0.1,
           "absolute", 0.0, 1.0),
     Entry("sensors", "x", "position of the accelerometer ahead of the center of gravity", "m", 0.0, 0.0, 0.02,
@@ -159,7 +166,7 @@ def car_schema() -> dict[str, Any]:
     sections["steering"]["properties"]["map"] = {"type": "array", "items": pair, "minItems": 2}
     sections["wheels"]["properties"]["driven"] = {"enum": list(LAYOUTS)}
     sections["columns"] = {"type": "object", "additionalProperties": {"type": "string"}}
-    return document("car", "1.1", "Car of a drive", object_schema(sections, ["body"]))
+    return document("car", "1.2", "Car of a drive", object_schema(sections, ["body"]))
 
 
 def _number(entry: Entry) -> list[dict[str, Any]]:

@@ -39,7 +39,7 @@ MEASURED = (
     "yaw_rate", "ax", "ay", "speed", "beta", "vy", "x", "y", "heading", "rim_front", "rim_rear", "speed_rate",
 )  # fmt: skip
 #: Change of a rolling radius with load and speed, relative; error of the slip of a wheel that follows from its
-#: longitudinal force, over the slip; slip over acceleration per g; time for which such an error lasts, s.
+#: longitudinal force, over the slip; slip over acceleration per g, at least; time for which such an error lasts, s.
 RADIUS_ERROR, SLIP_ERROR, SLIP_OF_ACCELERATION, LASTING = 0.001, 0.3, 0.05, 1.0
 #: Error of the mean of an acceleration that changes within an interval, over the change.
 EDGE_ERROR = 0.1
@@ -181,7 +181,10 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
             continue
         row = MEASURED.index(f"rim_{axle}")
         means[row], noise[row] = _averaged(axle_channels, edges, usable, wheels)
-        slip = SLIP_OF_ACCELERATION / GRAVITY * np.gradient(_windowed(*speed, middle, RATE_WINDOW), middle)[chosen]
+        smooth = _windowed(*speed, middle, RATE_WINDOW)
+        slip = SLIP_OF_ACCELERATION / GRAVITY * np.gradient(smooth, middle)[chosen]
+        measured = means[row] / smooth[chosen]  # near its limit, a wheel slips more
+        slip = np.maximum(np.abs(slip), np.abs(np.nan_to_num(measured - np.nanmedian(measured))))
         lasting = LASTING / step * (RADIUS_ERROR**2 + (SLIP_ERROR * slip) ** 2)
         noise[row] = np.sqrt(noise[row] ** 2 + lasting * means[row] ** 2)
     row = MEASURED.index("ax")

@@ -18,9 +18,10 @@ from .log import Log
 FloatArray = npt.NDArray[np.float64]
 
 AXLES = ("front", "rear")
-#: Scaling factors of a tire: lateral friction and cornering stiffness. No channel of a log is the longitudinal force of
-#: a wheel, which LMUX and LKX scale.
+#: Scaling factors of a tire: lateral friction and cornering stiffness. The longitudinal ones follow them, but for
+#: entries of the car: no channel of a log is the longitudinal force of a wheel, so that they are no findings.
 FACTORS = ("LMUY", "LKY")
+ALONG = {"LMUX": ("LMUY", "grip"), "LKX": ("LKY", "slip_stiffness")}
 #: Prior probability that a factor changed. Judgement: who compares a drive expects other tires as likely as not.
 CHANGED = 0.5
 #: Prior standard deviation of the logarithm of a factor (it hardly matters for what a drive determines); standard
@@ -36,6 +37,7 @@ NEEDS: dict[str, tuple[str, ...]] = {
     "reference_y": ("speed", "heading"), "heading_offset": ("beta", "heading"),
     "motion_delay": ("speed", "beta", "vy", "x"), "misalignment": ("ay", "ax"), "ay_gain": ("ay",),
     "yaw_rate_gain": ("yaw_rate",), "wheel_delay": ("omega",), "radius_front": ("omega",), "radius_rear": ("omega",),
+    "grip_front": ("omega",), "grip_rear": ("omega",),
 }  # fmt: skip
 
 
