@@ -385,7 +385,7 @@ def test_a_comparison_that_ends_early_has_the_best_so_far(sideways, how):
     assert comparison.leader.explanation.parts in {one.parts for one in comparison.answer.explanations}
 
 
-def test_a_comparison_that_ends_within_a_refit_has_what_was_complete_before(sideways):
+def test_a_comparison_that_ends_before_a_refit_has_what_was_complete_before(sideways):
     def ending_after(number):
         budget, checks = unlimited(), itertools.count()
 
@@ -396,7 +396,7 @@ def test_a_comparison_that_ends_within_a_refit_has_what_was_complete_before(side
         budget.check = check
         return compared(*sideways, budget)
 
-    early, late = ending_after(1), ending_after(30)
+    early, late = ending_after(0), ending_after(30)
     assert early.leader.explanation.parts == ()
     assert late.leader.score > early.leader.score
     assert late.leader.explanation.parts in {one.parts for one in late.answer.explanations}
