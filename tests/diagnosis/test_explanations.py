@@ -32,6 +32,7 @@ from tirefmu.diagnosis.explanations import (
     without_folds,
 )
 from tirefmu.diagnosis.explanations.compare import _simplest, reduced
+from tirefmu.diagnosis.explanations.refit import refitted
 from tirefmu.diagnosis.explanations.table import Table
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
 from tirefmu.diagnosis.signals import between_rows, signals_of
@@ -425,6 +426,17 @@ def test_a_misfit_counts_less_where_more_is_explained(sideways):
         shared = shared_problem(linear, solution, additions, explained, unlimited())
         squares.append(float(np.sum(shared.problem.weighted(misfit) ** 2)))
     assert squares == pytest.approx([squares[0], squares[0] / 2.0, squares[0] / 10.0], rel=1e-6)
+
+
+def test_a_refit_that_begins_at_an_optimum_stays_there(sideways):
+    problem, solution, candidates = sideways
+    linear = Linearization(Explanation(), problem, solution, candidates)
+    additions = [addition for name in linear.lacking for addition in linear.of_effect(name)]
+    shared = shared_problem(linear, solution, additions, 0.0, unlimited())
+    first = refitted(shared, Explanation(), [solution.parameters], problem.simulator)
+    again = refitted(shared, Explanation(), [first.linear.solution.parameters], first.linear.simulator)
+    assert again.linear.solution.cost <= first.linear.solution.cost
+    assert again.evidence == pytest.approx(first.evidence, abs=0.1)
 
 
 @pytest.mark.slow
