@@ -256,8 +256,7 @@ def reduced(table: Table, refit: Refitted) -> Move:
                 continue
         table.report(f"comparing {part} with other explanations")
         start = table.without(refit, less)
-        begins = [start, table.with_absent_core(start, refit)]
-        table = table.with_refit(refitted(table.shared, less, begins, refit.linear.simulator))
+        table = table.with_refit(refitted(table.shared, less, [start], refit.linear.simulator))
         yield table
     return table
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
@@ -59,6 +59,27 @@ class Addition:
             columns=np.zeros((*self.columns.shape[:2], 0)),
             weighted_columns=problem.weighted_columns(self.columns),
         )
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """A group of columns that an explanation contains.
+
+    - `owners`: the effect of each column; empty if explanations without it have the column, too.
+    - `columns`, shape (n_channels, n, k), N and N m; `deviation`, shape (k,): of the priors of their coefficients.
+    - `distance`, shape (k,): of the values from the means of their priors, in deviations.
+    """
+
+    owners: list[str]
+    columns: FloatArray
+    deviation: FloatArray
+    distance: FloatArray
+
+    @classmethod
+    def of(cls, owner: str, columns: FloatArray, deviation: FloatArray | None = None) -> Columns:
+        """Return columns of one owner with coefficients of 0; their deviation is 1 if none is given."""
+        number = columns.shape[-1]
+        return cls([owner] * number, columns, np.ones(number) if deviation is None else deviation, np.zeros(number))
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,48 +171,30 @@ class Linearization:
         """The weighted columns beside the disturbances; the last one is the misfit."""
         return _contents(self).columns
 
-    @property
-    def contained(self) -> list[FloatArray]:
-        """What the explanation contains beside the disturbances, N and N m, each of shape (n_channels, n, k)."""
-        return self._contained()[0]
+    def contained(self) -> Iterator[Columns]:
+        """Yield what the explanation contains beside the disturbances.
 
-    def _owners(self, parts: Sequence[FloatArray]) -> list[str]:
-        """Return the effect of each column of `contained`; empty if explanations without it have the column, too."""
-        forms = self.explanation.forms
-        freed = {name: effect for effect, form in forms for name in form.free}
-        owners = [freed.get(name, "") for name in self._inside] + [""] * parts[1].shape[-1]  # errors of the bench
-        owners += [name for name, form in self._refinements for _ in form.probes]
-        sizes = [part.shape[-1] for part in parts[len(parts) - len(forms) :]]
-        of_errors = [effect for (effect, _), size in zip(forms, sizes, strict=True) for _ in range(size)]
-        others = sum(part.shape[-1] for part in parts) - len(owners) - len(of_errors)
-        return [*owners, *[""] * others, *of_errors]
-
-    def _contained(self) -> tuple[list[FloatArray], FloatArray, FloatArray]:
-        """Columns beside the disturbances, their prior deviations, and distances from the means in deviations.
-
-        Coefficients, errors of the bench (the skew is the first), refinements of all forms, and discrepancies of the
-        effects.
+        Coefficients, errors of the bench (the skew is the first), refinements of all forms, errors of the forms of the
+        baseline model and of the unknown component, and of each effect.
         """
         simulator, solution, free = self.simulator, self.solution, self._inside
         inside = [name in free for name in solution.free]
         center, deviation = (moment[inside] for moment in self.problem.prior(solution.free))
         values = solution.parameters[[simulator.index[name] for name in free]]
+        freed = {name: effect for effect, form in self.explanation.forms for name in form.free}
+        owners = [freed.get(name, "") for name in free]
+        yield Columns(owners, simulator.jacobian(solution.parameters, free), deviation, (values - center) / deviation)
         bench, of_bench = bench_errors(simulator, solution.parameters)
-        refined = [self._probes(form) for _, form in self._refinements]
-        forms = [self._baseline_errors()]
+        skew = np.where(np.arange(len(of_bench)) == 0, simulator.signals.skew, 0.0)
+        yield Columns([""] * len(of_bench), bench, of_bench, skew / of_bench)
+        for name, form in self._refinements:
+            yield Columns.of(name, *self._probes(form))
+        yield Columns.of("", self._baseline_errors())
         if (of_terms := self._response_of_terms()).any():
             depends_on = frozenset().union(*(term.depends_on for term in self.explanation.terms))
-            forms.append(FORM_ERROR * effect_discrepancy(of_terms, self._inputs(depends_on)))
-        forms += [self._form_errors(name, form) for name, form in self.explanation.forms]  # the last ones
-        parts = [simulator.jacobian(solution.parameters, free), bench, *(columns for columns, _ in refined)]
-        deviations = [deviation, of_bench, *(spread for _, spread in refined)]
-        deviations += [np.ones(errors.shape[-1]) for errors in forms]
-        whole = np.concatenate(deviations)
-        distance = np.zeros(len(whole))
-        distance[: len(values)] = (values - center) / deviation
-        if len(of_bench):
-            distance[len(values)] = simulator.signals.skew / of_bench[0]
-        return [*parts, *forms], whole, distance
+            yield Columns.of("", FORM_ERROR * effect_discrepancy(of_terms, self._inputs(depends_on)))
+        for name, form in self.explanation.forms:
+            yield Columns.of(name, self._form_errors(name, form))
 
     def _form_errors(self, effect: str, form: Form) -> FloatArray:
         """Return errors of the form of an effect, N and N m, shape (n_channels, n, k), each of deviation 1.
@@ -388,18 +391,21 @@ class _Contents:
 @lru_cache(maxsize=2)
 def _contents(linear: Linearization) -> _Contents:
     """Return what an explanation contains; it is stored for the latest linearizations only."""
-    problem, (parts, deviation, distance) = linear.problem, linear._contained()
-    misfit = problem.misfit(linear.solution.parameters)[:, :, None]
-    columns = joined([problem.weighted_columns(part) for part in (*parts, misfit)])
+    problem, weighted, groups = linear.problem, list[WeightedColumns](), list[Columns]()
+    for group in linear.contained():  # one after another: weighted ones are stored without the zeros of other channels
+        weighted.append(problem.weighted_columns(group.columns))
+        groups.append(replace(group, columns=np.zeros((0, 0, 0))))
+    misfit = problem.weighted_columns(problem.misfit(linear.solution.parameters)[:, :, None])
+    columns = joined([*weighted, misfit])
     first, products = problem.disturbance_products
-    cross = first.times(columns)
+    cross, common = first.times(columns), len(products)
     matrix = np.block([[products, cross], [cross.T, columns.times(columns)]])
-    deviations = np.concatenate([problem.disturbances.deviation, deviation])
-    distances = np.concatenate([np.zeros(len(deviations) - len(distance)), distance])
+    deviations = np.concatenate([problem.disturbances.deviation, *(group.deviation for group in groups)])
+    distances = np.concatenate([np.zeros(common), *(group.distance for group in groups)])
     power = float(matrix[-1, -1]) + float(np.sum(distances**2))
     equations = NormalEquations(matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations)
-    owners = [*[""] * len(products), *linear._owners(parts)]
-    errors = sum(part.shape[-1] for part in parts[len(parts) - len(linear.explanation.forms) :])
+    owners = [*[""] * common, *(owner for group in groups for owner in group.owners)]
+    errors = sum(part.number for part in weighted[len(weighted) - len(linear.explanation.forms) :])
     return _Contents(columns, equations, owners, errors)
 
 

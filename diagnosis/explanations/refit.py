@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
+from itertools import chain
 
 import numpy as np
 import numpy.typing as npt
@@ -27,10 +28,10 @@ FloatArray = npt.NDArray[np.float64]
 
 #: How the names of the columns of the discrepancy, and of fast drift and noise of the inputs, begin.
 DISCREPANCY, BENCH = "discrepancy_", "bench_"
-#: Iterations of a refit under the common noise, and before it with independent rows; corrections of the skew.
-ITERATIONS, COARSE_ITERATIONS, ALIGNMENTS = 3, 8, 3
-#: Share of the cost by which a coarse fit may still fall.
-COARSE = 1e-3
+#: Iterations of a refit, and before it of the choice of initial values; corrections of the skew.
+ITERATIONS, COARSE_ITERATIONS, ALIGNMENTS = 5, 8, 3
+#: Rows of this choice at least, if as many are compared; share of the cost by which it may still fall.
+COARSE_ROWS, COARSE = 1000, 1e-3
 #: A smaller change of the evidence is none: a factor of 1.1 between two explanations.
 SAME_EVIDENCE = 0.1
 
@@ -50,11 +51,6 @@ class Shared:
     candidates: Mapping[str, Candidate]
     explained: float
     budget: Budget
-
-    @cached_property
-    def coarse(self) -> LeastSquares:
-        """The problem with rows of independent noise."""
-        return replace(self.problem, whitening=None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,15 +91,10 @@ def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArr
     signals = simulator.signals
     if abs(signals.skew) > (1.0 - AT_BOUND) * MAX_SKEW:  # no delay of a bench, but what a relaxation may explain
         simulator = simulator.with_signals(signals.delayed(-signals.skew))
-    problems = (shared.problem, shared.coarse)
-    whole, coarse = (with_terms(problem, explanation.terms).over(simulator) for problem in problems)
+    whole = with_terms(shared.problem, explanation.terms).over(simulator)
     fitted = {*shared.free, *(name for _, form in explanation.forms for name in form.free)}
     free = tuple(sorted(fitted, key=simulator.names.index))
-    tried = []
-    for start in starts:
-        shared.budget.check()
-        tried.append(coarse.solve(start, free, iterations=COARSE_ITERATIONS, tolerance=COARSE))
-    start = min(tried, key=lambda solution: graded(solution.cost)).parameters
+    start = starts[0] if len(starts) == 1 else _best_of(starts, whole, free, shared.budget)
     best, estimate = _evaluated(shared, explanation, whole, start, free)
     for _ in range(ALIGNMENTS if simulator.signals.timed else 0):
         signals, skew = best.linear.simulator.signals, float(estimate[best.linear.skew_index])
@@ -116,6 +107,17 @@ def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArr
             break
         best = other
     return best
+
+
+def _best_of(starts: Sequence[FloatArray], whole: LeastSquares, free: Sequence[str], budget: Budget) -> FloatArray:
+    """Return where the best of several initial values leads on some of the rows, of independent noise."""
+    every = max(whole.inverse_noise.shape[1] // COARSE_ROWS, 1)
+    few = whole.subsampled(slice(None, None, every))
+    coarse, tried = replace(few, inverse_noise=np.sqrt(every) * few.inverse_noise), []  # the weight of all
+    for start in starts:
+        budget.check()
+        tried.append(coarse.solve(start, free, iterations=COARSE_ITERATIONS, tolerance=COARSE))
+    return min(tried, key=lambda solution: graded(solution.cost)).parameters
 
 
 def some_rows(simulator: Simulator) -> slice:
@@ -217,7 +219,8 @@ def saturated_residual(linear: Linearization, additions: Sequence[Addition]) -> 
     drawn = scale * solve_triangular(factor, np.random.default_rng(0).standard_normal(len(scale)), trans=1, lower=True)
     both, end = np.stack([estimate, drawn], axis=-1), 0
     fitted = np.zeros((*problem.inverse_noise.shape, 2))
-    for columns in (problem.disturbances.columns, *linear.contained, *(addition.columns for addition in additions)):
+    contained = (group.columns for group in linear.contained())
+    for columns in chain([problem.disturbances.columns], contained, (addition.columns for addition in additions)):
         begin, end = end, end + columns.shape[-1]
         fitted += columns @ both[begin:end]
     rest = problem.weighted(problem.misfit(linear.solution.parameters) - fitted[:, :, 0])

@@ -153,14 +153,17 @@ class Table:
         return self.leader.explanation.parts, max(self.refits, key=lambda parts: graded(divided[parts]))
 
     def near(self) -> list[Parts]:
-        """Return the roots, and the refits with nearly the probability of the second one or the score of the first."""
+        """Return the roots, and the refits with nearly the probability of the second one or the score of the first.
+
+        The most probable one is the first: it has fewer parts, and shows which of the larger ones are far.
+        """
         divided, (leader, probable) = self.divided(), self.roots
         order = sorted(self.refits, key=lambda parts: -graded(divided[parts]))
         behind = {
             parts: max(divided[parts] - divided[probable], refit.score - self.refits[leader].score)
             for parts, refit in self.refits.items()
         }
-        return list(dict.fromkeys([leader, *(parts for parts in order if behind[parts] > REFIT_MARGIN)]))
+        return list(dict.fromkeys([probable, leader, *(parts for parts in order if behind[parts] > REFIT_MARGIN)]))
 
     @property
     def doubts(self) -> list[Parts]:
@@ -201,13 +204,6 @@ class Table:
         freed = [index[name] for form in forms for name in form.free]
         start[freed] = self.absent[freed]
         return start
-
-    def with_absent_core(self, start: FloatArray, refit: Refitted) -> FloatArray:
-        """Return a start with the coefficients of the baseline model as fitted without any effect."""
-        moved = start.copy()
-        core = [refit.linear.simulator.index[name] for name in self.shared.free]
-        moved[core] = self.absent[core]
-        return moved
 
 
 def fold_evidences(table: Table) -> dict[Parts, FloatArray]:

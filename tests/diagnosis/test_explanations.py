@@ -33,6 +33,7 @@ from tirefmu.diagnosis.explanations import (
     without_folds,
 )
 from tirefmu.diagnosis.explanations.compare import _simplest, reduced
+from tirefmu.diagnosis.explanations.refit import refitted
 from tirefmu.diagnosis.explanations.table import Table
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
 from tirefmu.diagnosis.signals import between_rows, signals_of
@@ -418,7 +419,7 @@ def test_a_comparison_that_ends_early_has_the_best_so_far(sideways, how):
     assert comparison.leader.explanation.parts in {one.parts for one in comparison.answer.explanations}
 
 
-def test_a_comparison_that_ends_within_a_refit_has_what_was_complete_before(sideways):
+def test_a_comparison_that_ends_before_a_refit_has_what_was_complete_before(sideways):
     def ending_after(number):
         budget, checks = unlimited(), itertools.count()
 
@@ -429,7 +430,7 @@ def test_a_comparison_that_ends_within_a_refit_has_what_was_complete_before(side
         budget.check = check
         return compared(*sideways, budget)
 
-    early, late = ending_after(1), ending_after(30)
+    early, late = ending_after(0), ending_after(30)
     assert early.leader.explanation.parts == ()
     assert late.leader.score > early.leader.score
     assert late.leader.explanation.parts in {one.parts for one in late.answer.explanations}
@@ -458,6 +459,17 @@ def test_a_misfit_counts_less_where_more_is_explained(sideways):
         shared = shared_problem(linear, solution, additions, explained, unlimited())
         squares.append(float(np.sum(shared.problem.weighted(misfit) ** 2)))
     assert squares == pytest.approx([squares[0], squares[0] / 2.0, squares[0] / 10.0], rel=1e-6)
+
+
+def test_a_refit_that_begins_at_an_optimum_stays_there(sideways):
+    problem, solution, candidates = sideways
+    linear = Linearization(Explanation(), problem, solution, candidates)
+    additions = [addition for name in linear.lacking for addition in linear.of_effect(name)]
+    shared = shared_problem(linear, solution, additions, 0.0, unlimited())
+    first = refitted(shared, Explanation(), [solution.parameters], problem.simulator)
+    again = refitted(shared, Explanation(), [first.linear.solution.parameters], first.linear.simulator)
+    assert again.linear.solution.cost <= first.linear.solution.cost
+    assert again.evidence == pytest.approx(first.evidence, abs=0.1)
 
 
 @pytest.mark.slow
