@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
 from ..probing.effect_probing import Screen
 from ..thresholds import RIVALS
@@ -18,8 +18,6 @@ from .explanation import UNKNOWN, Term
 from .linearization import Addition, Linearization
 from .refit import Refitted, Shared, refitted
 from .terms import prior_deviation
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Number of terms of a formula. Convention: computing time.
 TERMS = 3

@@ -6,12 +6,10 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
 from .explanation import UNKNOWN
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Probability below which an effect is excluded, and above one minus which it is certain. Convention.
 UNSURE = 0.1

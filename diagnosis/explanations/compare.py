@@ -11,8 +11,8 @@ from collections.abc import Collection, Generator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
@@ -28,7 +28,6 @@ from .refit import Refitted, Shared, refitted, shared_problem, some_rows, with_t
 from .table import FAR, Parts, Table, fold_evidences
 from .terms import form_errors
 
-FloatArray = npt.NDArray[np.float64]
 #: A move: yields the table after each refit, returns the last one.
 Move = Generator[Table, None, Table]
 

@@ -11,14 +11,11 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
+from ...numerics.arrays import FloatArray, IntArray
 from ..signals.signals import Signals
 from ..thresholds import COARSENED_ROWS, FOLDS, FORM_ERROR, INEXACT_SHARE
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 #: Added to the diagonal of scaled matrices, whose diagonal is 1: columns may be equal.
 RIDGE = 1e-11

@@ -9,6 +9,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 import numpy.typing as npt
 
+from ...numerics.arrays import FloatArray
 from ...symbolic.detection import Form
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import CORE, Candidate, declared_candidate, is_testable, refinements_for
@@ -23,7 +24,6 @@ from .evidence import NormalEquations
 from .explanation import UNKNOWN, Explanation
 from .terms import FormErrors, form_errors, unknown_terms
 
-FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 
 #: How the names of the terms in the disturbances begin; their numbers follow.

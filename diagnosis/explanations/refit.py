@@ -8,9 +8,9 @@ from functools import lru_cache
 from itertools import chain
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import cho_solve, solve_triangular
 
+from ...numerics.arrays import FloatArray
 from ...numerics.noise_model import Whitening, noise_parts
 from ...numerics.ties import graded
 from ..least_squares import AT_BOUND, LeastSquares, Solution
@@ -23,8 +23,6 @@ from .discrepancy import fast_drift, input_noise_responses, model_discrepancy
 from .evidence import NormalEquations, inflation, likelihood_power
 from .explanation import Explanation, Term
 from .linearization import TERM, Addition, Linearization
-
-FloatArray = npt.NDArray[np.float64]
 
 #: How the names of the columns of the discrepancy, and of fast drift and noise of the inputs, begin.
 DISCREPANCY, BENCH = "discrepancy_", "bench_"

@@ -11,8 +11,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
 from ..thresholds import FOLDS, REFIT_MARGIN
 from .answer import percent
@@ -21,7 +21,6 @@ from .explanation import Explanation
 from .linearization import Addition, Linearization
 from .refit import Refitted, Shared
 
-FloatArray = npt.NDArray[np.float64]
 Parts = tuple[str, ...]
 
 #: Score, relative to the largest one, below which an explanation is not tried again under another noise, and not at all
