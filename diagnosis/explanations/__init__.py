@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .final import balanced, final_fits
     from .form import FORM, form_effect, form_of
     from .linearization import Addition, Linearization
-    from .refit import shared_problem
+    from .refit import refitted, shared_problem
     from .table import without_folds
     from .terms import unknown_terms
 

@@ -26,6 +26,7 @@ from tirefmu.diagnosis.explanations import (
     effect_discrepancy,
     model_discrepancy,
     percent,
+    refitted,
     rivals_of,
     shared_problem,
     smooth_functions,
@@ -33,7 +34,6 @@ from tirefmu.diagnosis.explanations import (
     without_folds,
 )
 from tirefmu.diagnosis.explanations.compare import _simplest, reduced
-from tirefmu.diagnosis.explanations.refit import refitted
 from tirefmu.diagnosis.explanations.table import Table
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
 from tirefmu.diagnosis.signals import between_rows, signals_of
