@@ -19,7 +19,7 @@ from ..probing.candidates import Candidate
 from ..probing.effect_probing import starts
 from ..thresholds import CONFOUNDED, EFFECT_ODDS, REFIT_MARGIN, RIVALS
 from .additions import Gain, best_formula, gains, in_place_of, projected, rivals_of
-from .answer import Answer, answer_of
+from .answer import UNSURE, Answer, answer_of
 from .budget import Budget, Ended
 from .evidence import Projected, inflation
 from .explanation import UNKNOWN, Explanation
@@ -35,9 +35,6 @@ Move = Generator[Table, None, Table]
 #: are extended under each of these; growth of the variance of the noise after which it is estimated again. Conventions:
 #: computing time.
 ESTIMATES, SETTLED, COMPARED, GROWTH = 5, 2, 6, 1.5
-#: Odds against an explanation that are hardly worth mentioning (Jeffreys, Theory of Probability, appendix B): in place
-#: of the leading one, a simpler one with these is delivered.
-NEARLY_EQUAL = 10.0**-0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +107,7 @@ def _with_those_of(table: Table, others: Collection[Table]) -> Table:
 
 
 def _simplest(table: Table, answer: Answer) -> Refitted:
-    """Return the leader, with the simplest of effects of which one is missing and that are nearly as probable.
+    """Return the leader, with the simplest of effects of which one is missing and none is much more probable.
 
     The simplest one has the fewest states, then the fewest coefficients.
     """
@@ -125,7 +122,7 @@ def _simplest(table: Table, answer: Answer) -> Refitted:
 
     for alternatives in answer.one_of(leader.explanation.effects):
         rest = set(leader.explanation.parts).difference(alternatives.effects)
-        least = NEARLY_EQUAL * probability[leader.explanation.parts]
+        least = UNSURE * probability[leader.explanation.parts]
         equal = [
             refit
             for parts, refit in table.refits.items()

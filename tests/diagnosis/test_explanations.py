@@ -189,7 +189,7 @@ def test_the_simplest_of_equal_effects_is_delivered():
         linear = SimpleNamespace(solution=SimpleNamespace(free=tuple(range(free))))
         return SimpleNamespace(explanation=explanation, linear=linear)
 
-    sets = {("history", "lag"): (0.0, 5), ("lag", "temperature"): (-0.3, 6), ("lag", "pressure"): (-1.5, 2)}
+    sets = {("history", "lag"): (0.0, 5), ("lag", "temperature"): (-0.3, 6), ("lag", "pressure"): (-4.0, 2)}
     refits = {parts: refit(parts, free) for parts, (_, free) in sets.items()}
     model = SimpleNamespace(added=[SimpleNamespace(name="history", states=("s",))])
     shared = SimpleNamespace(problem=SimpleNamespace(simulator=SimpleNamespace(symbolic_model=model)))
