@@ -46,7 +46,9 @@ def gain_figure(diagnosis: Diagnosis) -> Figure | None:
 
     None if the improved tire has none of the identified effects.
     """
-    panels = [_gain_panel(diagnosis, finding) for finding in diagnosis.found if finding.effect in diagnosis.tire.has]
+    drawn = [finding for finding in diagnosis.found if finding.effect in diagnosis.tire.has]
+    whole = _evaluated(diagnosis, diagnosis.tire) if drawn else pd.DataFrame()
+    panels = [_gain_panel(diagnosis, finding, whole) for finding in drawn]
     text = (
         "measured minus computed, positive in the direction in which the effect acts, mean of rows with similar input "
         "weighted by the effect's force; the offset of the recording is removed"
@@ -55,12 +57,13 @@ def gain_figure(diagnosis: Diagnosis) -> Figure | None:
     return Figure("diagnosis_gain", "What each identified effect adds", in_rows(panels), under) if panels else None
 
 
-def _gain_panel(diagnosis: Diagnosis, finding: FoundEffect) -> Panel:
+def _gain_panel(diagnosis: Diagnosis, finding: FoundEffect, whole: pd.DataFrame) -> Panel:
+    """Return the panel of an effect; `whole`: what the tire with all effects computes."""
     tire, rows = diagnosis.tire, diagnosis.rows
     without = replace(tire, effects=tire.has - {finding.effect})
     error = diagnosis.gap["train"]
     channel = min(finding.channels, key=lambda name: graded(error[name]["after"] / max(error[name]["before"], 1e-300)))
-    forces = [_evaluated(diagnosis, shown)[channel].to_numpy(dtype=np.float64) for shown in (without, tire)]
+    forces = [of[channel].to_numpy(dtype=np.float64) for of in (_evaluated(diagnosis, without), whole)]
     response = forces[1] - forces[0]
     measured = _measured(diagnosis, channel)
     through = _input(diagnosis, finding.effect)
