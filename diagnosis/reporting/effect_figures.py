@@ -47,8 +47,8 @@ def gain_figure(diagnosis: Diagnosis) -> Figure | None:
     None if the improved tire has none of the identified effects: those with a probability of one half, and of a class.
     """
     in_class = {name for alternatives in diagnosis.one_of for name in alternatives.effects}
-    found = [finding for finding in diagnosis.found if finding.probability >= 0.5 or finding.effect in in_class]
-    drawn = [finding for finding in found if finding.effect in diagnosis.tire.has]
+    missing = [finding for finding in diagnosis.found if finding.probability >= 0.5 or finding.effect in in_class]
+    drawn = [finding for finding in missing if finding.effect in diagnosis.tire.has]
     whole = _evaluated(diagnosis, diagnosis.tire) if drawn else pd.DataFrame()
     panels = [_gain_panel(diagnosis, finding, whole) for finding in drawn]
     text = (
