@@ -6,15 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import cho_factor, cho_solve, cho_solve_banded, cholesky_banded
 
+from ...numerics.arrays import BoolArray, FloatArray, IndexArray
 from .inputs.grid import Grid
 from .interval import Linear
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.intp]
-BoolArray = npt.NDArray[np.bool_]
 
 #: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
 LONGEST_STEP = 1.0
@@ -37,7 +33,7 @@ class Posterior:
     covariance: FloatArray
     pairs: FloatArray
     slopes: FloatArray
-    ends: IntArray
+    ends: IndexArray
 
     def variances(self, J: FloatArray) -> FloatArray:
         """Return the variances of functions with the Jacobian J, shape (n, n_functions, 2 n_states + n_z).

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
+from ...symbolic.detection import Form
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import starts
@@ -331,9 +332,11 @@ def _with_both(table: Table, refit: Refitted, part: str) -> Move:
         for name in set(other.explanation.effects).difference(less)
         if len(parts) == len(less) + 1
     }
-    name = max(others, key=lambda effect: graded(others[effect].score), default=part)
-    more = refit.explanation.with_effect(name, dict(others[name].explanation.forms)[name]) if others else None
-    if more and not table.compared(more):
+    if not others:
+        return table
+    name = max(others, key=lambda effect: graded(others[effect].score))
+    more = _with_form(table, refit.explanation, name, dict(others[name].explanation.forms)[name])
+    if not table.compared(more):
         table.report(f"comparing {part} with both {part} and {name}")
         start = 0.5 * (refit.linear.solution.parameters + others[name].linear.solution.parameters)
         for effect, of in ((part, refit), (name, others[name])):
@@ -391,8 +394,12 @@ def _best(forms: Collection[Gain]) -> Gain:
 
 
 def _with_gain(table: Table, explanation: Explanation, gain: Gain) -> Explanation:
-    """Return an explanation with an addition, without terms that are errors of its form."""
-    more = explanation.with_effect(gain.addition.name, gain.addition.form)
+    return _with_form(table, explanation, gain.addition.name, gain.addition.form)
+
+
+def _with_form(table: Table, explanation: Explanation, name: str, form: Form) -> Explanation:
+    """Return an explanation with an effect, without terms that are errors of its form."""
+    more = explanation.with_effect(name, form)
     errors = form_errors(more, table.shared.candidates, table.shared.problem.simulator.symbolic_model)
     terms = tuple(term for term in more.terms if not errors.contain(term.location, term.depends_on))
     return replace(more, terms=terms)

@@ -64,7 +64,7 @@ def unknown_terms(problem: LeastSquares, solution: Solution) -> list[Term]:
     return [
         Term(location, feature, column, deviation)
         for location, feature in placed(simulator, even, [*odd, *even])
-        for column in [acting[location.name] * feature.values]
+        for column in [acting[location.name, feature.inclined] * feature.values]
         if (deviation := prior_deviation(problem, column)) > 0.0
     ]
 

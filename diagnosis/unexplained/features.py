@@ -55,6 +55,11 @@ class Feature:
         """The formula in an effect file."""
         return self.formula or self.text
 
+    @property
+    def inclined(self) -> bool:
+        """Whether it is 0 at an upright wheel, since the inclination is a factor of it."""
+        return "gamma" in self.depends_on
+
     def __mul__(self, other: Feature) -> Feature:
         text, written = (
             "*".join(map(bracketed, both))
@@ -88,6 +93,8 @@ class Location:
     - `per`: multiplier of a term that makes its coefficient dimensionless; '' if none.
     - `flips`: whether such a term changes its sign between adapted SAE and ISO.
     - `slips`: without these slips it changes nothing.
+    - `upright`: coefficients through which the aligning moment follows the upright wheel, for which the book repeats
+      the lines of the side force. The small arm of Fx, which inclination may change, is neglected.
     """
 
     name: str
@@ -97,6 +104,7 @@ class Location:
     per: str = ""
     flips: bool = False
     slips: frozenset[str] = frozenset()
+    upright: frozenset[str] = frozenset()
 
     @property
     def proportional_to(self) -> tuple[str, ...]:
@@ -109,12 +117,15 @@ LOCATIONS = {
     "friction": ("factor", ("friction_x", "friction_y")),
     "slip stiffness": ("factor", ("stiffness_x", "stiffness_y")),
     "force": ("factor", ("friction_x", "friction_y", "stiffness_x", "stiffness_y")),
+    "force and trail": ("factor", ("friction_x", "friction_y", "stiffness_x", "stiffness_y", "trail")),
     "trail": ("factor", ("trail",)),
     "side force": ("term", ("offset_y",)),
     "slip angle": ("term", ("shift_y",)),
     "longitudinal slip": ("term", ("shift_x",)),
     "aligning moment": ("term", ("residual_moment",)),
 }
+#: Roles of the aligning moment itself.
+OF_MOMENT = frozenset({"trail", "residual_moment"})
 #: Formulas of features in inputs and nominal values, dimensionless and of order 1. The heat of sliding is there with
 #: speed and without it, as speed would stand for the load otherwise. MIDDLE is the mean temperature.
 FORMULAS = (
@@ -162,6 +173,7 @@ def locations_of(model: Model) -> list[Location]:
     ('PDX1', 'PDY1')
     """
     declarations, locations = model.coefficients, []
+    repeats = any(line.variant for line in model.equations)
     for name, (how, roles) in LOCATIONS.items():
         acting = [role for role in roles if model.leading(role) in declarations]
         available = [model.roles[role] for role in acting]
@@ -171,7 +183,8 @@ def locations_of(model: Model) -> list[Location]:
             flips = how == "term" and declarations[leading[0]].flips
             slips = frozenset(SLIP_OF_ROLE[role] for role in acting if role in SLIP_OF_ROLE)
             per = available[0].per if how == "term" else ""
-            locations.append(Location(name, how, quantities, leading, per, flips, slips))
+            upright = frozenset(model.leading(role) for role in acting if repeats and role not in OF_MOMENT)
+            locations.append(Location(name, how, quantities, leading, per, flips, slips, upright))
     return locations
 
 
@@ -190,21 +203,26 @@ def placed(
                 yield location, feature
 
 
-def directions(simulator: Simulator, parameters: FloatArray) -> dict[str, FloatArray]:
-    """Return the response of the forces to each location, N and N m, shape (n_channels, n), by name of location.
+def directions(simulator: Simulator, parameters: FloatArray) -> dict[tuple[str, bool], FloatArray]:
+    """Return the response of the forces to each location, N and N m, shape (n_channels, n).
+
+    By name of location and whether a feature that acts there is inclined: such a one does not change the upright wheel.
 
     `parameters`, shape (n_parameters,).
     """
     locations = locations_of(simulator.symbolic_model)
     names = [name for location in locations for name in location.coefficients]
     jacobian = simulator.jacobian(parameters, names)
+    follows = np.array([channel == "Mz" for channel in simulator.signals.channels])[:, None]
     responses = {}
     for location in locations:
-        parts = [
-            jacobian[:, :, names.index(name)] * (parameters[simulator.index[name]] if location.how == "factor" else 1.0)
-            for name in location.coefficients
-        ]  # fmt: skip
-        responses[location.name] = np.sum(parts, axis=0)
+        for inclined in (False, True):
+            parts = [
+                np.where(follows & (inclined and name in location.upright), 0.0, jacobian[:, :, names.index(name)])
+                * (parameters[simulator.index[name]] if location.how == "factor" else 1.0)
+                for name in location.coefficients
+            ]
+            responses[location.name, inclined] = np.sum(parts, axis=0)
     return responses
 
 

@@ -140,7 +140,7 @@ class Dictionary:
     """Features and products of two features at the locations of the model.
 
     - `terms`: each location with a feature.
-    - `acting`: change of the forces per unit of a feature, by location, shape (n_channels, n).
+    - `acting`: change of the forces per unit of a feature, shape (n_channels, n); see `directions`.
     """
 
     def __init__(self, screen: Screen) -> None:
@@ -154,19 +154,20 @@ class Dictionary:
         self.terms = [
             (location, feature)
             for location, feature in placed(problem.simulator, [*even, *pairs], [*odd, *odd_pairs, *even])
-            if np.any(self._weights * self.acting[location.name])
+            if np.any(self._weights * self.acting[location.name, feature.inclined])
         ]
 
     def column(self, i: int) -> FloatArray:
         """Return the change of the forces per unit of a term, N and N m, shape (n_channels, n)."""
         location, feature = self.terms[i]
-        return np.asarray(self.acting[location.name] * feature.values)
+        return np.asarray(self.acting[location.name, feature.inclined] * feature.values)
 
     def shortlisted(self, screen: Screen, chosen: Sequence[int]) -> list[int]:
         """Return those of the chosen terms that explain most of a residual, each alone and from some rows."""
         rows = slice(None, None, max(1, screen.residual.shape[1] // SHORTLIST_ROWS))
-        acting = {name: (self._weights * response)[:, rows] for name, response in self.acting.items()}
-        columns = [acting[self.terms[i][0].name] * self.terms[i][1].values[rows] for i in chosen]
+        acting = {place: (self._weights * response)[:, rows] for place, response in self.acting.items()}
+        places = [(self.terms[i][0].name, self.terms[i][1]) for i in chosen]
+        columns = [acting[name, feature.inclined] * feature.values[rows] for name, feature in places]
         rest = screen.residual[:, rows].ravel()
         flat = np.stack(columns, axis=-1).reshape(len(rest), -1)
         tangent = screen.tangent[:, rows].reshape(len(rest), -1)

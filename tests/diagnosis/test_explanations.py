@@ -378,8 +378,12 @@ def test_two_similar_effects_begin_with_half_of_each_and_their_memories(monkeypa
     history = refit("history", [1.0, 0.4, 0.05, 0.0, 2.0], 5.0)
     heat = refit("heat", [1.2, 0.0, 0.02, 0.3, 8.0], 4.0)
     refits = {("history",): history, ("heat",): heat}
+    requires = dict.fromkeys(forms, SimpleNamespace(requires=frozenset({"alpha"})))
+    model = SimpleNamespace(added=(), relaxing_effects=())
+    problem = SimpleNamespace(simulator=SimpleNamespace(symbolic_model=model))
+    shared = SimpleNamespace(candidates=requires, problem=problem)
     table = SimpleNamespace(
-        refits=refits, shared=None, is_far=lambda parts: False, compared=lambda more: False,
+        refits=refits, shared=shared, is_far=lambda parts: False, compared=lambda more: False,
         report=lambda sentence: None, with_refit=lambda refit: refit,
     )  # fmt: skip
     monkeypatch.setattr(compare, "refitted", lambda shared, more, begins, at: (more.effects, begins[0].tolist()))

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tirefmu.diagnosis import LeastSquares
 from tirefmu.diagnosis.probing.effect_probing import Screen
-from tirefmu.diagnosis.signals import Simulator
+from tirefmu.diagnosis.signals import Simulator, disturbances_of, signals_of
 from tirefmu.diagnosis.unexplained.features import (
     STATES,
     Feature,
@@ -18,13 +19,33 @@ from tirefmu.diagnosis.unexplained.features import (
 )
 from tirefmu.diagnosis.unexplained.formula_proposal import Dictionary, UnexplainedStructure, effect_of
 from tirefmu.symbolic.added import library
+from tirefmu.tires import Tire
+
+from .conftest import FREE, NOISE, VALUES, measured, sweeps
+
+
+@pytest.fixture(scope="module")
+def upright():
+    """Return the dictionary of formulas, problem and solution of a tire whose moment follows the upright wheel.
+
+    It has no effects in the quantities with factors: their leading coefficients are all of them.
+    """
+    tire = Tire("mf61", VALUES, effects=("plysteer", "camber_thrust"), signs="adapted-sae")
+    signals = signals_of(measured(tire, sweeps(600)), tire, "adapted-sae", smooth=False)
+    noise = np.array([NOISE[name] for name in signals.channels])
+    problem = LeastSquares(
+        Simulator(tire, signals), np.ones(signals.measured.shape) / noise[:, None],
+        disturbances_of(signals, noise, VALUES["UNLOADED_RADIUS"]), tire.symbolic_model.prior_center | VALUES,
+    )  # fmt: skip
+    solution = problem.at(tire.parameters(), FREE)
+    return Dictionary(Screen(problem, solution)), problem, solution
 
 
 def test_the_shortlist_contains_the_term_that_a_recording_has(at_true_values):
     problem, solution = at_true_values.problem, at_true_values.solution
     signals = problem.simulator.signals
     fall = -0.1 * 5.0 * np.abs(np.tan(signals.named()["alpha"]))
-    measured = signals.measured + directions(problem.simulator, solution.parameters)["friction"] * fall
+    measured = signals.measured + directions(problem.simulator, solution.parameters)["friction", False] * fall
     other = replace(problem, simulator=problem.simulator.with_signals(replace(signals, measured=measured)))
     screen = Screen(other, other.at(solution.parameters, solution.free))
     dictionary = Dictionary(screen)
@@ -92,7 +113,31 @@ def test_the_response_at_a_location_equals_finite_differences(at_true_values):
                 moved[simulator.index[coefficient]] *= 1.0 + share
             changes.append(simulator.forces(moved))
         expected = (changes[0] - changes[1]) / 2e-5
-        np.testing.assert_allclose(acts[name], expected, atol=1e-4 * np.abs(expected).max())
+        np.testing.assert_allclose(acts[name, False], expected, atol=1e-4 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(
+    ("where", "text"),
+    [
+        ("force", "10*absolute(gamma)"), ("force", "(Fz/FNOMIN - 1)*10*absolute(gamma)"), ("force", "Fz/FNOMIN - 1"),
+        ("force and trail", "10*absolute(gamma)"), ("trail", "10*absolute(gamma)"), ("side force", "10*gamma"),
+        ("slip angle", "10*gamma"), ("slip angle", "10*gamma*(Fz/FNOMIN - 1)"),
+    ],
+)  # fmt: skip
+def test_the_column_of_a_formula_is_what_the_delivered_effect_changes(upright, where, text):
+    """Also in the aligning moment, which follows the upright wheel in the book: inclination does not change that."""
+    dictionary, problem, solution = upright
+    places = {(location.name, feature.text): i for i, (location, feature) in enumerate(dictionary.terms)}
+    i, size = places[where, text], 1e-4
+    location, feature = dictionary.terms[i]
+    effect = effect_of(UnexplainedStructure(location, (feature,), (size,)))
+    forces = []
+    for step in (size, -size):
+        extended, parameters = problem.with_effect(effect, solution, {"FOUND1": step})
+        forces.append(extended.simulator.forces(parameters))
+    change, column = (forces[0] - forces[1]) / (2.0 * size), dictionary.column(i)
+    for of_effect, of_column in zip(change, column, strict=True):
+        np.testing.assert_allclose(of_effect, of_column, atol=1e-3 * np.abs(of_column).max() + 1e-6)
 
 
 def test_no_feature_names_an_input_that_was_not_recorded(problem):
@@ -143,7 +188,7 @@ def test_the_states_of_a_proposal_resemble_the_features(at_true_values):
     parameters[own] = simulator.tire.parameters()
     without, direction = (
         extended.forces(parameters),
-        directions(at_true_values.problem.simulator, at_true_values.solution.parameters)["friction"],
+        directions(at_true_values.problem.simulator, at_true_values.solution.parameters)["friction", False],
     )
     for i, feature in enumerate(past):
         parameters[extended.index[f"FOUND{i + 1}"]] = size
