@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...numerics.correlation import correlation_length
+from ...numerics.ties import graded
 from .dynamics.discrepancy import USUAL, discrepancy_columns, size_of
 from .dynamics.lagging import with_lags
 from .evaluation import curved, evaluated, interval_data, values_of
@@ -51,6 +52,9 @@ SETTLED, FLAT = 0.1, 0.05
 
 #: Intervals in parts of a drive that are estimated first, and the number of these parts. Convention: computing time.
 SAMPLE, PIECES = 400, 4
+#: Difference of the logarithms of the evidence below which two estimates are one optimum, each known within `FLAT`.
+#: Convention: computing time.
+SAME_OPTIMUM = 1.0
 #: Added forces from the grid, states and unknowns.
 Forces = Callable[[Grid, FloatArray, FloatArray], AddedForces]
 
@@ -127,20 +131,31 @@ def estimated(
 ) -> tuple[Grid, Estimate]:  # fmt: skip
     """Return the grid with the estimated steering, and the estimate from initial states, shape (n_nodes, n_states).
 
-    The factors start alone: entries of the car would take what the tires differ by, and end in another optimum. Where
-    that does not converge, all unknowns start together. See `_estimated`.
+    From two starts: where all unknowns move at once, entries of the car take what the tires differ by, and may end in
+    another optimum; where the factors move alone at first, they take what the car differs by. The more probable of the
+    optima is the answer; of a long log, both starts are of a part, and one of them is left if they end in one optimum.
     """
-    given = interval, unknowns, start, log, car, forces, near
-    first = _estimated(grid, *given)
-    second = first if first[1].converged or near else _estimated(grid, *given, together=True)
-    return second if second[1].converged else first
+    given = interval, unknowns, start, log, car, forces
+    if near:
+        return _estimated(grid, *given, near)
+    rows, starts = _sample(grid), (False, True)
+    if rows is None:
+        answers = [_estimated(grid, *given, together=together) for together in starts]
+    else:
+        some, nodes = grid.part(rows)
+        of_part = interval, unknowns, start[nodes], log, car, forces
+        parts = [_estimated(some, *of_part, together=together)[1] for together in starts]
+        if abs(parts[0].evidence - parts[1].evidence) < SAME_OPTIMUM:
+            parts = parts[:1]
+        answers = [_estimated(grid, *given, part=(nodes, part)) for part in parts]
+    return max(answers, key=lambda answer: (answer[1].converged, graded(answer[1].evidence)))
 
 
 def _estimated(
     grid: Grid, interval: Interval, unknowns: Unknowns, start: FloatArray, log: Log, car: Car, forces: Forces,
-    near: Estimate | None, together: bool = False,
+    near: Estimate | None = None, part: tuple[IntArray, Estimate] | None = None, together: bool = False,
 ) -> tuple[Grid, Estimate]:  # fmt: skip
-    """Return what `estimated` does from one start.
+    """Return what `estimated` does from one start: `near`, a `part` (its nodes, estimate), or the given car and tires.
 
     Steps of the unknowns and of the deviations of all residuals decrease one criterion: minus the logarithm of the
     posterior, integrated over the states. The deviations wait until a step of the unknowns is not shortened: far from
@@ -155,12 +170,10 @@ def _estimated(
     floor[-n_balance:], ceiling[-n_balance:] = MIN_DEVIATION, np.inf
     deviations = np.concatenate([floor[:-n_balance], np.full(n_balance, START_DEVIATION)])
     size, rest = USUAL, np.zeros(0)
-    rows = None if near else _sample(grid)
     if near:
         start, deviations, size, (z, rest) = near.states, near.deviations, near.size, np.split(near.z, [n])
-    elif rows is not None:
-        some, nodes = grid.part(rows)
-        _, first = _estimated(some, interval, unknowns, start[nodes], log, car, forces, None, together)
+    elif part:
+        nodes, first = part
         start, deviations, size, z = start.copy(), first.deviations, first.size, first.z[:n]
         start[nodes] = first.states
         grid = _moved(grid, interval, start, log, car, unknowns.car_values(car, z))
@@ -176,7 +189,7 @@ def _estimated(
     rest = rest if near else np.zeros(n_rest)
     z = np.concatenate([z, np.zeros(added.further - len(rest)), rest])
     at = _solved(grid, interval, added, start, z, deviations, np.ones((len(grid.t), len(floor))))
-    converged, arrived, part, last, resized = False, near is not None or rows is not None, 1.0, np.zeros(len(z)), 0.0
+    converged, arrived, length, last, resized = False, bool(near or part), 1.0, np.zeros(len(z)), 0.0
     longest, slope, stalled = np.inf, np.zeros(len(z)), False
     of_tires = (np.arange(len(z)) >= len(unknowns.car)) & (np.arange(len(z)) < n)
     for round_ in range(NEAR_ROUNDS if near else ROUNDS):
@@ -194,8 +207,8 @@ def _estimated(
         if longest < SETTLED:
             converged = True
             break
-        part, last = _part(part, last, step), step
-        share, gain = 3.0 * part, -np.inf
+        length, last = _part(length, last, step), step
+        share, gain = 3.0 * length, -np.inf
         while not gain > 0.0 and share > SHORTEST:
             share /= 3.0
             to = at.deviations * np.exp(share * widening)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import hidden
 import numpy as np
@@ -15,7 +16,7 @@ from scipy.stats import chi2
 
 import tirefmu
 from tests.json_schemas import check_file, objections
-from tirefmu.applications.driving import simulation
+from tirefmu.applications.driving import estimate, simulation
 from tirefmu.applications.driving.dynamics.lagging import behind_lags
 from tirefmu.applications.driving.effects import Missing, effect_columns, factor_values, motion_of
 from tirefmu.applications.driving.estimate import estimated
@@ -127,6 +128,39 @@ def test_errors_without_a_common_sign_are_no_gain():
     for n in (3, 5):
         assert is_better(before[:n], before[:n] * [0.8, 0.81, 0.79, 0.8, 0.81][:n])
         assert not is_better(before[:n], before[:n] * [0.9, 1.2, 0.8, 0.9, 1.1][:n])
+
+
+@pytest.mark.parametrize("evidence", [(-120.0, -57.0), (-57.0, -120.0)])
+def test_the_more_probable_of_two_optima_is_the_answer(monkeypatch, evidence):
+    """An estimate that did not converge is none; a part of a long log shows whether both starts end in one optimum."""
+    first, second = (SimpleNamespace(evidence=value, converged=True) for value in evidence)
+    wholes = []
+
+    def from_one_start(grid, *_, part=None, together=False):
+        if grid == "whole":
+            wholes.append(part)
+        return grid, (part[1] if part else second if together else first)
+
+    monkeypatch.setattr(estimate, "_estimated", from_one_start)
+    monkeypatch.setattr(estimate, "_sample", lambda grid: None)
+    given = (None, None, np.zeros(3), None, None)
+    assert estimate.estimated("whole", *given)[1].evidence == -57.0
+    first.converged, second.converged = evidence[0] == -120.0, evidence[1] == -120.0
+    assert estimate.estimated("whole", *given)[1].evidence == -120.0
+
+    class Long(str):
+        def part(self, rows):
+            return "part", rows
+
+    first.converged = second.converged = True
+    monkeypatch.setattr(estimate, "_sample", lambda grid: np.arange(2))
+    wholes.clear()
+    assert estimate.estimated(Long("whole"), *given)[1].evidence == -57.0
+    assert len(wholes) == 2
+    second.evidence = first.evidence + 0.1
+    wholes.clear()
+    estimate.estimated(Long("whole"), *given)
+    assert len(wholes) == 1
 
 
 def test_a_joint_deviation_is_one_although_no_entry_alone_is(answer):
