@@ -11,6 +11,7 @@ from scipy.special import chdtrc, ndtri
 
 from ...numerics.arrays import FloatArray, IntArray
 from ...numerics.block_regression import error_of_sum
+from ..least_squares import density_gains
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS
 
@@ -68,9 +69,8 @@ def effect_evidence(after: Screen, coefficients: Collection[str]) -> Evidence:
     """
     problem, solution = after.problem, after.solution
     removed = problem.simulator.without(solution.parameters, coefficients)
-    others = tuple(name for name in solution.free if name not in coefficients)
-    without = problem.solve(removed, others, iterations=FINAL_ITERATIONS)
-    screen = Screen(problem, without)
+    screen = without_effect(after, coefficients)
+    without = screen.solution
     # In the linear case the change by the effect alone, but right, too, if the other coefficients follow nonlinearly.
     columns = problem.weighted(without.residual - solution.residual)[:, :, None]
     screen.learn_noise([columns])
@@ -89,6 +89,25 @@ def effect_evidence(after: Screen, coefficients: Collection[str]) -> Evidence:
         (screen.baseline.loss - after.baseline.loss) / total,
         np.nan_to_num(problem.simulator.forces(solution.parameters) - problem.simulator.forces(removed)),
     )
+
+
+def without_effect(after: Screen, coefficients: Collection[str]) -> Screen:
+    """Return the fit of the same model without an effect."""
+    problem, solution = after.problem, after.solution
+    removed = problem.simulator.without(solution.parameters, coefficients)
+    others = tuple(name for name in solution.free if name not in coefficients)
+    return Screen(problem, problem.solve(removed, others, iterations=FINAL_ITERATIONS))
+
+
+def density_gain_of(without: Screen, after: Screen) -> float:
+    """Return the increase of the logarithm of the predictive density by an effect, of all channels.
+
+    That of the fitted rows or, if it is less, of blocks that are left out in turn.
+    """
+    used, fits = after.problem.inverse_noise > 0.0, (without, after)
+    fitted = [fit.solution.residual for fit in fits]
+    left_out = [residual + fit.change_without_block for residual, fit in zip(fitted, fits, strict=True)]
+    return min(float(density_gains(*residuals, used, used).sum()) for residuals in (fitted, left_out))
 
 
 def _stretches(screen: Screen, change: FloatArray, z: float) -> IntArray:

@@ -15,15 +15,17 @@ import numpy as np
 
 from ...numerics.arrays import FloatArray
 from ...numerics.noise_model import Whitening, noise_parts
+from ...numerics.ties import graded
 from ...symbolic.detection import Form
 from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS
 from ..unexplained.formula_proposal import UnexplainedStructure, Unknown, proposed
+from .answer import Answer
 from .budget import Budget
 from .compare import ComparedExplanations
-from .effect_evidence import Evidence, effect_evidence
+from .effect_evidence import Evidence, density_gain_of, effect_evidence, without_effect
 from .explanation import Explanation
 from .form import form_of
 
@@ -100,17 +102,46 @@ def final_fits(
         extended, solution, change = corrected
     for _ in range(BALANCING):
         extended, solution = balanced(extended, solution).fitted(solution.parameters, solution.free)
+    explanation = linear.explanation
+    extended, solution, names = _with_useful_effects(extended, solution, explanation, comparison.answer)
     before = Screen(extended, solution)
     if solution.free != base.free:  # with the same weights: a channel could give way to another one in one fit only
         problem = replace(problem, inverse_noise=extended.inverse_noise)
         before = Screen(*problem.fitted(base.parameters, base.free))
     before, solution, whitened = _whitened(extended, solution, before)
-    after, explanation = Screen(extended, solution), linear.explanation
-    effects = {name: _coefficients(name, explanation, after) for name in explanation.effects}
+    after = Screen(extended, solution)
+    effects = {name: _coefficients(name, explanation, after) for name in names}
     evidence = {name: effect_evidence(after, coefficients) for name, coefficients in effects.items()}
     added = [declared.name for part in unknown if part.added and part.effect for declared in part.effect.declarations]
     formula = effect_evidence(after, added) if added else None
+    refinements = tuple((name, form) for name, form in refinements if name in names)
     return Final(before, after, whitened.standard_errors(), effects, evidence, refinements, unknown, formula, change)
+
+
+def _with_useful_effects(
+    problem: LeastSquares, solution: Solution, explanation: Explanation, answer: Answer
+) -> tuple[LeastSquares, Solution, list[str]]:
+    """Return a fit without the effects with which it predicts worse, and the names of the others.
+
+    Effects with a probability of one half, and those of which one is missing, remain. The comparison counts an effect
+    beside errors of the form of all others, which the tire does not have: in it, one may improve a force and make
+    another one worse, or hold the others in a worse optimum.
+    """
+    remaining, probabilities = list(explanation.effects), answer.probabilities
+    one_of = {name for alternatives in answer.one_of(remaining) for name in alternatives.effects}
+    doubtful = [name for name in remaining if probabilities[name] < 0.5 and name not in one_of]
+    while doubtful and not problem.stop():
+        after = Screen(problem, solution)
+        without = {name: without_effect(after, _coefficients(name, explanation, after)) for name in doubtful}
+        gain = {name: density_gain_of(fit, after) for name, fit in without.items()}
+        doubtful = [name for name in doubtful if not gain[name] > 0.0]
+        if doubtful:
+            least = min(doubtful, key=lambda name: graded(gain[name]))
+            remaining.remove(least)
+            doubtful.remove(least)
+            fewer = without[least].solution
+            problem, solution = balanced(problem, fewer).fitted(fewer.parameters, fewer.free)
+    return problem, solution, remaining
 
 
 def _coefficients(effect: str, explanation: Explanation, after: Screen) -> tuple[str, ...]:
