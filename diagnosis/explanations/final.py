@@ -103,7 +103,7 @@ def final_fits(
     for _ in range(BALANCING):
         extended, solution = balanced(extended, solution).fitted(solution.parameters, solution.free)
     explanation = linear.explanation
-    extended, solution, names = _with_useful_effects(extended, solution, explanation, comparison.answer)
+    extended, solution, names = useful_effects(extended, solution, explanation, comparison.answer)
     before = Screen(extended, solution)
     if solution.free != base.free:  # with the same weights: a channel could give way to another one in one fit only
         problem = replace(problem, inverse_noise=extended.inverse_noise)
@@ -118,7 +118,7 @@ def final_fits(
     return Final(before, after, whitened.standard_errors(), effects, evidence, refinements, unknown, formula, change)
 
 
-def _with_useful_effects(
+def useful_effects(
     problem: LeastSquares, solution: Solution, explanation: Explanation, answer: Answer
 ) -> tuple[LeastSquares, Solution, list[str]]:
     """Return a fit without the effects with which it predicts worse, and the names of the others.
