@@ -71,11 +71,11 @@ def noise_parts(residual: FloatArray, present: BoolArray, step: float) -> NoiseP
         spectrum, slopes = np.full_like(wave, noise.white), [np.full_like(wave, noise.white)]
         decay = float(np.exp(-step / noise.memory))
         rates = [noise.fading * (1.0 - noise.fading), decay * step / noise.memory]  # of the decays, by their logarithms
-        for variance, one in ((noise.short, noise.fading), (noise.drift, decay)):
-            below = 1.0 - 2.0 * one * wave + one**2
-            part = variance * (1.0 - one**2) / below
+        for variance, fade in ((noise.short, noise.fading), (noise.drift, decay)):
+            below = 1.0 - 2.0 * fade * wave + fade**2
+            part = variance * (1.0 - fade**2) / below
             spectrum += part
-            slopes += [part, (2.0 * (wave - one) * part - 2.0 * one * variance) / below]
+            slopes += [part, (2.0 * (wave - fade) * part - 2.0 * fade * variance) / below]
         along = (1.0 - power / (whole * spectrum)) / spectrum / len(wave)
         white, short, of_short, drift, of_drift = (float(along @ slope) for slope in slopes)
         prior = float(x[0] - np.log(WHITE_SHARE))

@@ -58,6 +58,7 @@ def test_a_fit_and_a_diagnosis_state_the_same_noise_floor(tire, table):
     assert all(abs(difference[name]) < 4.0 * error[name] for name in NOISE), difference
 
 
+@pytest.mark.slow
 def test_they_are_the_same_for_a_measured_recording(data_folder):
     measured = read_recording(data_folder / "cornering.mat")
     recording = replace(measured, table=measured.table.iloc[::8].reset_index(drop=True))

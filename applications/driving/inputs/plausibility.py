@@ -17,8 +17,9 @@ from .log import Log
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Limits of the measured yaw rate over that of a car without slip, v delta / l, and of ay over v times yaw rate. An
-#: understeering car has 0.3 at high speed; another unit of an angle has 57 or 1/57, one of acceleration 9.8 or 0.1.
+#: Limits of the measured yaw rate over that of a car without slip, v delta / l, and of ay over v times yaw rate, or of
+#: a track over that of the car. An understeering car has 0.3 at high speed; another unit of an angle has 57 or 1/57,
+#: one of acceleration 9.8 or 0.1.
 YAW_GAIN, LATERAL_GAIN, TYPICAL_GAIN = (0.15, 3.0), (0.5, 2.0), 0.7
 #: Smallest correlation of yaw rate with v delta / l, and smallest angle of the front wheels with a turn, rad.
 MIN_CORRELATION, MIN_STEER = 0.5, 0.002
@@ -118,6 +119,24 @@ def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
             f"{source}: ay is {offset:+.3g} m/s^2 from speed times yaw rate on average: a banked road, or a tilted "
             f"sensor: state it: ay_offset = {offset:.3g} in [sensors] of {car.source} (a bank of 1 rad adds 9.81)"
         )
+
+
+def exchanged_axles(grid: Grid, speed: FloatArray, car: Car) -> tuple[str, ...]:
+    """Return the axles whose logged left wheel is the faster one in left turns: the sides of the log are exchanged.
+
+    Differences in proportion to the speed are those of rolling radii, and a car that slides shows other ones.
+
+    `speed`, shape (n,): rough forward speed at the intervals.
+    """
+    yaw_rate, axles = _yaw_rate(grid), list[str]()
+    calm = _calm(speed * yaw_rate)
+    v, turn = speed[calm], _beyond(speed[calm], yaw_rate[calm])
+    for axle, (left, right) in (("front", grid.rims[:2]), ("rear", grid.rims[2:])):
+        gain, correlation = _slope(turn, _beyond(v, (right - left)[calm]))
+        known = left.any() and right.any()
+        if known and correlation < -MIN_CORRELATION and _within(-gain / car.values[f"track_{axle}"], LATERAL_GAIN):
+            axles.append(axle)
+    return tuple(axles)
 
 
 def _turning(
