@@ -8,7 +8,8 @@ inference via coarsening, JASA 114, 2019). For Gaussian noise this is a larger v
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
@@ -94,14 +95,59 @@ class NormalEquations:
         >>> estimate.round(6).tolist(), bool(np.isclose(evidence, -0.5 * (9.0 / 2.0 + np.log(2.0))))
         ([1.5], True)
         """
-        scale = 1.0 / np.sqrt(np.diag(self.matrix) + self.precision)
-        whole = scale[:, None] * self.matrix * scale + np.diag(self.precision * scale**2 + RIDGE)
-        factor = cho_factor(whole, lower=True)
+        (factor, _), scale = self.factor
         target = scale * (self.target + self.gradient)
-        estimate = cho_solve(factor, target)
-        curvature = 2.0 * float(np.sum(np.log(np.diag(factor[0])) - np.log(scale)))
+        estimate = cho_solve((factor, True), target)
+        curvature = 2.0 * float(np.sum(np.log(np.diag(factor)) - np.log(scale)))
         fit = float(target @ estimate) - self.power
         return scale * estimate, 0.5 * (fit - curvature + float(np.sum(np.log(self.precision))))
+
+    @cached_property
+    def factor(self) -> tuple[tuple[FloatArray, bool], FloatArray]:
+        """Cholesky factor of the matrix with the priors, and the factors that scale its diagonal to 1, shape (m,)."""
+        return self.factored(RIDGE)
+
+    def factored(self, ridge: float) -> tuple[tuple[FloatArray, bool], FloatArray]:
+        """Return the same with an addition to the diagonal."""
+        scale = 1.0 / np.sqrt(np.diag(self.matrix) + self.precision)
+        whole = scale[:, None] * self.matrix
+        whole *= scale
+        whole.flat[:: len(scale) + 1] += self.precision * scale**2 + ridge
+        return cho_factor(whole.T, lower=True, overwrite_a=True), scale  # the transpose is in the order of LAPACK
+
+    def gain_of(self, columns: Collection[int]) -> float:
+        """Return the increase of the logarithm of the evidence by some of the columns (Savage and Dickey).
+
+        >>> matrix = np.array([[4.0, 1.0], [1.0, 3.0]])
+        >>> both = NormalEquations(matrix, np.array([3.0, 2.0]), 9.0, np.ones(2), np.zeros(2))
+        >>> bool(np.isclose(both.gain_of([1]), both.solved()[1] - both.without([1]).solved()[1]))
+        True
+        """
+        (factor, _), scale = self.factor
+        chosen = list(columns)
+        unit = np.zeros((len(scale), len(chosen)))
+        unit[chosen, range(len(chosen))] = scale[chosen]
+        half = solve_triangular(factor, unit, lower=True, check_finite=False)
+        covariance, mean = half.T @ half, self.solved()[0][chosen]
+        fit = float(mean @ np.linalg.solve(covariance, mean))
+        return 0.5 * (fit + float(np.linalg.slogdet(covariance)[1] + np.sum(np.log(self.precision[chosen]))))
+
+    def with_target(self, target: FloatArray, power: float) -> NormalEquations:
+        """Return the equations of another residual."""
+        other = replace(self, target=target, power=power)
+        other.__dict__["factor"] = self.factor
+        return other
+
+    def extended(self, added: NormalEquations, cross: FloatArray) -> NormalEquations:
+        """Return the equations with those of further columns; `cross`, shape (m, k): their products with these."""
+        parts = zip(_vectors(self), _vectors(added), strict=True)
+        target, precision, gradient = (np.concatenate(part) for part in parts)
+        matrix = np.block([[self.matrix, cross], [cross.T, added.matrix]])
+        return NormalEquations(matrix, target, self.power, precision, gradient)
+
+
+def _vectors(equations: NormalEquations) -> tuple[FloatArray, FloatArray, FloatArray]:
+    return equations.target, equations.precision, equations.gradient
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,15 +166,26 @@ class Projected:
     def of(cls, normal: NormalEquations, sizes: Sequence[int]) -> Projected:
         """Return the last columns of equations, in groups of given sizes, with all others projected out."""
         always = len(normal.target) - sum(sizes)
-        first = normal.matrix[:always, :always] + np.diag(normal.precision[:always])
-        scale = 1.0 / np.sqrt(np.diag(first))
-        factor = np.linalg.cholesky(scale[:, None] * first * scale + RIDGE * np.eye(always))
-        cross = solve_triangular(factor, scale[:, None] * normal.matrix[:always, always:], lower=True)
-        along = solve_triangular(factor, scale * (normal.target[:always] + normal.gradient[:always]), lower=True)
-        deviation = normal.precision[always:] ** -0.5
-        matrix = deviation[:, None] * (normal.matrix[always:, always:] - cross.T @ cross) * deviation
+        cross = normal.matrix[:always, always:]
+        return cls.beside(
+            normal.without(range(always, len(normal.target))), normal.without(range(always)), cross, sizes
+        )
+
+    @classmethod
+    def beside(
+        cls, normal: NormalEquations, added: NormalEquations, cross: FloatArray, sizes: Sequence[int]
+    ) -> Projected:
+        """Return further columns, in groups of given sizes, with those of equations projected out.
+
+        `cross`, shape (m, k): products of the columns of both.
+        """
+        (factor, _), scale = normal.factor
+        beside = solve_triangular(factor, scale[:, None] * cross, lower=True)
+        along = solve_triangular(factor, scale * (normal.target + normal.gradient), lower=True)
+        deviation = added.precision**-0.5
+        matrix = deviation[:, None] * (added.matrix - beside.T @ beside) * deviation
         ends = np.cumsum([0, *sizes]).tolist()
-        return cls(matrix, deviation * (normal.target[always:] - cross.T @ along), tuple(map(slice, ends, ends[1:])))
+        return cls(matrix, deviation * (added.target - beside.T @ along), tuple(map(slice, ends, ends[1:])))
 
     def gain(self, group: slice) -> tuple[float, FloatArray]:
         """Return the increase of the logarithm of the evidence by an addition, and its estimate in prior deviations."""

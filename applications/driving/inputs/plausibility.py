@@ -122,7 +122,7 @@ def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
 
 
 def _check_sides(grid: Grid, speed: FloatArray, yaw_rate: FloatArray, source: str) -> None:
-    """Raise `DataError` if the left wheel of an axle is the faster one in calm left turns."""
+    """Raise `DataError` if the left wheel of an axle is the faster one in a left turn without sliding."""
     calm = _calm(speed * yaw_rate)
     for axle, (left, right) in (("front", grid.rims[:2]), ("rear", grid.rims[2:])):
         if left.any() and right.any() and _slope(yaw_rate[calm], (right - left)[calm])[1] < -MIN_CORRELATION:
