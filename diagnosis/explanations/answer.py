@@ -13,6 +13,8 @@ from .explanation import UNKNOWN
 
 #: Probability below which an effect is excluded, and above one minus which it is certain. Convention.
 UNSURE = 0.1
+#: Probability from which an effect is called missing. Convention.
+NAMED = 0.5
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from ..probing.candidates import Candidate
 from ..probing.effect_probing import starts
 from ..thresholds import CONFOUNDED, EFFECT_ODDS, REFIT_MARGIN, RIVALS
 from .additions import Gain, best_formula, gains, in_place_of, projected, rivals_of
-from .answer import UNSURE, Answer, answer_of
+from .answer import NAMED, UNSURE, Answer, answer_of
 from .budget import Budget, Ended
 from .evidence import Projected, inflation
 from .explanation import UNKNOWN, Explanation
@@ -108,11 +108,12 @@ def _with_those_of(table: Table, others: Collection[Table]) -> Table:
 
 
 def _simplest(table: Table, answer: Answer) -> Refitted:
-    """Return the leader, with the simplest of effects of which one is missing and none is much more probable.
+    """Return the leader without what only weak evidence adds, with the simplest of effects of which one is missing.
 
-    The simplest one has the fewest states, then the fewest coefficients.
+    Evidence of less than ten to one is weak, and so is that of which of several effects it is. The simplest one has the
+    fewest states, then the fewest coefficients. Effects that are called missing remain.
     """
-    leader, model = table.leader, table.shared.problem.simulator.symbolic_model
+    leader, model = _with_fewest_parts(table, answer), table.shared.problem.simulator.symbolic_model
     probability = dict.fromkeys(table.refits, 0.0)
     probability |= {explanation.parts: explanation.probability for explanation in answer.explanations}
     states = {effect.name: len(effect.states) for effect in model.added}
@@ -133,6 +134,17 @@ def _simplest(table: Table, answer: Answer) -> Refitted:
         ]
         leader = min(equal, key=size, default=leader)
     return leader
+
+
+def _with_fewest_parts(table: Table, answer: Answer) -> Refitted:
+    probabilities, most = answer.probabilities, set(table.leader.explanation.parts)
+    least = {part for part in most if probabilities[part] >= NAMED}
+    equal = [
+        refit
+        for parts, refit in table.refits.items()
+        if least <= set(parts) <= most and refit.score > table.leader.score + np.log(UNSURE)
+    ]
+    return min(equal, key=lambda refit: (len(refit.explanation.parts), -graded(refit.score)), default=table.leader)
 
 
 def _tables(
@@ -264,13 +276,14 @@ def extended(table: Table, refit: Refitted) -> Move:
     table, possible = table.possible(refit.linear)
     scored = gains(projected(refit.linear, possible), possible) if possible else {}
     totals = {name: float(np.logaddexp.reduce([form.gain for form in forms])) for name, forms in scored.items()}
-    prior = refit.explanation.log_prior + float(np.log(EFFECT_ODDS))
+    before = refit.evidence - float(np.log(EFFECT_ODDS))
     for name in sorted(totals, key=lambda part: -graded(totals[part])):
         more = _with_gain(table, refit.explanation, _best(scored[name]))
         if more.parts in table.refits:
             continue
-        score = refit.score + totals[name]
-        table = table.with_linear(more.parts, score - prior, prior)
+        evidence, prior = before + totals[name], more.log_prior
+        score = evidence + prior
+        table = table.with_linear(more.parts, evidence, prior)
         if score > max(table.scores.values()) + REFIT_MARGIN:
             table = table.with_refit(_with_effect(table, refit, more, _best(scored[name])))
             yield table
@@ -398,8 +411,8 @@ def _with_gain(table: Table, explanation: Explanation, gain: Gain) -> Explanatio
 
 
 def _with_form(table: Table, explanation: Explanation, name: str, form: Form) -> Explanation:
-    """Return an explanation with an effect, without terms that are errors of its form."""
-    more = explanation.with_effect(name, form)
+    """Return an explanation with an effect, without the one that it contains and terms that are errors of its form."""
+    more = explanation.without(table.shared.candidates[name].contains).with_effect(name, form)
     errors = form_errors(more, table.shared.candidates, table.shared.problem.simulator.symbolic_model)
     terms = tuple(term for term in more.terms if not errors.contain(term.location, term.depends_on))
     return replace(more, terms=terms)

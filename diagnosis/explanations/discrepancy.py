@@ -30,6 +30,13 @@ FAST_DRIFT_WAVES, FAST_DRIFT_PRIOR = 12, 2.0
 #: within 1 %. More is attributed to the tire. Convention.
 LOAD_ERROR_PRIOR = 0.005
 
+#: Prior standard deviations of the shares of the rows before and after in a recorded input. Derived: together they are
+#: that of a time which is uniformly distributed over a step.
+OTHER_TIME = 24.0**-0.5
+
+#: The number of errors of the bench that are not of a single input.
+OF_ALL_INPUTS = 2 + len(LAGS)
+
 #: Features of each channel, of the model and of each effect. Convention: computing time.
 FEATURES = 30
 #: Inputs of which the magnitude counts: a discrepancy is symmetric between left and right, driving and braking.
@@ -133,8 +140,8 @@ def smooth_functions(inputs: Mapping[str, FloatArray], number: int, seed: int = 
 def bench_errors(simulator: Simulator, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the responses of the forces to errors of the bench that depend on the tire, and their prior deviations.
 
-    Skew of the recording (first), distortion of fast changes by sampling and smoothing, and errors of the load that
-    follow the direction of slip: shapes (n_channels, n, k) and (k,), with k = 0 without time.
+    Skew of the recording (first), distortion of fast changes by sampling and smoothing, errors of the load that follow
+    the direction of slip, and delays of single inputs: shapes (n_channels, n, k) and (k,), with k = 0 without time.
     """
     signals = simulator.signals
     if not signals.timed:
@@ -143,8 +150,27 @@ def bench_errors(simulator: Simulator, parameters: FloatArray) -> tuple[FloatArr
     columns = time_derivatives(simulator, parameters) * [-1.0, 1.0]
     loads = load_error_responses(simulator, parameters)
     # A line between two rows is wrong by an eighth of the squared step times the second derivative.
+    others = _other_times(simulator, parameters)
     deviations = [0.5 * MAX_SKEW, step**2 / 8.0, *(LOAD_ERROR_PRIOR for _ in LAGS)]
-    return np.concatenate([columns, loads], axis=-1), np.array(deviations)
+    return (
+        np.concatenate([columns, loads, others], axis=-1),
+        np.array([*deviations, *(OTHER_TIME for _ in range(others.shape[-1]))]),
+    )
+
+
+def _other_times(simulator: Simulator, parameters: FloatArray) -> FloatArray:
+    """Return the change of the forces if one input of the core is that of the row before or after, (n_channels, n, k).
+
+    Channels are scanned one after another, at any time within a step. An effect of the past that is over within a step
+    is the same as such a delay.
+    """
+    signals, at = simulator.signals, simulator.forces(parameters)
+    everywhere, changes = signals.everywhere.named(), list[FloatArray]()
+    for name in sorted(CORE_INPUTS):
+        step = np.diff(everywhere[name])
+        for other in (np.append(0.0, -step), np.append(step, 0.0)):
+            changes.append(np.nan_to_num(simulator.forces(parameters, {name: other[signals.rows]}) - at))
+    return np.stack([change for change in changes if change.any()] or changes[:1], axis=-1)
 
 
 def input_noise_responses(simulator: Simulator, parameters: FloatArray) -> FloatArray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -10,12 +10,16 @@ import numpy as np
 from scipy.special import chdtrc, ndtri
 
 from ...numerics.arrays import FloatArray, IntArray
-from ...numerics.block_regression import error_of_sum
+from ...numerics.block_regression import block_sums, error_of_sum, regression
+from ...numerics.ties import graded
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS
 
 #: Number of long stretches in which an effect is judged. Convention.
 STRETCHES = 8
+#: Gain of a left-out block, in standard errors, above which an effect that is not called missing is in the tire.
+#: Convention, as of the correction of the form.
+CERTAIN = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +93,41 @@ def effect_evidence(after: Screen, coefficients: Collection[str]) -> Evidence:
         (screen.baseline.loss - after.baseline.loss) / total,
         np.nan_to_num(problem.simulator.forces(solution.parameters) - problem.simulator.forces(removed)),
     )
+
+
+def unproven(after: Screen, effects: Mapping[str, Collection[str]]) -> list[str]:
+    """Return the effects that do not predict left-out blocks better, by more than twice the standard error over blocks.
+
+    One after another, the least certain one first: of two that are in each other's place, one remains. All other
+    coefficients follow linearly.
+
+    `after`: of the model with all effects. `effects`: the coefficients that are free for each of those that are judged.
+    """
+    problem, parameters, free = after.problem, after.solution.parameters, after.solution.free
+    at, absent = problem.simulator.forces(parameters), list[str]()
+
+    def losses(names: Collection[str]) -> FloatArray:
+        lost = {coefficient for name in names for coefficient in effects[name]}
+        without = problem.simulator.forces(problem.simulator.without(parameters, lost))
+        remain = np.array([i for i in range(after.tangent.shape[-1]) if i >= len(free) or free[i] not in lost])
+        residual = after.residual + problem.weighted(np.nan_to_num(at - without))
+        sums = block_sums(after.tangent[:, :, remain], residual, after.edges)
+        return regression(sums, after.prior_precision[remain], after.prior_gradient[remain]).loss
+
+    before = after.baseline.loss
+    while remaining := [name for name in effects if name not in absent]:
+        tried = {name: losses([*absent, name]) for name in remaining}
+        certainty = {name: _certainty(loss - before) for name, loss in tried.items()}
+        least = min(remaining, key=lambda name: graded(certainty[name]))
+        if certainty[least] > CERTAIN:
+            break
+        absent, before = [*absent, least], tried[least]
+    return absent
+
+
+def _certainty(gains: FloatArray) -> float:
+    """Return the sum of gains in standard errors."""
+    return float(gains.sum()) / max(error_of_sum(gains), 1e-300)
 
 
 def _stretches(screen: Screen, change: FloatArray, z: float) -> IntArray:

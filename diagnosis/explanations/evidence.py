@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.special import log_ndtr
 
 from ...numerics.arrays import FloatArray, IntArray
 from ..signals.signals import Signals
@@ -70,6 +71,8 @@ class NormalEquations:
     - `power`: sum of squares of the residual, and of the distances of all values from their prior means.
     - `precision`, shape (m,): inverse variances of the priors.
     - `gradient`, shape (m,): of the priors, where values are away from their means.
+    - `limits`, shape (2, m): least and largest change of each coefficient, infinite if it has no bound; None if none
+      has one. An effect gains nothing by a coefficient beyond its bound.
     """
 
     matrix: FloatArray
@@ -77,13 +80,15 @@ class NormalEquations:
     power: float
     precision: FloatArray
     gradient: FloatArray
+    limits: FloatArray | None = None
 
     def without(self, columns: Collection[int]) -> NormalEquations:
         """Return the equations without some of the columns."""
         others = np.delete(np.arange(len(self.target)), list(columns))
+        limits = None if self.limits is None else self.limits[:, others]
         return NormalEquations(
             self.matrix[np.ix_(others, others)], self.target[others], self.power, self.precision[others],
-            self.gradient[others],
+            self.gradient[others], limits,
         )  # fmt: skip
 
     def solved(self) -> tuple[FloatArray, float]:
@@ -93,6 +98,14 @@ class NormalEquations:
         >>> estimate, evidence = one.solved()
         >>> estimate.round(6).tolist(), bool(np.isclose(evidence, -0.5 * (9.0 / 2.0 + np.log(2.0))))
         ([1.5], True)
+
+        Only the share of the posterior within the limits counts, relative to that of the prior.
+
+        >>> from dataclasses import replace
+        >>> positive = replace(one, limits=np.array([[0.0], [np.inf]]))
+        >>> negative = replace(positive, target=-one.target)
+        >>> [round(equations.solved()[1] - evidence, 2) for equations in (positive, negative)]
+        [0.68, -3.39]
         """
         scale = 1.0 / np.sqrt(np.diag(self.matrix) + self.precision)
         whole = scale[:, None] * self.matrix * scale + np.diag(self.precision * scale**2 + RIDGE)
@@ -101,7 +114,28 @@ class NormalEquations:
         estimate = cho_solve(factor, target)
         curvature = 2.0 * float(np.sum(np.log(np.diag(factor[0])) - np.log(scale)))
         fit = float(target @ estimate) - self.power
-        return scale * estimate, 0.5 * (fit - curvature + float(np.sum(np.log(self.precision))))
+        evidence = 0.5 * (fit - curvature + float(np.sum(np.log(self.precision))))
+        return scale * estimate, evidence + self._within_limits(factor, scale, scale * estimate)
+
+    def _within_limits(self, factor: tuple[FloatArray, bool], scale: FloatArray, estimate: FloatArray) -> float:
+        """Return the logarithm of the share of the posterior within the limits, relative to that of the prior."""
+        if self.limits is None:
+            return 0.0
+        limited = np.flatnonzero(np.isfinite(self.limits).any(axis=0))
+        unit = np.zeros((len(estimate), len(limited)))
+        unit[limited, np.arange(len(limited))] = 1.0
+        deviation = scale[limited] * np.sqrt(np.sum(unit * cho_solve(factor, unit), axis=0))
+        limits, precision = self.limits[:, limited], self.precision[limited]
+        share = _log_share((limits - estimate[limited]) / deviation)
+        of_prior = _log_share((limits - self.gradient[limited] / precision) * np.sqrt(precision))
+        return float(np.sum(share - of_prior))
+
+
+def _log_share(limits: FloatArray) -> FloatArray:
+    """Return the logarithm of the share of a standard normal distribution within limits, shape (2, k)."""
+    low, high = np.where(limits[0] > -limits[1], -limits[::-1], limits)  # the share on the other side is the same
+    above, below = log_ndtr(high), log_ndtr(low)
+    return np.asarray(above + np.log1p(-np.exp(below - above)))
 
 
 @dataclass(frozen=True, eq=False)

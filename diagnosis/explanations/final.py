@@ -8,7 +8,7 @@ the forces of the fit before.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,14 +16,16 @@ import numpy as np
 from ...numerics.arrays import FloatArray
 from ...numerics.noise_model import Whitening, noise_parts
 from ...symbolic.detection import Form
+from ...symbolic.model import Model
 from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS
 from ..unexplained.formula_proposal import UnexplainedStructure, Unknown, proposed
+from .answer import NAMED, Answer
 from .budget import Budget
 from .compare import ComparedExplanations
-from .effect_evidence import Evidence, effect_evidence
+from .effect_evidence import Evidence, effect_evidence, unproven
 from .explanation import Explanation
 from .form import form_of
 
@@ -78,7 +80,7 @@ def final_fits(
     linear = comparison.leader.linear
     disturbances = problem.disturbances.without(linear.unneeded_cross_talk())
     signals = problem.simulator.signals
-    aligned = signals.delayed(linear.simulator.signals.skew - signals.skew)
+    aligned = signals.delayed(linear.skew - signals.skew)
     problem = replace(problem, disturbances=disturbances, stop=lambda: budget.late).over(
         problem.simulator.with_signals(aligned)
     )
@@ -96,6 +98,10 @@ def final_fits(
         budget.report("adding the proposed formula to the model equations")
         part, with_formula = proposed(structure, extended, solution, no_formula)
         unknown, (extended, solution) = (part,), with_formula or (extended, solution)
+    explanation = linear.explanation
+    if not budget.late and (dropped := _unproven(comparison.answer, explanation, extended, solution)):
+        explanation, extended, solution = _without(dropped, explanation, extended, solution)
+        refinements = tuple((name, form) for name, form in refinements if name not in dropped)
     if correct_form and not budget.late and (corrected := form_of(extended, solution)):
         extended, solution, change = corrected
     for _ in range(BALANCING):
@@ -105,20 +111,43 @@ def final_fits(
         problem = replace(problem, inverse_noise=extended.inverse_noise)
         before = Screen(*problem.fitted(base.parameters, base.free))
     before, solution, whitened = _whitened(extended, solution, before)
-    after, explanation = Screen(extended, solution), linear.explanation
-    effects = {name: _coefficients(name, explanation, after) for name in explanation.effects}
+    after = Screen(extended, solution)
+    model = extended.simulator.symbolic_model
+    effects = {name: _coefficients(name, explanation, model, solution) for name in explanation.effects}
     evidence = {name: effect_evidence(after, coefficients) for name, coefficients in effects.items()}
     added = [declared.name for part in unknown if part.added and part.effect for declared in part.effect.declarations]
     formula = effect_evidence(after, added) if added else None
     return Final(before, after, whitened.standard_errors(), effects, evidence, refinements, unknown, formula, change)
 
 
-def _coefficients(effect: str, explanation: Explanation, after: Screen) -> tuple[str, ...]:
+def _unproven(answer: Answer, explanation: Explanation, problem: LeastSquares, solution: Solution) -> list[str]:
+    """Return the effects that are not called missing, and do not predict left-out blocks better (`unproven`)."""
+    probability, model = answer.probabilities, problem.simulator.symbolic_model
+    doubtful = [name for name in explanation.effects if probability[name] < NAMED]
+    if not doubtful:
+        return []
+    weighted = balanced(problem, solution)
+    after = Screen(weighted, weighted.at(solution.parameters, solution.free))
+    return unproven(after, {name: _coefficients(name, explanation, model, solution) for name in doubtful})
+
+
+def _without(
+    names: Collection[str], explanation: Explanation, problem: LeastSquares, solution: Solution
+) -> tuple[Explanation, LeastSquares, Solution]:
+    """Return an explanation without some effects, and its fit."""
+    model, simulator = problem.simulator.symbolic_model, problem.simulator
+    less = replace(explanation, forms=tuple(form for form in explanation.forms if form[0] not in names))
+    kept = {own for name in less.effects for own in _coefficients(name, less, model, solution)}
+    lost = {own for name in names for own in _coefficients(name, explanation, model, solution)} - kept
+    free = tuple(name for name in solution.free if name not in lost)
+    return less, *problem.fitted(simulator.without(solution.parameters, lost), free)
+
+
+def _coefficients(effect: str, explanation: Explanation, model: Model, solution: Solution) -> tuple[str, ...]:
     """Return the free coefficients that belong to an effect, also those of its refinements."""
-    model = after.problem.simulator.symbolic_model
     owned = model.owned(effect) if effect in model.effects else frozenset()
     freed = {name for owner, form in explanation.forms if owner == effect for name in form.free}
-    return tuple(name for name in after.solution.free if name in freed or name in owned)
+    return tuple(name for name in solution.free if name in freed or name in owned)
 
 
 def balanced(problem: LeastSquares, solution: Solution) -> LeastSquares:

@@ -16,10 +16,10 @@ from ..probing.candidates import CORE, Candidate, declared_candidate, is_testabl
 from ..probing.effect_probing import probed, unfitted
 from ..signals.disturbances import CROSS_TALK
 from ..signals.simulation import Simulator
-from ..thresholds import EFFECT_ODDS, FORM_ERROR, PAST_ERROR
+from ..thresholds import EFFECT_ODDS, FORM_ERROR, MAX_SKEW, PAST_ERROR
 from ..unexplained.features import CORE_INPUTS
 from ..weighted_columns import WeightedColumns, joined
-from .discrepancy import bench_errors, effect_discrepancy, envelope
+from .discrepancy import OF_ALL_INPUTS, bench_errors, effect_discrepancy, envelope
 from .evidence import NormalEquations
 from .explanation import UNKNOWN, Explanation
 from .terms import FormErrors, form_errors, unknown_terms
@@ -68,18 +68,26 @@ class Columns:
     - `owners`: the effect of each column; empty if explanations without it have the column, too.
     - `columns`, shape (n_channels, n, k), N and N m; `deviation`, shape (k,): of the priors of their coefficients.
     - `distance`, shape (k,): of the values from the means of their priors, in deviations.
+    - `limits`, shape (2, k): their least and largest change.
     """
 
     owners: list[str]
     columns: FloatArray
     deviation: FloatArray
     distance: FloatArray
+    limits: FloatArray
 
     @classmethod
     def of(cls, owner: str, columns: FloatArray, deviation: FloatArray | None = None) -> Columns:
         """Return columns of one owner with coefficients of 0; their deviation is 1 if none is given."""
         number = columns.shape[-1]
-        return cls([owner] * number, columns, np.ones(number) if deviation is None else deviation, np.zeros(number))
+        given = np.ones(number) if deviation is None else deviation
+        return cls([owner] * number, columns, given, np.zeros(number), unlimited(number))
+
+
+def unlimited(number: int) -> FloatArray:
+    """Return the limits of columns whose coefficients may change by any amount, shape (2, number)."""
+    return np.array([[-np.inf], [np.inf]]) * np.ones(number)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +116,18 @@ class Linearization:
     def skew_index(self) -> int:
         """The index of the skew among the columns of `equations`."""
         return len(self.problem.disturbances.names) + len(self._inside)
+
+    @property
+    def skew(self) -> float:
+        """The time by which the inputs are recorded before the forces, s.
+
+        A small rest of it is a column. Delays of single inputs, which no tire is fitted with, have no part of it.
+        """
+        skew, errors = self.simulator.signals.skew, bench_errors(self.simulator, self.solution.parameters)[1]
+        if len(errors):
+            single = range(self.skew_index + OF_ALL_INPUTS, self.skew_index + len(errors))
+            skew += float(self._own_equations.without(single).solved()[0][self.skew_index])
+        return float(np.clip(skew, -MAX_SKEW, MAX_SKEW))
 
     def error_of_skew(self, step: float) -> float:
         """Return the error of the logarithm of the evidence if the forces are linear in a change of the skew, s.
@@ -145,6 +165,7 @@ class Linearization:
         return NormalEquations(
             matrix, np.append(base.target, cross[-1]), base.power, precision,
             np.append(base.gradient, np.zeros(added.number)),
+            None if base.limits is None else np.concatenate([base.limits, unlimited(added.number)], axis=1),
         )  # fmt: skip
 
     def products(self, rows: IntArray) -> FloatArray:
@@ -181,12 +202,14 @@ class Linearization:
         inside = [name in free for name in solution.free]
         center, deviation = (moment[inside] for moment in self.problem.prior(solution.free))
         values = solution.parameters[[simulator.index[name] for name in free]]
-        freed = {name: effect for effect, form in self.explanation.forms for name in form.free}
-        owners = [freed.get(name, "") for name in free]
-        yield Columns(owners, simulator.jacobian(solution.parameters, free), deviation, (values - center) / deviation)
+        owners = [self.explanation.owner(name) for name in free]
+        of_effects = np.isin(free, [name for _, form in self.explanation.forms for name in form.free])
+        limits = np.where(of_effects, self.problem.bounds(free) - values, unlimited(len(free)))
+        jacobian = simulator.jacobian(solution.parameters, free)
+        yield Columns(owners, jacobian, deviation, (values - center) / deviation, limits)
         bench, of_bench = bench_errors(simulator, solution.parameters)
         skew = np.where(np.arange(len(of_bench)) == 0, simulator.signals.skew, 0.0)
-        yield Columns([""] * len(of_bench), bench, of_bench, skew / of_bench)
+        yield Columns([""] * len(of_bench), bench, of_bench, skew / of_bench, unlimited(len(of_bench)))
         for name, form in self._refinements:
             yield Columns.of(name, *self._probes(form))
         yield Columns.of("", self._baseline_errors())
@@ -275,8 +298,9 @@ class Linearization:
     def _without(self, effect: str) -> FloatArray:
         """Return the forces without an effect of the explanation, shape (n_channels, n)."""
         simulator, absent = self.simulator, self.solution.parameters.copy()
-        freed = [name for effect_name, form in self.explanation.forms if effect_name == effect for name in form.free]
-        owned = {*freed, *simulator.symbolic_model.owned(effect)} & simulator.index.keys()
+        others = {name for other, form in self.explanation.forms if other != effect for name in form.free}
+        freed = dict(self.explanation.forms)[effect].free
+        owned = {*freed, *simulator.symbolic_model.owned(effect)} & simulator.index.keys() - others
         indices = [simulator.index[name] for name in owned]
         absent[indices] = simulator.tire.parameters()[indices]
         return simulator.forces(absent)
@@ -338,8 +362,10 @@ class Linearization:
 
     @property
     def lacking(self) -> list[str]:
-        """The names of the effects that the explanation lacks."""
-        return [name for name in self.candidates if name not in self.explanation.effects]
+        """The names of the effects that the explanation lacks, also as special cases of others."""
+        present = self.explanation.effects
+        contained = {self.candidates[name].contains for name in present}
+        return [name for name in self.candidates if name not in contained.union(present)]
 
     def unknown(self) -> Addition:
         """Return all terms that an unknown component could have, features alone, as one addition."""
@@ -356,12 +382,14 @@ class Linearization:
     def of_effect(self, name: str) -> list[Addition]:
         """Return an addition for each form and point of a grid, which share the prior odds of the effect.
 
-        There are none if the recording cannot show the effect.
+        There are none if the recording cannot show the effect. A coefficient that an effect of the explanation shares
+        with it belongs to both.
         """
         candidate = self.candidates[name]
         if not is_testable(self.simulator.signals, self.simulator.tire, candidate):
             return []
-        forms = [unfitted(declared, self.simulator, self.solution.free) for declared in candidate.forms]
+        shared = set(self.solution.free).difference(*(form.free for _, form in self.explanation.forms))
+        forms = [unfitted(declared, self.simulator, shared) for declared in candidate.forms]
         points = [point for form in forms if form is not None for point in form.points()]
         added = []
         for form in points:
@@ -403,7 +431,10 @@ def _contents(linear: Linearization) -> _Contents:
     deviations = np.concatenate([problem.disturbances.deviation, *(group.deviation for group in groups)])
     distances = np.concatenate([np.zeros(common), *(group.distance for group in groups)])
     power = float(matrix[-1, -1]) + float(np.sum(distances**2))
-    equations = NormalEquations(matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations)
+    limits = np.concatenate([unlimited(common), *(group.limits for group in groups)], axis=1)
+    equations = NormalEquations(
+        matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations, limits
+    )
     owners = [*[""] * common, *(owner for group in groups for owner in group.owners)]
     errors = sum(part.number for part in weighted[len(weighted) - len(linear.explanation.forms) :])
     return _Contents(columns, equations, owners, errors)
