@@ -50,6 +50,11 @@ class ComparedExplanations:
     shared: Shared
     stopped: str = ""
 
+    @property
+    def doubtful(self) -> list[str]:
+        """The effects of the delivered explanation that are not called missing."""
+        return [name for name in self.leader.explanation.effects if self.answer.probabilities[name] < NAMED]
+
 
 def compared(
     problem: LeastSquares, baseline: Solution, candidates: Mapping[str, Candidate], budget: Budget

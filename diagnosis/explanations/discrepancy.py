@@ -152,10 +152,8 @@ def bench_errors(simulator: Simulator, parameters: FloatArray) -> tuple[FloatArr
     # A line between two rows is wrong by an eighth of the squared step times the second derivative.
     others = _other_times(simulator, parameters)
     deviations = [0.5 * MAX_SKEW, step**2 / 8.0, *(LOAD_ERROR_PRIOR for _ in LAGS)]
-    return (
-        np.concatenate([columns, loads, others], axis=-1),
-        np.array([*deviations, *(OTHER_TIME for _ in range(others.shape[-1]))]),
-    )
+    of_others = np.full(others.shape[-1], OTHER_TIME)
+    return np.concatenate([columns, loads, others], axis=-1), np.concatenate([deviations, of_others])
 
 
 def _other_times(simulator: Simulator, parameters: FloatArray) -> FloatArray:

@@ -15,6 +15,7 @@ import numpy as np
 
 from ...numerics.arrays import FloatArray
 from ...numerics.noise_model import Whitening, noise_parts
+from ...numerics.ties import graded
 from ...symbolic.detection import Form
 from ...symbolic.model import Model
 from ...tires.tire import Tire
@@ -22,10 +23,9 @@ from ..least_squares import LeastSquares, Solution
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS
 from ..unexplained.formula_proposal import UnexplainedStructure, Unknown, proposed
-from .answer import NAMED, Answer
 from .budget import Budget
 from .compare import ComparedExplanations
-from .effect_evidence import Evidence, effect_evidence, unproven
+from .effect_evidence import CERTAIN, Evidence, effect_evidence, unproven
 from .explanation import Explanation
 from .form import form_of
 
@@ -67,15 +67,22 @@ class Final:
         """The baseline model with all effects that were tested, switched off, and with what was added to its lines."""
         return self.after.problem.simulator.tire
 
+    def least_proven(self, names: Collection[str]) -> str:
+        """Return the one of some effects that least predicts what was left out, or '' if all do."""
+        certainty = {name: found.certainty for name, found in self.evidence.items() if name in names}
+        least = min(certainty, key=lambda name: graded(certainty[name]), default="")
+        return least if least and certainty[least] <= CERTAIN else ""
+
 
 def final_fits(
     comparison: ComparedExplanations, problem: LeastSquares, baseline: Solution, budget: Budget,
-    *, no_formula: str = "", correct_form: bool = True,
+    *, no_formula: str = "", correct_form: bool = True, without: Collection[str] = (),
 ) -> Final:  # fmt: skip
     """Return the final fits. When the time ends, fits stay where they are, and the form is not corrected.
 
     `problem`, `baseline`: of the baseline model. `no_formula`: the reason why the formula of an unknown component may
     not be added to the model, if any. `correct_form`: whether the model may have a correction of its own form.
+    `without`: effects of the leading explanation that are left out.
     """
     linear = comparison.leader.linear
     disturbances = problem.disturbances.without(linear.unneeded_cross_talk())
@@ -98,8 +105,8 @@ def final_fits(
         budget.report("adding the proposed formula to the model equations")
         part, with_formula = proposed(structure, extended, solution, no_formula)
         unknown, (extended, solution) = (part,), with_formula or (extended, solution)
-    explanation = linear.explanation
-    if not budget.late and (dropped := _unproven(comparison.answer, explanation, extended, solution)):
+    explanation, dropped = linear.explanation, _unproven(comparison, extended, solution, budget, without)
+    if dropped:
         explanation, extended, solution = _without(dropped, explanation, extended, solution)
         refinements = tuple((name, form) for name, form in refinements if name not in dropped)
     if correct_form and not budget.late and (corrected := form_of(extended, solution)):
@@ -120,15 +127,22 @@ def final_fits(
     return Final(before, after, whitened.standard_errors(), effects, evidence, refinements, unknown, formula, change)
 
 
-def _unproven(answer: Answer, explanation: Explanation, problem: LeastSquares, solution: Solution) -> list[str]:
-    """Return the effects that are not called missing, and do not predict left-out blocks better (`unproven`)."""
-    probability, model = answer.probabilities, problem.simulator.symbolic_model
-    doubtful = [name for name in explanation.effects if probability[name] < NAMED]
-    if not doubtful:
-        return []
+def _unproven(
+    comparison: ComparedExplanations,
+    problem: LeastSquares,
+    solution: Solution,
+    budget: Budget,
+    without: Collection[str],
+) -> list[str]:
+    """Return given effects, and those that are not called missing and do not predict what was left out (`unproven`)."""
+    explanation, model = comparison.leader.explanation, problem.simulator.symbolic_model
+    doubtful = [name for name in comparison.doubtful if name not in without]
+    if not doubtful or budget.late:
+        return list(without)
     weighted = balanced(problem, solution)
     after = Screen(weighted, weighted.at(solution.parameters, solution.free))
-    return unproven(after, {name: _coefficients(name, explanation, model, solution) for name in doubtful})
+    owned = {name: _coefficients(name, explanation, model, solution) for name in doubtful}
+    return [*without, *unproven(after, owned)]
 
 
 def _without(

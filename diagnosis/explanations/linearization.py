@@ -117,17 +117,16 @@ class Linearization:
         """The index of the skew among the columns of `equations`."""
         return len(self.problem.disturbances.names) + len(self._inside)
 
-    @property
+    @cached_property
     def skew(self) -> float:
-        """The time by which the inputs are recorded before the forces, s.
+        """The time by which the inputs are recorded before the forces, s: of the simulator, and the rest of it.
 
-        A small rest of it is a column. Delays of single inputs, which no tire is fitted with, have no part of it.
+        Delays of single inputs, which no tire is fitted with, have no part of it.
         """
-        skew, errors = self.simulator.signals.skew, bench_errors(self.simulator, self.solution.parameters)[1]
-        if len(errors):
-            single = range(self.skew_index + OF_ALL_INPUTS, self.skew_index + len(errors))
-            skew += float(self._own_equations.without(single).solved()[0][self.skew_index])
-        return float(np.clip(skew, -MAX_SKEW, MAX_SKEW))
+        errors, first = bench_errors(self.simulator, self.solution.parameters)[1], self.skew_index
+        single = range(first + OF_ALL_INPUTS, first + len(errors))
+        rest = float(self._own_equations.without(single).solved()[0][first]) if len(errors) else 0.0
+        return float(np.clip(self.simulator.signals.skew + rest, -MAX_SKEW, MAX_SKEW))
 
     def error_of_skew(self, step: float) -> float:
         """Return the error of the logarithm of the evidence if the forces are linear in a change of the skew, s.

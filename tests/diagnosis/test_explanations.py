@@ -184,22 +184,38 @@ def test_no_effect_is_in_two_classes():
 def test_the_simplest_of_equal_effects_is_delivered():
     """Fewest states first; an explanation that is much less probable than the leader is not taken."""
 
-    def refit(effects, free):
-        explanation = Explanation(tuple((name, Form((), ())) for name in effects))
-        linear = SimpleNamespace(solution=SimpleNamespace(free=tuple(range(free))))
-        return SimpleNamespace(explanation=explanation, linear=linear)
-
     sets = {("history", "lag"): (0.0, 5), ("lag", "temperature"): (-0.3, 6), ("lag", "pressure"): (-4.0, 2)}
-    refits = {parts: refit(parts, free) for parts, (_, free) in sets.items()}
-    model = SimpleNamespace(added=[SimpleNamespace(name="history", states=("s",))])
-    shared = SimpleNamespace(problem=SimpleNamespace(simulator=SimpleNamespace(symbolic_model=model)))
-    table = SimpleNamespace(refits=refits, leader=refits["history", "lag"], shared=shared)
+    table = compared_table(sets)
     answer = answer_of(
         {parts: score for parts, (score, _) in sets.items()}, ["history", "lag", "temperature", "pressure"]
     )
     assert _simplest(table, answer).explanation.effects == ("lag", "temperature")
     alone = answer_of({("history", "lag"): 0.0}, ["history", "lag", "temperature"])
     assert _simplest(table, alone) is table.leader
+
+
+@pytest.mark.parametrize(
+    ("lead", "cautious", "delivered"), [(2.0, 0.3, ("a",)), (2.6, 0.3, ("a", "b")), (2.0, 0.6, ("a", "b"))]
+)
+def test_what_only_weak_evidence_adds_is_not_delivered_unless_it_is_called_missing(lead, cautious, delivered):
+    """Evidence of less than ten to one is weak: a logarithm of 2.3."""
+    table = compared_table({("a", "b"): (0.0, 2), ("a",): (-lead, 1), (): (-90.0, 0)})
+    answer = answer_of({("a", "b"): np.log(cautious), ("a",): np.log(1.0 - cautious)}, ["a", "b"])
+    assert _simplest(table, answer).explanation.effects == delivered
+
+
+def compared_table(sets):
+    """Of refits by their effects: score and number of free coefficients; the first one leads."""
+
+    def refit(effects, score, free):
+        explanation = Explanation(tuple((name, Form((), ())) for name in effects))
+        linear = SimpleNamespace(solution=SimpleNamespace(free=tuple(range(free))))
+        return SimpleNamespace(explanation=explanation, linear=linear, score=score)
+
+    refits = {parts: refit(parts, score, free) for parts, (score, free) in sets.items()}
+    model = SimpleNamespace(added=[SimpleNamespace(name="history", states=("s",))])
+    shared = SimpleNamespace(problem=SimpleNamespace(simulator=SimpleNamespace(symbolic_model=model)))
+    return SimpleNamespace(refits=refits, leader=next(iter(refits.values())), shared=shared)
 
 
 def test_the_reported_explanations_have_nearly_all_of_the_probability():
@@ -378,7 +394,7 @@ def test_two_similar_effects_begin_with_half_of_each_and_their_memories(monkeypa
     history = refit("history", [1.0, 0.4, 0.05, 0.0, 2.0], 5.0)
     heat = refit("heat", [1.2, 0.0, 0.02, 0.3, 8.0], 4.0)
     refits = {("history",): history, ("heat",): heat}
-    requires = dict.fromkeys(forms, SimpleNamespace(requires=frozenset({"alpha"})))
+    requires = dict.fromkeys(forms, SimpleNamespace(requires=frozenset({"alpha"}), contains=""))
     model = SimpleNamespace(added=(), relaxing_effects=())
     problem = SimpleNamespace(simulator=SimpleNamespace(symbolic_model=model))
     shared = SimpleNamespace(candidates=requires, problem=problem)
