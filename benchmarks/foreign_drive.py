@@ -91,7 +91,8 @@ def recorded(case: Case, p: Any) -> pd.DataFrame:
             rows.append([t, state[2], state[3], state[5], k1[3] - state[10] * state[5], k1[10] + state[3] * state[5],
                          *state[23:27]])  # fmt: skip
         state = state + STEP / 2 * (k1 + k2)
-    names = ["t", "steer", "speed", "yaw_rate", "ax", "ay", *(f"omega_{corner}" for corner in ("fl", "fr", "rl", "rr"))]
+    # Its wheels L are the outer ones of a turn to its left: the faster and the loaded ones.
+    names = ["t", "steer", "speed", "yaw_rate", "ax", "ay", *(f"omega_{corner}" for corner in ("fr", "fl", "rr", "rl"))]
     log = pd.DataFrame(rows, columns=names)
     noise = {"steer": 1e-4, "speed": 0.05, "yaw_rate": 0.005, "ax": 0.1, "ay": 0.1}
     rng = np.random.default_rng(case.seed)

@@ -9,7 +9,7 @@ a Kalman filter, which bridges unused rows (Harvey, Forecasting, Structural Time
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import fft, optimize
@@ -65,31 +65,40 @@ def noise_parts(residual: FloatArray, present: BoolArray, step: float) -> NoiseP
     wave = np.cos(2.0 * np.pi * fft.rfftfreq(len(rows))[1:-1])
     whole = max(float(np.sum(rows**2)) / max(int(present.sum()), 1), MIN_POWER)
 
-    def parts(x: FloatArray) -> NoiseParts:
-        white, short, drift, memory = (float(value) for value in np.exp(x[[0, 1, 2, 4]]))
-        return NoiseParts(white * whole, short * whole, drift * whole, float(1.0 / (1.0 + np.exp(-x[3]))), memory)
-
-    def loss(x: FloatArray) -> float:
-        spectrum = _spectrum(parts(x), wave, step)
-        prior = WHITE_PRIOR * float(x[0] - np.log(WHITE_SHARE)) ** 2
-        return float(np.mean(np.log(spectrum / whole) + power / spectrum)) + prior
+    def loss(x: FloatArray) -> tuple[float, FloatArray]:
+        """Return Whittle's likelihood and its gradient: by differences, rounding errors would change the result."""
+        noise = _noise(x)
+        spectrum, slopes = np.full_like(wave, noise.white), [np.full_like(wave, noise.white)]
+        decay = float(np.exp(-step / noise.memory))
+        rates = [noise.fading * (1.0 - noise.fading), decay * step / noise.memory]  # of the decays, by their logarithms
+        for variance, fade in ((noise.short, noise.fading), (noise.drift, decay)):
+            below = 1.0 - 2.0 * fade * wave + fade**2
+            part = variance * (1.0 - fade**2) / below
+            spectrum += part
+            slopes += [part, (2.0 * (wave - fade) * part - 2.0 * fade * variance) / below]
+        along = (1.0 - power / (whole * spectrum)) / spectrum / len(wave)
+        white, short, of_short, drift, of_drift = (float(along @ slope) for slope in slopes)
+        prior = float(x[0] - np.log(WHITE_SHARE))
+        gradient = [white + 2.0 * WHITE_PRIOR * prior, short, drift, of_short * rates[0], of_drift * rates[1]]
+        return float(np.mean(np.log(spectrum) + power / (whole * spectrum))) + WHITE_PRIOR * prior**2, np.array(
+            gradient
+        )
 
     bounds = [(-9.0, 0.0), (-7.0, 0.7), (-13.0, 1.1), (-4.0, 3.0), (np.log(SHORTEST), np.log(LONGEST))]
     solutions = [
         optimize.minimize(
-            loss, [np.log(WHITE_SHARE), -0.2, -2.3, 0.0, np.log(memory)], method="L-BFGS-B", bounds=bounds
+            loss, [np.log(WHITE_SHARE), -0.2, -2.3, 0.0, np.log(memory)], jac=True, method="L-BFGS-B", bounds=bounds
         )
         for memory in DRIFT_TIMES
     ]
-    return parts(min(solutions, key=lambda solution: graded(float(solution.fun))).x)
+    best = _noise(min(solutions, key=lambda solution: graded(float(solution.fun))).x)
+    return replace(best, white=whole * best.white, short=whole * best.short, drift=whole * best.drift)
 
 
-def _spectrum(noise: NoiseParts, wave: FloatArray, step: float) -> FloatArray:
-    """Return the power at frequencies with the cosine `wave` of the phase per row."""
-    total = np.full_like(wave, noise.white)
-    for variance, decay in ((noise.short, noise.fading), (noise.drift, float(np.exp(-step / noise.memory)))):
-        total += variance * (1.0 - decay**2) / (1.0 - 2.0 * decay * wave + decay**2)
-    return total
+def _noise(x: FloatArray) -> NoiseParts:
+    """Return the noise of logarithms of the variances, the logit of fading, and the logarithm of the memory."""
+    white, short, drift, memory = (float(value) for value in np.exp(x[[0, 1, 2, 4]]))
+    return NoiseParts(white, short, drift, float(1.0 / (1.0 + np.exp(-x[3]))), memory)
 
 
 class Whitening:

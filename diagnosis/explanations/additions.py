@@ -36,8 +36,9 @@ class Gain:
 
 def projected(linear: Linearization, additions: Sequence[Addition], *, exactly: bool = False) -> Projected:
     """Return the columns of additions without what an explanation contains; `exactly` as of `equations`."""
-    equations = linear.equations(additions, exactly=exactly)
-    return Projected.of(equations, [len(addition.deviation) for addition in additions])
+    equations, (added, cross) = linear.equations(exactly=exactly), linear.beside(additions)
+    sizes = [len(addition.deviation) for addition in additions]
+    return Projected.beside(equations, added, cross[: len(equations.target)], sizes)
 
 
 def gains(columns: Projected, additions: Sequence[Addition]) -> dict[str, list[Gain]]:

@@ -22,7 +22,7 @@ from ..thresholds import CONFOUNDED, EFFECT_ODDS, REFIT_MARGIN, RIVALS
 from .additions import Gain, best_formula, gains, in_place_of, projected, rivals_of
 from .answer import NAMED, UNSURE, Answer, answer_of
 from .budget import Budget, Ended
-from .evidence import Projected, inflation
+from .evidence import inflation
 from .explanation import UNKNOWN, Explanation
 from .linearization import Addition, Linearization, forget_columns
 from .refit import Refitted, Shared, refitted, shared_problem, some_rows, with_terms
@@ -401,8 +401,7 @@ def _formula(table: Table, refit: Refitted) -> tuple[Table, Refitted | None]:
     table, effects = table.possible(refit.linear)
     change = np.stack([term.column for term in terms], axis=-1) @ np.array(formula.term_sizes)
     alone = Addition(UNKNOWN, change[:, :, None], np.ones(1))
-    sizes = [1, *(len(addition.deviation) for addition in effects)]
-    whole = Projected.of(refit.linear.equations([alone, *effects]), sizes)
+    whole = projected(refit.linear, [alone, *effects])
     reproduced = any(whole.correlations(group)[0] > CONFOUNDED for group in whole.groups[1:])
     return table, None if reproduced else formula
 

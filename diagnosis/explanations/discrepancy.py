@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -126,15 +127,23 @@ def smooth_functions(inputs: Mapping[str, FloatArray], number: int, seed: int = 
     Combined with independent coefficients of variance 1 they are a Gaussian process of variance 1 whose length scale is
     the standard deviation of each input. The same inputs and the same seed always give the same functions.
     """
-    axes, rows = [], len(next(iter(inputs.values())))
-    for name, column in inputs.items():
-        values = np.abs(column) if name in SYMMETRIC else column
+    axes = [np.abs(column) if name in SYMMETRIC else column for name, column in inputs.items()]
+    return _smooth_functions(tuple(axis.tobytes() for axis in axes), number, seed)
+
+
+@lru_cache(maxsize=32)  # most explanations ask for those of the same inputs
+def _smooth_functions(columns: tuple[bytes, ...], number: int, seed: int) -> FloatArray:
+    """Return the same for columns as bytes, by which they are stored."""
+    axes, rows = [], len(columns[0]) // 8
+    for values in map(np.frombuffer, columns):
         if (spread := float(np.std(values))) > 1e-9:
             axes.append((values - values.mean()) / spread)
     rng = np.random.default_rng(seed)
     frequencies, phases = rng.standard_normal((len(axes), number)), rng.uniform(0.0, 2.0 * np.pi, number)
     arguments = np.tensordot(np.array(axes), frequencies, axes=(0, 0)) if axes else 0.0
-    return np.asarray(np.sqrt(2.0 / number) * np.cos(arguments + np.broadcast_to(phases, (rows, number))))
+    functions = np.sqrt(2.0 / number) * np.cos(arguments + np.broadcast_to(phases, (rows, number)))
+    functions.flags.writeable = False  # shared by all callers
+    return np.asarray(functions)
 
 
 def bench_errors(simulator: Simulator, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -105,8 +105,8 @@ def certainty(gains: FloatArray, holdout_gain: float) -> float:
     """Return the gain of left-out blocks, shape (n_blocks,), in standard errors; at most 0 if the hold-out set loses.
 
     >>> gains = np.array([1.0, 3.0])
-    >>> certainty(gains, 0.1), certainty(gains, -0.1), certainty(-gains, 0.1)
-    (2.0, 0.0, -2.0)
+    >>> [round(value, 6) for value in (certainty(gains, 0.1), certainty(gains, -0.1), certainty(-gains, 0.1))]
+    [2.0, 0.0, -2.0]
     """
     rated = float(gains.sum()) / max(error_of_sum(gains), 1e-300)
     return rated if holdout_gain > 0.0 else min(rated, 0.0)

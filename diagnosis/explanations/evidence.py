@@ -8,13 +8,14 @@ inference via coarsening, JASA 114, 2019). For Gaussian noise this is a larger v
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.special import log_ndtr
 
-from ...numerics.arrays import FloatArray, IntArray
+from ...numerics.arrays import FloatArray, IndexArray, IntArray
 from ..signals.signals import Signals
 from ..thresholds import COARSENED_ROWS, FOLDS, FORM_ERROR, INEXACT_SHARE
 
@@ -105,30 +106,89 @@ class NormalEquations:
         >>> positive = replace(one, limits=np.array([[0.0], [np.inf]]))
         >>> negative = replace(positive, target=-one.target)
         >>> [round(equations.solved()[1] - evidence, 2) for equations in (positive, negative)]
-        [0.68, -3.39]
+        [0.68, -3.38]
         """
-        scale = 1.0 / np.sqrt(np.diag(self.matrix) + self.precision)
-        whole = scale[:, None] * self.matrix * scale + np.diag(self.precision * scale**2 + RIDGE)
-        factor = cho_factor(whole, lower=True)
+        (factor, _), scale = self.factor
         target = scale * (self.target + self.gradient)
-        estimate = cho_solve(factor, target)
-        curvature = 2.0 * float(np.sum(np.log(np.diag(factor[0])) - np.log(scale)))
+        estimate = cho_solve((factor, True), target)
+        curvature = 2.0 * float(np.sum(np.log(np.diag(factor)) - np.log(scale)))
         fit = float(target @ estimate) - self.power
         evidence = 0.5 * (fit - curvature + float(np.sum(np.log(self.precision))))
-        return scale * estimate, evidence + self._within_limits(factor, scale, scale * estimate)
+        return scale * estimate, evidence + self._share_within_limits(scale * estimate)
 
-    def _within_limits(self, factor: tuple[FloatArray, bool], scale: FloatArray, estimate: FloatArray) -> float:
+    def _share_within_limits(self, estimate: FloatArray) -> float:
         """Return the logarithm of the share of the posterior within the limits, relative to that of the prior."""
         if self.limits is None:
             return 0.0
         limited = np.flatnonzero(np.isfinite(self.limits).any(axis=0))
-        unit = np.zeros((len(estimate), len(limited)))
-        unit[limited, np.arange(len(limited))] = 1.0
-        deviation = scale[limited] * np.sqrt(np.sum(unit * cho_solve(factor, unit), axis=0))
+        deviation = np.sqrt(np.sum(self._half_covariance(limited) ** 2, axis=0))
         limits, precision = self.limits[:, limited], self.precision[limited]
         share = _log_share((limits - estimate[limited]) / deviation)
         of_prior = _log_share((limits - self.gradient[limited] / precision) * np.sqrt(precision))
         return float(np.sum(share - of_prior))
+
+    def _half_covariance(self, columns: Sequence[int] | IndexArray) -> FloatArray:
+        """Return the factor whose product with itself is the posterior covariance of columns, shape (m, k)."""
+        (factor, _), scale = self.factor
+        unit = np.zeros((len(scale), len(columns)))
+        unit[columns, range(len(columns))] = scale[columns]
+        return np.asarray(solve_triangular(factor, unit, lower=True, check_finite=False))
+
+    @cached_property
+    def factor(self) -> tuple[tuple[FloatArray, bool], FloatArray]:
+        """Cholesky factor of the matrix with the priors, and the factors that scale its diagonal to 1, shape (m,)."""
+        return self.factored(RIDGE)
+
+    def factored(self, ridge: float) -> tuple[tuple[FloatArray, bool], FloatArray]:
+        """Return the same with an addition to the diagonal."""
+        scale = 1.0 / np.sqrt(np.diag(self.matrix) + self.precision)
+        whole = scale[:, None] * self.matrix
+        whole *= scale
+        whole.flat[:: len(scale) + 1] += self.precision * scale**2 + ridge
+        return cho_factor(whole.T, lower=True, overwrite_a=True), scale  # the transpose is in the order of LAPACK
+
+    def gain_of(self, columns: Collection[int]) -> float:
+        """Return the increase of the logarithm of the evidence by some unlimited columns (Savage and Dickey).
+
+        >>> matrix = np.array([[4.0, 1.0], [1.0, 3.0]])
+        >>> both = NormalEquations(matrix, np.array([3.0, 2.0]), 9.0, np.ones(2), np.zeros(2))
+        >>> bool(np.isclose(both.gain_of([1]), both.solved()[1] - both.without([1]).solved()[1]))
+        True
+        """
+        chosen = list(columns)
+        half = self._half_covariance(chosen)
+        covariance, mean = half.T @ half, self.solved()[0][chosen]
+        fit = float(mean @ np.linalg.solve(covariance, mean))
+        return 0.5 * (fit + float(np.linalg.slogdet(covariance)[1] + np.sum(np.log(self.precision[chosen]))))
+
+    def estimate_without(self, column: int, absent: Sequence[int] | IndexArray) -> float:
+        """Return the estimate of a column if some others are absent: the mean where those are zero.
+
+        >>> matrix = np.array([[4.0, 1.0], [1.0, 3.0]])
+        >>> both = NormalEquations(matrix, np.array([3.0, 2.0]), 9.0, np.ones(2), np.zeros(2))
+        >>> bool(np.isclose(both.estimate_without(0, [1]), both.without([1]).solved()[0][0]))
+        True
+        """
+        half, estimate = self._half_covariance([column, *absent]), self.solved()[0]
+        covariance = half.T @ half
+        return float(estimate[column] - covariance[0, 1:] @ np.linalg.solve(covariance[1:, 1:], estimate[absent]))
+
+    def with_target(self, target: FloatArray, power: float, unlimited: Collection[int]) -> NormalEquations:
+        """Return the equations of another residual, for which some columns have no limits."""
+        limits = None if self.limits is None else self.limits.copy()
+        if limits is not None:
+            limits[:, list(unlimited)] = [[-np.inf], [np.inf]]
+        other = replace(self, target=target, power=power, limits=limits)
+        other.__dict__["factor"] = self.factor
+        return other
+
+    def extended(self, added: NormalEquations, cross: FloatArray) -> NormalEquations:
+        """Return the equations with those of further columns; `cross`, shape (m, k): their products with these."""
+        parts = zip(_vectors(self), _vectors(added), strict=True)
+        target, precision, gradient = (np.concatenate(part) for part in parts)
+        matrix = np.block([[self.matrix, cross], [cross.T, added.matrix]])
+        limits = None if self.limits is None or added.limits is None else np.hstack([self.limits, added.limits])
+        return NormalEquations(matrix, target, self.power, precision, gradient, limits)
 
 
 def _log_share(limits: FloatArray) -> FloatArray:
@@ -136,6 +196,10 @@ def _log_share(limits: FloatArray) -> FloatArray:
     low, high = np.where(limits[0] > -limits[1], -limits[::-1], limits)  # the share on the other side is the same
     above, below = log_ndtr(high), log_ndtr(low)
     return np.asarray(above + np.log1p(-np.exp(below - above)))
+
+
+def _vectors(equations: NormalEquations) -> tuple[FloatArray, FloatArray, FloatArray]:
+    return equations.target, equations.precision, equations.gradient
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,15 +218,26 @@ class Projected:
     def of(cls, normal: NormalEquations, sizes: Sequence[int]) -> Projected:
         """Return the last columns of equations, in groups of given sizes, with all others projected out."""
         always = len(normal.target) - sum(sizes)
-        first = normal.matrix[:always, :always] + np.diag(normal.precision[:always])
-        scale = 1.0 / np.sqrt(np.diag(first))
-        factor = np.linalg.cholesky(scale[:, None] * first * scale + RIDGE * np.eye(always))
-        cross = solve_triangular(factor, scale[:, None] * normal.matrix[:always, always:], lower=True)
-        along = solve_triangular(factor, scale * (normal.target[:always] + normal.gradient[:always]), lower=True)
-        deviation = normal.precision[always:] ** -0.5
-        matrix = deviation[:, None] * (normal.matrix[always:, always:] - cross.T @ cross) * deviation
+        cross = normal.matrix[:always, always:]
+        return cls.beside(
+            normal.without(range(always, len(normal.target))), normal.without(range(always)), cross, sizes
+        )
+
+    @classmethod
+    def beside(
+        cls, normal: NormalEquations, added: NormalEquations, cross: FloatArray, sizes: Sequence[int]
+    ) -> Projected:
+        """Return further columns, in groups of given sizes, with those of equations projected out.
+
+        `cross`, shape (m, k): products of the columns of both.
+        """
+        (factor, _), scale = normal.factor
+        beside = solve_triangular(factor, scale[:, None] * cross, lower=True)
+        along = solve_triangular(factor, scale * (normal.target + normal.gradient), lower=True)
+        deviation = added.precision**-0.5
+        matrix = deviation[:, None] * (added.matrix - beside.T @ beside) * deviation
         ends = np.cumsum([0, *sizes]).tolist()
-        return cls(matrix, deviation * (normal.target[always:] - cross.T @ along), tuple(map(slice, ends, ends[1:])))
+        return cls(matrix, deviation * (added.target - beside.T @ along), tuple(map(slice, ends, ends[1:])))
 
     def gain(self, group: slice) -> tuple[float, FloatArray]:
         """Return the increase of the logarithm of the evidence by an addition, and its estimate in prior deviations."""

@@ -123,9 +123,9 @@ class Linearization:
 
         Delays of single inputs, which no tire is fitted with, have no part of it.
         """
-        errors, first = bench_errors(self.simulator, self.solution.parameters)[1], self.skew_index
-        single = range(first + OF_ALL_INPUTS, first + len(errors))
-        rest = float(self._own_equations.without(single).solved()[0][first]) if len(errors) else 0.0
+        first, number = self.skew_index, _contents(self).bench
+        single = range(first + OF_ALL_INPUTS, first + number)
+        rest = self._own_equations.estimate_without(first, single) if number else 0.0
         return float(np.clip(self.simulator.signals.skew + rest, -MAX_SKEW, MAX_SKEW))
 
     def error_of_skew(self, step: float) -> float:
@@ -148,48 +148,43 @@ class Linearization:
         `exactly`: without errors of the form of its effects. They are in proportion to effects that become smaller if
         another one is added, which therefore gains more in a refit than beside errors of this size.
         """
+        base, contents = self._own_equations, _contents(self)
         if exactly:
-            end, errors = len(self._own_equations.target), _contents(self).errors
-            return self.equations(additions).without(range(end - errors, end))
+            base = base.without(range(len(base.target) - contents.errors, len(base.target)))
         if not additions:
-            return self._own_equations
-        base = self._own_equations
+            return base
+        added, cross = self.beside(additions)
+        return base.extended(added, cross[: len(base.target)])
+
+    def beside(self, additions: Sequence[Addition]) -> tuple[NormalEquations, FloatArray]:
+        """Return the normal equations of additions, and their products with all columns and the misfit, (m + 1, k)."""
         added = joined([
             addition.weighted_columns or self.problem.weighted_columns(addition.columns) for addition in additions
         ])  # fmt: skip
-        first = self.problem.disturbance_products[0].times(added), self._columns.times(added)
-        cross = np.concatenate(first)  # the last row: with the misfit
-        matrix = np.block([[base.matrix, cross[:-1]], [cross[:-1].T, added.times(added)]])
-        precision = np.concatenate([base.precision, *(addition.deviation**-2.0 for addition in additions)])
-        return NormalEquations(
-            matrix, np.append(base.target, cross[-1]), base.power, precision,
-            np.append(base.gradient, np.zeros(added.number)),
-            None if base.limits is None else np.concatenate([base.limits, unlimited(added.number)], axis=1),
-        )  # fmt: skip
+        cross, base = _contents(self).columns.times(added), self._own_equations
+        precision = np.concatenate([addition.deviation**-2.0 for addition in additions])
+        zeros = np.zeros(added.number)
+        limits = unlimited(added.number)
+        return NormalEquations(added.times(added), cross[-1], base.power, precision, zeros, limits), cross
 
     def products(self, rows: IntArray) -> FloatArray:
         """Return the cross products of all columns, and of the misfit as the last one, over some of the rows."""
-        whole = joined([self.problem.disturbance_products[0], self._columns]).at(rows)
-        return whole.times(whole)
+        some = _contents(self).columns.at(rows)
+        return some.times(some)
 
     def evidence_without(self, effect: str) -> float:
         """Return the logarithm of the evidence if an effect of the explanation is absent, in the linear problem."""
         base, lost = self._own_equations, [i for i, name in enumerate(_contents(self).owners) if name == effect]
-        response = Addition(effect, self.response(effect)[:, :, None], np.ones(1))
-        whole = self.equations([response])  # its products with all columns: the response is a part of the misfit then
+        # The response is a part of the misfit then, and the lost columns have no value that could be limited.
+        response, cross = self.beside([Addition(effect, self.response(effect)[:, :, None], np.ones(1))])
         distances = base.gradient[lost] ** 2 / base.precision[lost]
-        power = base.power + 2.0 * whole.target[-1] + whole.matrix[-1, -1] - float(np.sum(distances))
-        rest = replace(base, target=base.target + whole.matrix[:-1, -1], power=float(power))
-        return rest.without(lost).solved()[1]
+        power = base.power + 2.0 * cross[-1, 0] + response.matrix[0, 0] - float(np.sum(distances))
+        rest = base.with_target(base.target + cross[:-1, 0], float(power), unlimited=lost)
+        return rest.solved()[1] - rest.gain_of(lost)
 
     @property
     def _own_equations(self) -> NormalEquations:
         return _contents(self).equations
-
-    @property
-    def _columns(self) -> WeightedColumns:
-        """The weighted columns beside the disturbances; the last one is the misfit."""
-        return _contents(self).columns
 
     def contained(self) -> Iterator[Columns]:
         """Yield what the explanation contains beside the disturbances.
@@ -326,11 +321,11 @@ class Linearization:
         extrapolate what is left of them. The ratio of the evidences with and without a column is that of
         Savage and Dickey.
         """
-        first = self.skew_index + len(bench_errors(self.simulator, self.solution.parameters)[1])
+        first = self.skew_index + _contents(self).bench
         needed = []
         for name, form in self._refinements:
             end = first + len(form.probes)
-            if name != CORE and self._gain_of(range(first, end)) + np.log(EFFECT_ODDS) > 0.0:
+            if name != CORE and self._own_equations.gain_of(range(first, end)) + np.log(EFFECT_ODDS) > 0.0:
                 needed.append((name, form))
             first = end
         return tuple(needed)
@@ -341,12 +336,8 @@ class Linearization:
         It would take a part of the tire's own forces.
         """
         names = enumerate(self.problem.disturbances.names)
-        return tuple(name for i, name in names if name.startswith(CROSS_TALK) and self._gain_of([i]) <= 0.0)
-
-    def _gain_of(self, columns: Collection[int]) -> float:
-        """Return the increase of the logarithm of the evidence by columns that the explanation contains."""
-        equations = self._own_equations
-        return equations.solved()[1] - equations.without(columns).solved()[1]
+        gain_of = self._own_equations.gain_of
+        return tuple(name for i, name in names if name.startswith(CROSS_TALK) and gain_of([i]) <= 0.0)
 
     def _probes(self, form: Form) -> tuple[FloatArray, FloatArray]:
         """Return the responses of the forces to the probes of a form, and the prior deviations of their multiples."""
@@ -403,15 +394,17 @@ class Linearization:
 class _Contents:
     """The columns of an explanation.
 
-    - `columns`: weighted, beside the disturbances; the last one is the misfit.
-    - `equations`: the normal equations of the disturbances and of these.
+    - `columns`: weighted, the disturbances first; the last one is the misfit.
+    - `equations`: their normal equations.
     - `owners`: the effect of each column of the equations; empty of what explanations without the effect contain, too.
+    - `bench`: the number of errors of the bench, the first of which is the skew.
     - `errors`: the number of the last columns of the equations, which are errors of the form of effects.
     """
 
     columns: WeightedColumns
     equations: NormalEquations
     owners: list[str]
+    bench: int
     errors: int
 
 
@@ -423,10 +416,10 @@ def _contents(linear: Linearization) -> _Contents:
         weighted.append(problem.weighted_columns(group.columns))
         groups.append(replace(group, columns=np.zeros((0, 0, 0))))
     misfit = problem.weighted_columns(problem.misfit(linear.solution.parameters)[:, :, None])
-    columns = joined([*weighted, misfit])
-    first, products = problem.disturbance_products
-    cross, common = first.times(columns), len(products)
-    matrix = np.block([[products, cross], [cross.T, columns.times(columns)]])
+    first, _ = problem.disturbance_products
+    columns, common = joined([first, *weighted, misfit]), first.number
+    del weighted
+    matrix = columns.times(columns)
     deviations = np.concatenate([problem.disturbances.deviation, *(group.deviation for group in groups)])
     distances = np.concatenate([np.zeros(common), *(group.distance for group in groups)])
     power = float(matrix[-1, -1]) + float(np.sum(distances**2))
@@ -435,8 +428,8 @@ def _contents(linear: Linearization) -> _Contents:
         matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations, limits
     )
     owners = [*[""] * common, *(owner for group in groups for owner in group.owners)]
-    errors = sum(part.number for part in weighted[len(weighted) - len(linear.explanation.forms) :])
-    return _Contents(columns, equations, owners, errors)
+    errors = sum(len(group.owners) for group in groups[len(groups) - len(linear.explanation.forms) :])
+    return _Contents(columns, equations, owners, len(groups[1].owners), errors)
 
 
 def forget_columns() -> None:

@@ -30,6 +30,8 @@ DISCREPANCY, BENCH = "discrepancy_", "bench_"
 ITERATIONS, COARSE_ITERATIONS, ALIGNMENTS = 5, 8, 3
 #: Rows of this choice at least, if as many are compared; share of the cost by which it may still fall.
 COARSE_ROWS, COARSE = 1000, 1e-3
+#: Added to the scaled diagonal for a draw from the posterior: columns may be equal.
+RIDGE_OF_DRAW = 1e-10
 #: A smaller change of the evidence is none: a factor of 1.1 between two explanations.
 SAME_EVIDENCE = 0.1
 
@@ -123,7 +125,7 @@ def some_rows(simulator: Simulator) -> slice:
     return slice(None, None, -(-len(simulator.signals.rows) // (MAX_ROWS // 2)))
 
 
-@lru_cache(maxsize=8)  # explanations with the same terms share one problem
+@lru_cache(maxsize=2)  # explanations with the same terms share one problem
 def with_terms(problem: LeastSquares, terms: tuple[Term, ...]) -> LeastSquares:
     """Return a problem with the terms of an unknown component as disturbances."""
     if not terms:
@@ -173,9 +175,9 @@ def shared_problem(
     budget.check()
     normal = replace(linear, problem=noisy).equations(effects)
     chosen = noisy.with_deviation(_best_deviation(normal, noisy.disturbances))
-    of_terms = {name for name in chosen.disturbances.names if name.startswith(TERM)}  # of the leading explanation only
-    common = replace(chosen, disturbances=chosen.disturbances.without(of_terms))
-    return Shared(common, baseline.free, linear.candidates, explained, budget)
+    if of_terms := {name for name in chosen.disturbances.names if name.startswith(TERM)}:
+        chosen = replace(chosen, disturbances=chosen.disturbances.without(of_terms))  # the leading explanation's only
+    return Shared(chosen, baseline.free, linear.candidates, explained, budget)
 
 
 def _best_deviation(normal: NormalEquations, disturbances: Disturbances) -> FloatArray:
@@ -209,9 +211,7 @@ def saturated_residual(linear: Linearization, additions: Sequence[Addition]) -> 
     """
     problem = linear.problem
     normal = linear.equations(additions)
-    scale = 1.0 / np.sqrt(np.diag(normal.matrix) + normal.precision)
-    whole = scale[:, None] * normal.matrix * scale + np.diag(normal.precision * scale**2 + 1e-10)
-    factor = np.linalg.cholesky(whole)
+    (factor, _), scale = normal.factored(RIDGE_OF_DRAW)
     estimate = scale * cho_solve((factor, True), scale * (normal.target + normal.gradient))
     drawn = scale * solve_triangular(factor, np.random.default_rng(0).standard_normal(len(scale)), trans=1, lower=True)
     both, end = np.stack([estimate, drawn], axis=-1), 0

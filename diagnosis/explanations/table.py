@@ -227,13 +227,16 @@ def without_folds(linear: Linearization) -> FloatArray:
 
     The rows that remain count as often as makes them as many as all.
     """
-    equations, fold = linear.equations(), folds_of(linear.simulator.signals)
-    parts = [linear.products(np.flatnonzero(fold == k)) for k in range(FOLDS)]
-    whole, times = np.sum(parts, axis=0), FOLDS / (FOLDS - 1.0)
-    evidences = []
-    for part in parts:
-        rest = times * (whole - part)
-        of_priors = equations.power - whole[-1, -1]
-        fewer = replace(equations, matrix=rest[:-1, :-1], target=rest[:-1, -1], power=rest[-1, -1] + of_priors)
+    equations, fold, problem = linear.equations(), folds_of(linear.simulator.signals), linear.problem
+    squares = float(np.sum(problem.weighted(problem.misfit(linear.solution.parameters)) ** 2))
+    times, evidences = FOLDS / (FOLDS - 1.0), []
+    for k in range(FOLDS):
+        part = linear.products(np.flatnonzero(fold == k))
+        fewer = replace(
+            equations,
+            matrix=times * (equations.matrix - part[:-1, :-1]),
+            target=times * (equations.target - part[:-1, -1]),
+            power=equations.power - squares + times * (squares - float(part[-1, -1])),
+        )
         evidences.append(fewer.solved()[1])
     return np.array(evidences)

@@ -19,10 +19,9 @@ from ...drawing.style import BLACK, BLUE, DASHED, GRAY, RED, SOLID
 from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
 from ...symbolic.quantities import ALPHA, KAPPA
-from ...tires.evaluation import Conventions, evaluate
 from ...tires.signs import convert_signs
-from ...tires.tire import Tire
 from ..explanations.form import without_form
+from ..signals.signals import FORMULA_SIGNS
 from ..verdict.findings import FoundEffect
 from ..verdict.residual_location import MIN_ROWS_OF_CELL
 from ..verdict.result import Diagnosis
@@ -49,8 +48,7 @@ def gain_figure(diagnosis: Diagnosis) -> Figure | None:
     in_class = {name for alternatives in diagnosis.one_of for name in alternatives.effects}
     missing = [finding for finding in diagnosis.found if finding.probability >= 0.5 or finding.effect in in_class]
     drawn = [finding for finding in missing if finding.effect in diagnosis.tire.has]
-    whole = _evaluated(diagnosis, diagnosis.tire) if drawn else pd.DataFrame()
-    panels = [_gain_panel(diagnosis, finding, whole) for finding in drawn]
+    panels = [_gain_panel(diagnosis, finding) for finding in drawn]
     text = (
         "measured minus computed, positive in the direction in which the effect acts, mean of rows with similar input "
         "weighted by the effect's force; the offset of the recording is removed"
@@ -59,22 +57,23 @@ def gain_figure(diagnosis: Diagnosis) -> Figure | None:
     return Figure("diagnosis_gain", "What each identified effect adds", in_rows(panels), under) if panels else None
 
 
-def _gain_panel(diagnosis: Diagnosis, finding: FoundEffect, whole: pd.DataFrame) -> Panel:
-    """Return the panel of an effect; `whole`: what the tire with all effects computes."""
-    tire, rows = diagnosis.tire, diagnosis.rows
-    without = replace(tire, effects=tire.has - {finding.effect})
-    error = diagnosis.gap["train"]
+def _gain_panel(diagnosis: Diagnosis, finding: FoundEffect) -> Panel:
+    """Return the panel of an effect, of the compared rows."""
+    rows, error, signs = diagnosis.rows.iloc[diagnosis.run.compared], diagnosis.gap["train"], diagnosis.recording_signs
     channel = min(finding.channels, key=lambda name: graded(error[name]["after"] / max(error[name]["before"], 1e-300)))
-    forces = [of[channel].to_numpy(dtype=np.float64) for of in (_evaluated(diagnosis, without), whole)]
-    response = forces[1] - forces[0]
-    measured = _measured(diagnosis, channel)
+    changes = pd.DataFrame(dict(zip(error, diagnosis.evidence[finding.effect].change, strict=True)))
+    response = convert_signs(changes, FORMULA_SIGNS, signs)[channel].to_numpy()
+    computed = diagnosis.run.computed[1][channel].to_numpy()[diagnosis.run.compared]
+    measured = _measured(diagnosis, rows, channel)
     through = _input(diagnosis, finding.effect)
-    at = convert_signs(rows[[through]], diagnosis.recording_signs, diagnosis.signs)[through]
+    at = convert_signs(rows[[through]], signs, diagnosis.signs)[through]
     x = at.to_numpy(dtype=np.float64) * per_si(through)
     finite = np.isfinite(x) & np.isfinite(measured) & np.isfinite(response)
     parts = [part for part in bins(x, finite) if np.abs(response[part]).any()]
     lines = []
-    for force, label, color, dashes in zip(forces, ("without", "with"), (RED, BLUE), (DASHED, ()), strict=True):
+    for force, label, color, dashes in (
+        (computed - response, "without", RED, DASHED), (computed, "with", BLUE, SOLID),
+    ):  # fmt: skip
         lacking = (measured - force) * response
         means = [lacking[part].sum() / np.abs(response[part]).sum() for part in parts]
         centers = [float(np.median(x[part])) for part in parts]
@@ -90,12 +89,12 @@ def _input(diagnosis: Diagnosis, effect: str) -> str:
     return next((name for name in required if name in diagnosis.rows), "") or _widest_slip(diagnosis.rows)
 
 
-def _measured(diagnosis: Diagnosis, channel: str) -> FloatArray:
-    """Return the measured force without the offset of the recording, in the signs of the recording."""
+def _measured(diagnosis: Diagnosis, rows: pd.DataFrame, channel: str) -> FloatArray:
+    """Return the measured force in some rows without the offset of the recording, in the signs of the recording."""
     offset = diagnosis.recording["removed"][channel]["offset"]
     signs = diagnosis.signs, diagnosis.recording_signs
     converted = float(convert_signs(pd.DataFrame({channel: [offset]}), *signs)[channel].iloc[0])
-    return np.asarray(diagnosis.rows[channel], dtype=np.float64) - converted
+    return np.asarray(rows[channel], dtype=np.float64) - converted
 
 
 def memory_figure(diagnosis: Diagnosis, channel: str) -> Figure:
@@ -106,13 +105,12 @@ def memory_figure(diagnosis: Diagnosis, channel: str) -> Figure:
     `diagnosis`: of a recording with time, whose improved tire has states.
     """
     slip = _widest_slip(diagnosis.rows)
-    tires = ((diagnosis.base_tire, "baseline tire"), (diagnosis.tire, "improved tire"))
     forces, residuals = [], []
-    for tire, title in tires:
-        values = _evaluated(diagnosis, tire)[channel].to_numpy(dtype=np.float64)
+    for of_tire, title in zip(diagnosis.run.computed, ("baseline tire", "improved tire"), strict=True):
+        values = of_tire[channel].to_numpy(dtype=np.float64)
         forces.append(_force_panel(diagnosis, values, channel, slip, title))
         residuals.append(_residual_panel(diagnosis, values, channel, slip, title))
-    computed, t = _evaluated(diagnosis, diagnosis.tire), diagnosis.rows["t"]
+    computed, t = diagnosis.run.computed[1], diagnosis.rows["t"]
     declared = diagnosis.tire.symbolic_model.states
     units = {name: "-" if declared[name].unit == "1" else declared[name].unit for name in diagnosis.tire.states}
     states = [
@@ -127,12 +125,6 @@ def memory_figure(diagnosis: Diagnosis, channel: str) -> Figure:
 def _widest_slip(rows: pd.DataFrame) -> str:
     """Return the slip that varies most in the rows of a recording."""
     return max((name for name in (ALPHA.name, KAPPA.name) if name in rows), key=lambda name: graded(np.ptp(rows[name])))
-
-
-def _evaluated(diagnosis: Diagnosis, tire: Tire) -> pd.DataFrame:
-    """Return what a tire computes in the rows of a recording, in its signs."""
-    inputs = [name for name in diagnosis.rows if name == "t" or name in tire.inputs]
-    return evaluate(tire, diagnosis.rows[inputs], Conventions(diagnosis.recording_signs))
 
 
 def _force_panel(diagnosis: Diagnosis, computed: FloatArray, channel: str, slip: str, title: str) -> Panel:
@@ -199,12 +191,13 @@ def form_figure(diagnosis: Diagnosis) -> Figure:
     rows = diagnosis.rows
     slip = _widest_slip(rows)
     at = np.linspace(rows[slip].min(), rows[slip].max(), POINTS)
-    plain, panels = without_form(diagnosis.tire), dict[str, list[Series]]()
+    tire = replace(diagnosis.tire, added=diagnosis.run.tested)  # its equations are printed already
+    plain, panels = without_form(tire), dict[str, list[Series]]()
     for quantile, color, dashes in LOADS:
         load = float(np.quantile(np.abs(rows["Fz"]), quantile))
         sign = float(np.sign(rows["Fz"].median()))
         table = pd.DataFrame({slip: at, "Fz": sign * load})
-        with_it, without = (tire.evaluate(table, signs=diagnosis.recording_signs) for tire in (diagnosis.tire, plain))
+        with_it, without = (either.evaluate(table, signs=diagnosis.recording_signs) for either in (tire, plain))
         for channel in diagnosis.form.channels:
             change = (with_it[channel] - without[channel]).to_numpy() * per_si(channel)
             line = Series("line", at * per_si(slip), change, color, f"Fz {load:.0f} N", dashes)

@@ -121,7 +121,14 @@ class Signals:
 
     def named(self) -> dict[str, FloatArray]:
         """Return the inputs at the compared rows by name."""
-        return dict(zip(self.names, self.inputs[:, self.rows], strict=True))
+        return dict(zip(self.names, self._compared, strict=True))
+
+    @cached_property
+    def _compared(self) -> FloatArray:
+        """The inputs at the compared rows, shape (n_inputs, n)."""
+        compared = self.inputs[:, self.rows]
+        compared.flags.writeable = False  # shared by all callers
+        return compared
 
 
 def _delayed(t: FloatArray, rows: FloatArray, seconds: float) -> FloatArray:

@@ -97,12 +97,12 @@ class Simulator:
         self._forces = lru_cache(REMEMBERED)(self._computed_forces)
         self._acting = lru_cache(REMEMBERED)(self._computed_acting)
         self._stateful = lru_cache(REMEMBERED)(self._with_states)
-        self._slips = lru_cache(REMEMBERED)(self._lagged)
 
     def forget(self) -> None:
         """Free the memory of what was computed; it is computed again when it is needed."""
         self._remember()
-        # Courses of states at all rows for the coefficients of their equations, and what drives them: for any rows.
+        # Courses of slips and states at all rows for their coefficients, and what drives them: for any compared rows.
+        self._slips = lru_cache(REMEMBERED)(self._lagged)
         self._stored = lru_cache(STORED)(self._followed)
         self._driving = lru_cache(1)(self._driving_values)
         self._active = lru_cache(1)(self._computed_active)

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from .findings import CoefficientInterval, FoundEffect
     from .fit_error import (
         DeliveredResiduals,
+        computed_by,
         delivered_residuals,
         density_gain,
         error_splits,

@@ -9,6 +9,7 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from scipy.special import stdtrit
 
 from ...measurements import Recording
@@ -39,6 +40,7 @@ from .findings import CoefficientInterval, FormCorrection, FoundEffect, Size
 from .fit_error import (
     DeliveredResiduals,
     FitErrors,
+    computed_by,
     delivered_residuals,
     error_splits,
     fit_errors,
@@ -86,12 +88,14 @@ class DiagnosisOutcome:
 class _Delivery:
     """Which tire is delivered, and its fit error.
 
+    - `computed`: by both tires (`computed_by`).
     - `against`: reasons why it is not the improved tire.
     - `final`: the fit of the delivered tire.
     """
 
     base_tire: Tire
     tire: Tire
+    computed: tuple[pd.DataFrame, pd.DataFrame]
     against: tuple[str, ...]
     final: Screen
     residuals: DeliveredResiduals
@@ -151,6 +155,9 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
         run=DiagnosisRun(
             outcome.recording.table,
             outcome.recording.signs,
+            delivery.computed,
+            signals.table_rows,
+            fits.start.added,
             tuple(tuple(signals.table_rows[list(ends)].tolist()) for ends in signals.holdout_stretches()),
             round(time.perf_counter() - began, 2),
             outcome.stopped,
@@ -175,8 +182,9 @@ def _delivery(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -
     # The equations of all effects are compiled already; those of the delivered tires alone would take seconds.
     complete = tuple(replace(either, added=fits.start.added) for either in (base_tire, tire))
     recording = without_skew(outcome.recording, outcome.signals)
+    computed = [computed_by(either, recording) for either in complete]
     of_base, of_improved = (
-        residual_of(either, fit, recording) for either, fit in zip(complete, (before, after), strict=True)
+        residual_of(forces, fit, recording) for forces, fit in zip(computed, (before, after), strict=True)
     )
     residuals = delivered_residuals(of_base, of_improved, outcome.signals)
     more_states = bool(set(tire.states) - set(base_tire.states)) and outcome.signals.timed
@@ -184,10 +192,12 @@ def _delivery(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -
     against = reasons_against(judged) if added or fits.refinements or fits.form is not None else ()
     if against:
         tire, after, of_improved, residuals = base_tire, before, of_base, replace(residuals, after=residuals.before)
+        computed[1] = computed[0]
     elif TEMPERATURE in outcome.signals.origin.derived & set(outcome.recording.table):
         tire = predicting(tire, outcome.recording)
     splits = error_splits(of_improved, residuals, recording)
-    return _Delivery(base_tire, tire, against, after, residuals, fit_errors(before, after, residuals, splits), splits)
+    errors = fit_errors(before, after, residuals, splits)
+    return _Delivery(base_tire, tire, (computed[0], computed[1]), against, after, residuals, errors, splits)
 
 
 def _next_measurements(

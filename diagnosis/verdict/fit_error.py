@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pandas as pd
 
 from ...drawing.labels import drawn_unit
 from ...measurements import Recording
@@ -83,20 +84,28 @@ def without_skew(recording: Recording, signals: Signals) -> Recording:
     return replace(recording, table=table.assign(**dict(zip(names, late, strict=True))))
 
 
-def residual_of(tire: Tire, screen: Screen, recording: Recording) -> FloatArray:
-    """Return the residual of a tire in every row of a recording, shape (n_channels, n_rows), N and N m.
+def computed_by(tire: Tire, recording: Recording) -> pd.DataFrame:
+    """Return outputs and states of a tire in every row of a recording, in its signs.
 
-    `screen`: of the solution of the tire. `recording`: without skew (`without_skew`). Offsets, drift, cross-talk and
-    waves of the recording are subtracted. NaN if a channel was not measured.
+    `recording`: without skew (`without_skew`).
     """
     recording = with_fitted_starts(tire, recording)
     inputs = [name for name in recording.table if name == "t" or name in tire.inputs]
     computed = evaluate(tire, recording.table[inputs], Conventions(recording.signs))
+    return computed[[*tire.outputs, *tire.states]]
+
+
+def residual_of(computed: pd.DataFrame, screen: Screen, recording: Recording) -> FloatArray:
+    """Return the residual of a tire in every row of a recording, shape (n_channels, n_rows), N and N m.
+
+    `computed`: by the tire (`computed_by`). `screen`: of its solution. Offsets, drift, cross-talk and waves of the
+    recording are subtracted. NaN if a channel was not measured.
+    """
     channels = list(screen.signals.channels)
     both = (convert_signs(table[channels], recording.signs, FORMULA_SIGNS) for table in (recording.table, computed))
     measured, simulated = (table.to_numpy(dtype=np.float64).T for table in both)
     t = recording.table["t"].to_numpy(np.float64) if "t" in recording.table else np.arange(float(len(recording)))
-    radius = tire.values["UNLOADED_RADIUS"]
+    radius = screen.problem.simulator.tire.values["UNLOADED_RADIUS"]
     removed = removed_at(screen.problem.disturbances, screen.solution.disturbance, screen.signals, t, measured, radius)
     return np.asarray(measured - simulated - removed)
 

@@ -8,6 +8,8 @@ from typing import Annotated, Any
 
 import pandas as pd
 
+from ...numerics.arrays import IntArray
+from ...symbolic.added import AddedEffect
 from .extrapolation import Extrapolation
 from .findings import FormCorrection
 
@@ -58,10 +60,17 @@ class WrittenFiles:
 
 @dataclass(frozen=True, eq=False)
 class DiagnosisRun:
-    """What was diagnosed, and how."""
+    """What was diagnosed, and how.
+
+    `computed`: outputs and states of the baseline tire and of the delivered one in all rows. `compared`: numbers of the
+    rows of `Evidence.change`. `tested`: the effects in the equations of all fits.
+    """
 
     rows: pd.DataFrame
     recording_signs: str
+    computed: tuple[pd.DataFrame, pd.DataFrame]
+    compared: IntArray
+    tested: tuple[AddedEffect, ...]
     holdout_rows: tuple[Sequence[int], ...]
     seconds: float
     stopped: str

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
+from functools import lru_cache
 
 
+@lru_cache(maxsize=1024)  # states ask for them in every simulation
 def names_in(text: str) -> frozenset[str]:
     """Return the names that a formula reads, functions excluded.
 

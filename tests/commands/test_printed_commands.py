@@ -18,6 +18,7 @@ from tirefmu.commands.fit_command import _testable
 from tirefmu.measurements import Recording
 from tirefmu.tires import published
 
+from ..relatives import slow_but
 from ..rooms import ROOMS, ROOT
 
 #: A name that a shell would not leave alone.
@@ -98,7 +99,7 @@ def test_each_step_prints_the_next_one_which_runs(folder, command):
     assert list(folder.rglob("*.fmu"))
 
 
-@pytest.mark.parametrize(("option", "steps"), [((), "check"), (("--no-fmu",), "export")])
+@pytest.mark.parametrize(("option", "steps"), slow_but([((), "check")], [((), "check"), (("--no-fmu",), "export")]))
 def test_a_diagnosis_prints_the_next_step_which_runs(folder, command, option, steps):
     late(0.15).to_csv(folder / HOSTILE, index=False)
     given = ["--model", "mf61", "--nominal", "Fz0=800,R0=0.25", "--candidates", "relax_lat", "--where", "t > 1"]

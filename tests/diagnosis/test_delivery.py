@@ -11,7 +11,7 @@ from scipy.stats import norm
 import tirefmu
 from tirefmu.diagnosis import diagnose
 from tirefmu.diagnosis.explanations import OneOf, final_fits
-from tirefmu.diagnosis.explanations.effect_evidence import STRETCHES, _stretches, effect_evidence, joint_z
+from tirefmu.diagnosis.explanations.effect_evidence import STRETCHES, _stretches, effect_evidence, joint_z, unproven
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.signals import Simulator
 from tirefmu.diagnosis.verdict import (
@@ -247,6 +247,8 @@ def test_a_true_effect_has_evidence_and_an_absent_one_has_not(at_true_values, ti
     false = effect_evidence(after, ("PVY3",))
     assert false.z < 4.0
     assert abs(false.gain) < 0.01
+    assert unproven(after, {"plysteer": ("PHY1",), "camber_thrust": ("PVY3",)}) == ["camber_thrust"]
+    assert unproven(after, {}) == []
     moved = tire.parameters()
     moved[lacking.simulator.index["PHY1"]] = 0.0
     expected = lacking.simulator.forces(tire.parameters()) - lacking.simulator.forces(moved)

@@ -272,7 +272,8 @@ def test_no_panel_has_two_lines_that_coincide(thrust):
         diagnosis.tire, values={**diagnosis.tire.values, "SIGY": 2.0}, effects=diagnosis.tire.has | {"relax_lat"}
     )
     for tire in (diagnosis.tire, lagging):
-        figure = memory_figure(replace(diagnosis, tire=tire), "Fy")
+        computed = (diagnosis.run.computed[0], tire.evaluate(diagnosis.rows, signs=diagnosis.recording_signs))
+        figure = memory_figure(replace(diagnosis, tire=tire, run=replace(diagnosis.run, computed=computed)), "Fy")
         no_lines_coincide(figure)
     counts = [sum(series.label.startswith("tire") for series in panel.series) for panel in figure.rows[0]]
     assert counts == [1, 2]  # without memory, and with it

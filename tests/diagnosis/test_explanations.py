@@ -34,6 +34,7 @@ from tirefmu.diagnosis.explanations import (
     without_folds,
 )
 from tirefmu.diagnosis.explanations.compare import _simplest, reduced
+from tirefmu.diagnosis.explanations.discrepancy import OF_ALL_INPUTS, bench_errors
 from tirefmu.diagnosis.explanations.table import Table
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
 from tirefmu.diagnosis.signals import between_rows, signals_of
@@ -105,6 +106,22 @@ def test_a_column_is_correlated_with_the_columns_that_reproduce_it(linear_proble
     with_both = Projected.of(equations(repeated[:, [0, 1, 2, 3, 4, 6]], residual, np.ones(6)), [2, 1])
     assert with_both.correlations(slice(0, 2))[2] == pytest.approx(1.0, abs=1e-6)
     assert np.all(projected.correlations(slice(0, 1)) <= 1.0 + 1e-9)
+
+
+def test_the_evidence_of_limited_coefficients_is_the_integral_within_their_limits(linear_problem):
+    """Of two coefficients whose columns are orthogonal; the second one is pushed beyond its limit."""
+    columns = np.linalg.qr(linear_problem[0][:, :2])[0]
+    residual, deviations = columns @ np.array([1.0, -2.5]), np.array([1.0, 2.0])
+    limits = np.array([[-0.5, 0.0], [0.8, 3.0]])
+    limited = replace(equations(columns, residual, deviations), limits=limits)
+    axes = [np.linspace(*ends, 4001) for ends in limits.T]
+    density = 0.0
+    for axis, deviation, along in zip(axes, deviations, columns.T @ residual, strict=True):
+        prior = np.exp(-0.5 * (axis / deviation) ** 2)
+        likelihood = np.exp(along * axis - 0.5 * axis**2)
+        whole = np.trapezoid(prior, axis)
+        density += np.log(np.trapezoid(prior * likelihood, axis) / whole)
+    assert limited.solved()[1] == pytest.approx(density - 0.5 * float(residual @ residual), abs=1e-5)
 
 
 # ------------------------------------------------------------------ the answer
@@ -275,6 +292,22 @@ def test_a_coefficient_at_its_bound_is_a_constant(at_true_values, tire):
     assert len(outside.target) == len(inside.target) - 1
 
 
+def test_what_an_input_does_within_a_step_is_an_error_of_the_bench(at_true_values):
+    """Forces at a slip angle that was recorded a part of a step earlier; another part is another angle."""
+    simulator, parameters = at_true_values.problem.simulator, at_true_values.solution.parameters
+    t, alpha = simulator.signals.t, simulator.signals.everywhere.named()["alpha"]
+    step, at = float(np.median(np.diff(t))), simulator.forces(parameters)
+    columns, deviations = bench_errors(simulator, parameters)
+    assert deviations[OF_ALL_INPUTS:] == pytest.approx(np.full(6, 24.0**-0.5))  # of the load, alpha and kappa
+    of_alpha = columns[:, :, OF_ALL_INPUTS + 2 : OF_ALL_INPUTS + 4]
+    for share in (-0.3, 0.3):
+        late = np.interp(t - share * step, t, alpha) - alpha
+        change = simulator.forces(parameters, {"alpha": late[simulator.signals.rows]}) - at
+        shares = np.linalg.lstsq(of_alpha.reshape(-1, 2), change.ravel(), rcond=None)[0]
+        assert np.linalg.norm(of_alpha @ shares - change) < 0.05 * np.linalg.norm(change)
+        assert shares[0] - shares[1] == pytest.approx(share, rel=0.05)
+
+
 def test_terms_in_the_inputs_of_the_explanation_are_errors_of_form(at_true_values, tire):
     problem, solution = at_true_values.problem, at_true_values.solution
     candidates = candidates_for(replace(tire, effects=tuple(tire.has - {"camber_thrust"})))
@@ -329,6 +362,55 @@ def of_case(hidden):
 def sideways():
     """Return the problem of a recording whose tire has a conicity."""
     return of_case(("conicity",))
+
+
+def test_a_coefficient_beyond_its_bound_gains_nothing(sideways):
+    """What a lag of the load gains is lost if the same forces have the other sign: its friction is at least 0."""
+    problem, solution, candidates = sideways
+    simulator, absent = problem.simulator, Linearization(Explanation(), problem, solution, candidates)
+    addition, at = absent.of_effect("load_lag")[0], solution.parameters
+    lagging = at.copy()
+    lagging[simulator.index["LLMU"]] = 0.3
+    change, gains = simulator.forces(lagging) - simulator.forces(at), []
+    for sign, start in ((1.0, 0.3), (-1.0, 1e-4)):
+        signals = replace(simulator.signals, measured=simulator.signals.measured + sign * change)
+        moved = problem.over(simulator.with_signals(signals))
+        near, free = at.copy(), (*solution.free, *addition.form.free)
+        near[simulator.index["LLMU"]] = start
+        explanation = Explanation((("load_lag", addition.form),))
+        with_lag = Linearization(explanation, moved, moved.at(near, free), candidates)
+        without = Linearization(Explanation(), moved, moved.at(at, solution.free), candidates)
+        gains.append(with_lag.equations().solved()[1] - without.equations().solved()[1])
+    assert gains[0] > 10.0
+    assert gains[1] < 0.0
+
+
+def test_a_coefficient_of_two_effects_belongs_to_both(sideways):
+    """Whatever the explanation beside which one of them is added: both heat up with one time constant."""
+    problem, solution, _ = sideways
+    candidates = candidates_for(problem.simulator.tire)
+    forms = {name: candidates[name].forms[0] for name in ("heat_friction", "heat_stiffness")}
+    assert "HTAU" in forms["heat_friction"].free
+    warm = Explanation((("heat_stiffness", forms["heat_stiffness"]),))
+    at = problem.at(solution.parameters, (*solution.free, *forms["heat_stiffness"].free))
+    beside = Linearization(warm, problem, at, candidates).of_effect("heat_friction")
+    alone = Linearization(Explanation(), problem, solution, candidates).of_effect("heat_friction")
+    assert {addition.form.free for addition in beside} == {addition.form.free for addition in alone}
+    both = warm.with_effect("heat_friction", forms["heat_friction"])
+    assert (both.owner("HTAU"), both.owner("HK")) == ("", "heat_stiffness")
+    assert both.without("heat_stiffness").owner("HTAU") == "heat_friction"
+
+
+def test_an_effect_takes_the_place_of_its_special_case():
+    relaxation = SimpleNamespace(requires=frozenset({"alpha"}), contains="")
+    with_load = SimpleNamespace(requires=frozenset({"alpha", "Fz"}), contains="lateral")
+    candidates = {"lateral": relaxation, "with_load": with_load, "other": relaxation}
+    problem = SimpleNamespace(simulator=SimpleNamespace(symbolic_model=SimpleNamespace(added=(), relaxing_effects=())))
+    table = SimpleNamespace(shared=SimpleNamespace(candidates=candidates, problem=problem))
+    two = Explanation((("lateral", Form((), ())), ("other", Form((), ()))))
+    more = compare._with_form(table, two, "with_load", Form((), ()))
+    assert more.effects == ("other", "with_load")
+    assert Linearization(more, problem, None, candidates).lacking == []
 
 
 def test_noise_alone_has_neither_an_effect_nor_a_formula():

@@ -12,6 +12,7 @@ from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.signals import OUTLIER, quantisation, ripple
 from tirefmu.diagnosis.verdict import (
     MAX_CHANGE,
+    computed_by,
     delivered_residuals,
     error_splits,
     extrapolations,
@@ -31,7 +32,7 @@ NOISE = {"Fx": 5.0, "Fy": 5.0, "Mz": 0.5}
 
 def test_the_noise_floor_equals_the_noise(at_true_values, tire, table):
     recording = Recording(table, "adapted-sae", "bench")
-    residual, signals = residual_of(tire, at_true_values, recording), at_true_values.signals
+    residual, signals = residual_of(computed_by(tire, recording), at_true_values, recording), at_true_values.signals
     residuals = delivered_residuals(residual, residual, signals)
     splits = error_splits(residual, residuals, recording)
     assert {name: one.floor for name, one in splits.items()} == pytest.approx(NOISE, rel=0.1)
@@ -57,6 +58,7 @@ def test_a_fit_and_a_diagnosis_state_the_same_noise_floor(tire, table):
     assert all(abs(difference[name]) < 4.0 * error[name] for name in NOISE), difference
 
 
+@pytest.mark.slow
 def test_they_are_the_same_for_a_measured_recording(data_folder):
     measured = read_recording(data_folder / "cornering.mat")
     recording = replace(measured, table=measured.table.iloc[::8].reset_index(drop=True))
@@ -70,7 +72,10 @@ def test_the_error_of_the_true_tire_is_the_noise(at_true_values, without_camber,
     recording = Recording(table, "adapted-sae", "bench")
     screens, signals = (without_camber, at_true_values), at_true_values.signals
     without = replace(tire, values={**tire.values, "PVY3": -0.3})  # as wrong as the tire of the other recording
-    both = [residual_of(each, screen, recording) for each, screen in zip((without, tire), screens, strict=True)]
+    both = [
+        residual_of(computed_by(each, recording), screen, recording)
+        for each, screen in zip((without, tire), screens, strict=True)
+    ]
     residuals = delivered_residuals(*both, signals)
     splits = error_splits(both[1], residuals, recording)
     reported = fit_errors(*screens, residuals, splits)

@@ -180,6 +180,24 @@ def test_the_log_of_another_drive_is_refused(change, late, car):
         checked(turning(other), car)
 
 
+@pytest.mark.parametrize("axle", ["f", "r"])
+@pytest.mark.parametrize("slip", [0.0, 0.04])
+def test_exchanged_wheel_speeds_are_named_and_right_ones_are_not(car, axle, slip):
+    """The inner wheel of a driven axle spins in tight turns."""
+    log = turning(lambda t, steer, rate: (steer, rate))
+    t, rate = log.channels["yaw_rate"]
+    inner = slip * 15.0 * np.where(np.abs(rate) > 0.7 * np.abs(rate).max(), np.sign(rate), 0.0)
+    half = {"f": road.CAR["track_front"] / 2, "r": road.CAR["track_rear"] / 2}
+    rims = {f"omega_{end}{side}": 15.0 + sign * half[end] * rate + (inner if (end, sign) == (axle, -1) else 0.0)
+            for end in "fr" for side, sign in zip("lr", (-1, 1), strict=True)}  # fmt: skip
+    table = pd.DataFrame({name: values for name, (_, values) in log.channels.items()} | {"t": t})
+    table = table.assign(**{name: speed / road.CAR["radius_front"] for name, speed in rims.items()})
+    checked(read_log(table), car)
+    left, right = f"omega_{axle}l", f"omega_{axle}r"
+    with pytest.raises(DataError, match=f"exchanged .--columns '{left}=HEADER OF {right}"):
+        checked(read_log(table.rename(columns={left: right, right: left})), car)
+
+
 def test_a_wrong_sign_is_named_also_where_a_delay_would_explain_it(car):
     def mirrored(t, steer, rate):
         wave = np.sin(2 * np.pi * 1.5 * t)

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -146,11 +146,11 @@ class StateSimulation:
         values = {name: course.value for name, course in self._courses.items()}
         driven = [state for state in self.states if state.name not in self._courses]
         names = [state.name for state in driven]
-        circular = any(not _read_by(state).isdisjoint(names[i:]) for i, state in enumerate(driven))
+        circular = any(not state.reads.isdisjoint(names[i:]) for i, state in enumerate(driven))
         lines, before = self._given, np.full((len(driven), len(self.t)), np.inf)
         for _ in range(MAX_ITERATIONS if driven else 0):
             for i, state in enumerate(driven):
-                if self.driving and not _read_by(state).isdisjoint(names[:i]):
+                if self.driving and not state.reads.isdisjoint(names[:i]):
                     lines = self.driving(values)
                 values[state.name] = self._course(state, lines).value
             after = np.stack([values[name] for name in names])
@@ -364,9 +364,3 @@ class StateSimulation:
         for state in (state for state in self.states if state.is_temperature):
             nodes[self.index[state.name]] = rows[self.index[state.name], interval]
         return nodes
-
-
-@lru_cache(maxsize=256)
-def _read_by(state: State) -> frozenset[str]:
-    """Return the names that the formulas of a state read, which are parsed once."""
-    return state.reads

@@ -140,9 +140,8 @@ def followed(
     h = np.diff(t)
     with np.errstate(invalid="ignore"):
         way = np.where(h > 0, h * (rate[:-1] if hold else (rate[:-1] + rate[1:]) / 2), 0.0)
-    # A law is linear in the state.
     gained = state_laws.lag(0.0, target[:-1], target[:-1] if hold else target[1:], way)
-    decay = state_laws.lag(1.0, 0.0, 0.0, way)
+    decay = np.exp(-way)  # the law is linear in the state
     again = h < 0 if begins is None else begins[1:]
     value = recursion(start[0], np.where(again, 0.0, decay), np.where(again, start[1:], gained))
     return Course(target, rate, way, np.where(np.isinf(rate), target, value), hold)

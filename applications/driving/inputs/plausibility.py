@@ -74,7 +74,7 @@ def check_wheel_speeds(log: Log, car: Car) -> None:
 
 
 def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
-    """Raise `DataError` if the log contradicts the car: no steering, a wrong sign, another unit, another car.
+    """Raise `DataError` if the log contradicts the car: no steering, a wrong sign or side, another unit, another car.
 
     `speed`, shape (n,): rough forward speed at the intervals.
     """
@@ -91,6 +91,7 @@ def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
         raise DataError(
             f"{source}: yaw rate and steer have opposite signs: both are positive to the left (--columns steer=-HEADER)"
         )
+    _check_sides(grid, speed, yaw_rate, source)
     if correlation < MIN_CORRELATION:
         raise DataError(
             f"{source}: the steering does not explain the yaw rate (correlation {correlation:.2f}): is this the log of "
@@ -118,6 +119,18 @@ def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
             f"{source}: ay is {offset:+.3g} m/s^2 from speed times yaw rate on average: a banked road, or a tilted "
             f"sensor: state it: ay_offset = {offset:.3g} in [sensors] of {car.source} (a bank of 1 rad adds 9.81)"
         )
+
+
+def _check_sides(grid: Grid, speed: FloatArray, yaw_rate: FloatArray, source: str) -> None:
+    """Raise `DataError` if the left wheel of an axle is the faster one in a left turn without sliding."""
+    calm = _calm(speed * yaw_rate)
+    for axle, (left, right) in (("front", grid.rims[:2]), ("rear", grid.rims[2:])):
+        if left.any() and right.any() and _slope(yaw_rate[calm], (right - left)[calm])[1] < -MIN_CORRELATION:
+            pair = [f"omega_{axle[0]}{side}" for side in "lr"]
+            raise DataError(
+                f"{source}: the left {axle} wheel is the faster one in a left turn: left and right wheel speeds are "
+                f"exchanged (--columns '{pair[0]}=HEADER OF {pair[1]},{pair[1]}=HEADER OF {pair[0]}')"
+            )
 
 
 def _turning(
