@@ -119,14 +119,16 @@ class Linearization:
 
     @cached_property
     def skew(self) -> float:
-        """The time by which the inputs are recorded before the forces, s: of the simulator, and the rest of it.
+        """The time by which the inputs are recorded before the forces, s: of the simulator, and what is left of it.
 
-        Delays of single inputs, which no tire is fitted with, have no part of it.
+        Delays of single inputs, which no tire is fitted with, have no part of it. A rest of less than two standard
+        deviations is none.
         """
-        first, number = self.skew_index, _contents(self).bench
-        single = range(first + OF_ALL_INPUTS, first + number)
-        rest = self._own_equations.estimate_without(first, single) if number else 0.0
-        return float(np.clip(self.simulator.signals.skew + rest, -MAX_SKEW, MAX_SKEW))
+        skew, first, number = self.simulator.signals.skew, self.skew_index, _contents(self).bench
+        if number:
+            rest, deviation = self._own_equations.estimate_without(first, range(first + OF_ALL_INPUTS, first + number))
+            skew += rest if abs(rest) > 2.0 * deviation else 0.0
+        return float(np.clip(skew, -MAX_SKEW, MAX_SKEW))
 
     def error_of_skew(self, step: float) -> float:
         """Return the error of the logarithm of the evidence if the forces are linear in a change of the skew, s.
