@@ -53,7 +53,7 @@ class ComparedExplanations:
     @property
     def doubtful(self) -> list[str]:
         """The effects of the delivered explanation that are not called missing."""
-        return [name for name in self.leader.explanation.effects if self.answer.probabilities[name] < NAMED]
+        return self.answer.doubtful(self.leader.explanation.effects)
 
 
 def compared(
@@ -142,8 +142,9 @@ def _simplest(table: Table, answer: Answer) -> Refitted:
 
 
 def _with_fewest_parts(table: Table, answer: Answer) -> Refitted:
-    probabilities, most = answer.probabilities, set(table.leader.explanation.parts)
-    least = {part for part in most if probabilities[part] >= NAMED}
+    most, doubtful = set(table.leader.explanation.parts), answer.doubtful(table.leader.explanation.effects)
+    unknown = {UNKNOWN} if answer.probabilities[UNKNOWN] < NAMED else set()
+    least = most.difference(doubtful, unknown)
     equal = [
         refit
         for parts, refit in table.refits.items()
@@ -328,9 +329,9 @@ def exchanged(table: Table, refit: Refitted) -> Move:
             if table.compared(more):
                 continue
             table.report(f"comparing {part} with {name}")
-            begins = _starts(refit, best, table.without(refit, less))
+            begins = _starts(table, refit, more, best)
             if less.parts in table.refits:
-                begins = [*_starts(table.refits[less.parts], best), *begins]
+                begins = [*_starts(table, table.refits[less.parts], more, best), *begins]
             table = table.with_refit(refitted(table.shared, more, begins, refit.linear.simulator))
             yield table
         table = yield from _with_both(table, refit, part)
@@ -356,7 +357,7 @@ def _with_both(table: Table, refit: Refitted, part: str) -> Move:
     more = _with_form(table, refit.explanation, name, dict(others[name].explanation.forms)[name])
     if not table.compared(more):
         table.report(f"comparing {part} with both {part} and {name}")
-        start = 0.5 * (refit.linear.solution.parameters + others[name].linear.solution.parameters)
+        start = 0.5 * (table.without(refit, more) + table.without(others[name], more))
         for effect, of in ((part, refit), (name, others[name])):
             form = dict(of.explanation.forms)[effect]
             whole = [of.linear.simulator.index[free] for free in form.free if not form.scalable or free in form.grid]
@@ -424,11 +425,11 @@ def _with_form(table: Table, explanation: Explanation, name: str, form: Form) ->
 
 def _with_effect(table: Table, refit: Refitted, more: Explanation, gain: Gain) -> Refitted:
     """Refit an explanation with an addition; coefficients of a grid are fitted: its points are one explanation."""
-    return refitted(table.shared, more, _starts(refit, gain), refit.linear.simulator)
+    return refitted(table.shared, more, _starts(table, refit, more, gain), refit.linear.simulator)
 
 
-def _starts(refit: Refitted, gain: Gain, parameters: FloatArray | None = None) -> list[FloatArray]:
-    """Return initial values for a refit with an addition, beside the coefficients of a refit or given ones."""
-    solution, estimate = refit.linear.solution, gain.estimate * gain.addition.deviation
-    at = solution if parameters is None else replace(solution, parameters=parameters)
+def _starts(table: Table, refit: Refitted, more: Explanation, gain: Gain) -> list[FloatArray]:
+    """Return initial values for an explanation with an addition, beside what it has of a refit."""
+    estimate = gain.estimate * gain.addition.deviation
+    at = replace(refit.linear.solution, parameters=table.without(refit, more))
     return starts(refit.linear.simulator, at, gain.addition.form, estimate)

@@ -121,7 +121,7 @@ class Linearization:
     def skew(self) -> float:
         """The time by which the inputs are recorded before the forces, s: of the simulator, and what is left of it.
 
-        Delays of single inputs, which no tire is fitted with, have no part of it. A rest of less than two standard
+        Errors of single inputs, which no tire is fitted with, have no part of it. A rest of less than two standard
         deviations is none.
         """
         skew, first, number = self.simulator.signals.skew, self.skew_index, _contents(self).bench

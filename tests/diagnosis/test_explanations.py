@@ -292,20 +292,19 @@ def test_a_coefficient_at_its_bound_is_a_constant(at_true_values, tire):
     assert len(outside.target) == len(inside.target) - 1
 
 
-def test_what_an_input_does_within_a_step_is_an_error_of_the_bench(at_true_values):
-    """Forces at a slip angle that was recorded a part of a step earlier; another part is another angle."""
+def test_the_mean_of_an_input_over_a_step_is_an_error_of_the_bench(at_true_values):
+    """Forces at a slip angle whose channel has a filter: they are one deviation of one column away."""
     simulator, parameters = at_true_values.problem.simulator, at_true_values.solution.parameters
     t, alpha = simulator.signals.t, simulator.signals.everywhere.named()["alpha"]
-    step, at = float(np.median(np.diff(t))), simulator.forces(parameters)
     columns, deviations = bench_errors(simulator, parameters)
-    assert deviations[OF_ALL_INPUTS:] == pytest.approx(np.full(6, 24.0**-0.5))  # of the load, alpha and kappa
-    of_alpha = columns[:, :, OF_ALL_INPUTS + 2 : OF_ALL_INPUTS + 4]
-    for share in (-0.3, 0.3):
-        late = np.interp(t - share * step, t, alpha) - alpha
-        change = simulator.forces(parameters, {"alpha": late[simulator.signals.rows]}) - at
-        shares = np.linalg.lstsq(of_alpha.reshape(-1, 2), change.ravel(), rcond=None)[0]
-        assert np.linalg.norm(of_alpha @ shares - change) < 0.05 * np.linalg.norm(change)
-        assert shares[0] - shares[1] == pytest.approx(share, rel=0.05)
+    assert len(deviations) == OF_ALL_INPUTS + 3  # the load, alpha and kappa
+    fine = np.linspace(-0.5, 0.5, 201) * float(np.median(np.diff(t)))
+    weights = np.r_[0.5, np.ones(199), 0.5] / 200.0
+    mean = np.array([weights @ np.interp(at + fine, t, alpha) for at in t[1:-1]])
+    change = np.pad(mean - alpha[1:-1], 1)[simulator.signals.rows]
+    moved = simulator.forces(parameters, {"alpha": change}) - simulator.forces(parameters)
+    column = columns[:, :, OF_ALL_INPUTS + 1] * deviations[OF_ALL_INPUTS + 1]
+    assert np.linalg.norm(column - moved) < 0.01 * np.linalg.norm(moved)
 
 
 def test_terms_in_the_inputs_of_the_explanation_are_errors_of_form(at_true_values, tire):
@@ -410,6 +409,14 @@ def test_an_effect_takes_the_place_of_its_special_case():
     two = Explanation((("lateral", Form((), ())), ("other", Form((), ()))))
     more = compare._with_form(table, two, "with_load", Form((), ()))
     assert more.effects == ("other", "with_load")
+    relaxing = Explanation((("lateral", Form.each({"SIGY": 0.2})), ("other", Form.each({"PHY1": 0.1}))))
+    index = {"SIGY": 0, "PHY1": 1, "SIGC": 2}
+    linear = SimpleNamespace(solution=SimpleNamespace(parameters=np.ones(3)), simulator=SimpleNamespace(index=index))
+    compared_before = Table(None, np.zeros(3), {})
+    less = Explanation((("other", Form.each({"PHY1": 0.1})),))
+    for other, expected in ((less, [0, 1, 1]), (less.with_effect("with_load", Form.each({"SIGY": 0.2})), [1, 1, 1])):
+        start = compared_before.without(SimpleNamespace(explanation=relaxing, linear=linear), other)
+        assert start.tolist() == expected  # no coefficient of an effect that is absent remains
     assert Linearization(more, problem, None, candidates).lacking == []
 
 
@@ -483,6 +490,7 @@ def test_two_similar_effects_begin_with_half_of_each_and_their_memories(monkeypa
     table = SimpleNamespace(
         refits=refits, shared=shared, is_far=lambda parts: False, compared=lambda more: False,
         report=lambda sentence: None, with_refit=lambda refit: refit,
+        without=lambda refit, more: refit.linear.solution.parameters,
     )  # fmt: skip
     monkeypatch.setattr(compare, "refitted", lambda shared, more, begins, at: (more.effects, begins[0].tolist()))
     effects, start = next(compare._with_both(table, history, "history"))
