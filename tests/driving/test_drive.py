@@ -17,6 +17,7 @@ from scipy.stats import chi2
 import tirefmu
 from tests.json_schemas import check_file, objections
 from tirefmu.applications.driving import estimate, simulation
+from tirefmu.applications.driving.dynamics.discrepancy import USUAL, size_of
 from tirefmu.applications.driving.dynamics.lagging import behind_lags
 from tirefmu.applications.driving.effects import Missing, effect_columns, factor_values, motion_of
 from tirefmu.applications.driving.estimate import estimated
@@ -60,6 +61,56 @@ def test_the_factors_are_those_of_the_truth(answer):
     assert not answer.verdict.car
     assert {finding.effect for finding in answer.verdict.tires} >= {"friction is lower"}
     assert answer.verdict.lacking < 0.95  # the tires of the truth have no effect that those of the file lack
+
+
+@pytest.fixture(scope="session")
+def forces(answer):
+    """Return the side forces of both axles per static load over the drive, and the length of an interval."""
+    motion = motion_of(answer.grid, answer.estimate, answer.unknowns, answer.car)
+    return motion.side_forces(dict(answer.scaled)), answer.grid.step
+
+
+def shifts(answer, added, known):
+    """Return by how many of their deviations forces that the estimate does not know move the factors.
+
+    `known`: the coefficients of the discrepancy that the estimate has.
+    """
+    estimate, n = answer.estimate, len(answer.unknowns)
+    both, _ = estimate.information(answer.grid, added[:, :, None])
+    kept = [*range(n), *(n + np.flatnonzero(known))]
+    covariance = np.linalg.inv(both[np.ix_(kept, kept)] + np.eye(len(kept)))
+    moved, deviation = covariance @ both[kept, -1], np.sqrt(np.diag(covariance))
+    return (moved / deviation)[len(answer.unknowns.car) : n]
+
+
+def late(force, step):
+    return 0.015 * np.gradient(force, step, axis=0)
+
+
+def inert(force, step):
+    return 0.002 * np.gradient(np.gradient(force, step, axis=0), step, axis=0)
+
+
+def another_curve(force, step):
+    return 0.02 * force * (force / np.abs(force).max(axis=0)) ** 2
+
+
+@pytest.mark.parametrize(("error", "places"), [(late, (9, 10)), (inert, (11,)), (another_curve, (0, 1, 2))])
+def test_what_a_car_has_and_no_entry_explains_is_no_factor(error, places, answer, forces):
+    """Late forces, masses that move against the body, another curve: in one axle, of the size that cars have."""
+    n = (len(answer.estimate.z) - len(answer.unknowns)) // 2
+    for axle in (0, 1):
+        added = error(*forces) * (np.arange(2) == axle)
+        known = shifts(answer, added, np.ones(2 * n, dtype=bool))
+        unknown = shifts(answer, added, ~np.isin(np.arange(2 * n) % n, places))
+        assert np.abs(known).max() < 1.96
+        assert np.abs(unknown).max() > np.abs(known).max()
+
+
+def test_a_drive_shows_no_less_of_what_it_cannot_see(answer):
+    assert answer.estimate.size >= USUAL
+    assert size_of(USUAL, np.zeros(24), np.zeros(24)) == USUAL
+    assert USUAL < size_of(USUAL, np.full(24, 1.5), np.zeros(24)) < size_of(USUAL, np.full(24, 9.0), np.zeros(24))
 
 
 @pytest.mark.slow
