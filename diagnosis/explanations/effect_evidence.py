@@ -25,7 +25,9 @@ CERTAIN = 2.0
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """Evidence for an effect. It is reported; the probability of the effect decides whether it is named.
+    """Evidence for an effect. The probability of the effect decides whether it is named.
+
+    The evidence decides whether the tire has an effect that is not called missing.
 
     Attributes
     ----------
