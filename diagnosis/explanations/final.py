@@ -20,6 +20,8 @@ from ...symbolic.detection import Form
 from ...symbolic.model import Model
 from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
+from ..probing.baseline_fit import readable
+from ..probing.candidates import CORE, refinements_for
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS
 from ..unexplained.formula_proposal import UnexplainedStructure, Unknown, proposed
@@ -91,12 +93,13 @@ def final_fits(
     problem = replace(problem, disturbances=disturbances, stop=lambda: budget.late).over(
         problem.simulator.with_signals(aligned)
     )
-    problem, base = problem.driven(baseline).fitted(baseline.parameters, baseline.free)
+    free = _in_order(problem, [*baseline.free, *refined_core(problem)])
+    problem, base = problem.driven(baseline).fitted(baseline.parameters, free)
     refinements = linear.needed_refinements()
     extended, solution = problem, base
-    freed = {*linear.solution.free, *(name for _, form in refinements for name in form.free)}
+    freed = {*base.free, *linear.solution.free, *(name for _, form in refinements for name in form.free)}
     if freed > set(base.free):
-        free = tuple(sorted(freed, key=linear.simulator.names.index))
+        free = _in_order(problem, freed)
         extended, solution = problem.driven(linear.solution).fitted(linear.solution.parameters, free)
     unknown, change = tuple[Unknown, ...](), None
     if terms := linear.explanation.terms:
@@ -125,6 +128,19 @@ def final_fits(
     added = [declared.name for part in unknown if part.added and part.effect for declared in part.effect.declarations]
     formula = effect_evidence(after, added) if added else None
     return Final(before, after, whitened.standard_errors(), effects, evidence, refinements, unknown, formula, change)
+
+
+def _in_order(problem: LeastSquares, names: Collection[str]) -> tuple[str, ...]:
+    """Return different coefficients in the order of the model."""
+    return tuple(sorted(set(names), key=problem.simulator.names.index))
+
+
+def refined_core(problem: LeastSquares) -> list[str]:
+    """Return the refinements of the core that the given tire has: they are fitted together with what they refine."""
+    tire, signals, model = problem.simulator.tire, problem.simulator.signals, problem.simulator.symbolic_model
+    names = {name for effect, form in refinements_for(tire, frozenset()) if effect == CORE for name in form.free}
+    neutral = {name: model.coefficients[name].neutral for name in sorted(names & tire.values.keys())}
+    return [name for name in readable(tuple(neutral), signals, model) if tire.values[name] != neutral[name]]
 
 
 def _unproven(

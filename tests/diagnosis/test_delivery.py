@@ -1,6 +1,7 @@
 """What a diagnosis delivers is what it reports."""
 
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,6 +13,7 @@ import tirefmu
 from tirefmu.diagnosis import diagnose
 from tirefmu.diagnosis.explanations import OneOf, final_fits
 from tirefmu.diagnosis.explanations.effect_evidence import STRETCHES, _stretches, effect_evidence, joint_z, unproven
+from tirefmu.diagnosis.explanations.final import refined_core
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.signals import Simulator
 from tirefmu.diagnosis.verdict import (
@@ -253,6 +255,16 @@ def test_a_true_effect_has_evidence_and_an_absent_one_has_not(at_true_values, ti
     moved[lacking.simulator.index["PHY1"]] = 0.0
     expected = lacking.simulator.forces(tire.parameters()) - lacking.simulator.forces(moved)
     np.testing.assert_allclose(true.change, expected, atol=0.1 * np.abs(expected).max())
+
+
+def test_refinements_of_the_core_are_fitted_if_the_tire_has_them(problem, tire):
+    """Those of a moment or a force that was not measured are not."""
+    assert refined_core(problem) == []
+    refined = Simulator(tire.with_values(PKX2=1.0, PEX3=0.0), problem.simulator.signals)
+    assert refined_core(problem.over(refined)) == ["PKX2"]
+    signals = problem.simulator.signals
+    sideways = replace(signals, channels=("Fy",), measured=signals.measured[1:2], present=signals.present[1:2])
+    assert refined_core(problem.over(refined.with_signals(sideways))) == []
 
 
 def test_gains_of_the_blocks_of_the_holdout_set_sum_to_its_gain(at_true_values, tire):
