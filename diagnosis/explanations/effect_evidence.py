@@ -107,7 +107,8 @@ def density_gain_of(without: Screen, after: Screen) -> float:
     used, fits = after.problem.inverse_noise > 0.0, (without, after)
     fitted = [fit.solution.residual for fit in fits]
     left_out = [residual + fit.change_without_block for residual, fit in zip(fitted, fits, strict=True)]
-    return min(float(density_gains(*residuals, used, used).sum()) for residuals in (fitted, left_out))
+    gains = [density_gains(before, with_it, used, used) for before, with_it in (fitted, left_out)]
+    return min(float(gain.sum()) for gain in gains)
 
 
 def _stretches(screen: Screen, change: FloatArray, z: float) -> IntArray:
