@@ -147,13 +147,13 @@ def with_proven(
         weighted = balanced(problem, solution)
         after = Screen(weighted, weighted.at(solution.parameters, solution.free))
         model = problem.simulator.symbolic_model
-        own = {name: _coefficients(name, explanation, model, solution) for name in explanation.effects}
-        absent = unproven(after, {name: own[name] for name in judged})
+        coefficients = {name: _coefficients(name, explanation, model, solution) for name in explanation.effects}
+        absent = unproven(after, {name: coefficients[name] for name in judged})
         if not absent:
             break
         explanation = replace(explanation, forms=tuple(form for form in explanation.forms if form[0] not in absent))
-        lost = {name for effect in absent for name in own[effect]}
-        lost -= {name for effect in explanation.effects for name in own[effect]}
+        lost = {name for effect in absent for name in coefficients[effect]}
+        lost -= {name for effect in explanation.effects for name in coefficients[effect]}
         free = tuple(name for name in solution.free if name not in lost)
         problem, solution = problem.fitted(problem.simulator.without(solution.parameters, lost), free)
     return problem, solution, explanation

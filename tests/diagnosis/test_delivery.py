@@ -11,9 +11,8 @@ from scipy.stats import norm
 
 import tirefmu
 from tirefmu.diagnosis import diagnose
-from tirefmu.diagnosis.explanations import Explanation, OneOf, final_fits, with_proven
+from tirefmu.diagnosis.explanations import Explanation, OneOf, final_fits, refined_core, with_proven
 from tirefmu.diagnosis.explanations.effect_evidence import STRETCHES, _stretches, effect_evidence, joint_z, unproven
-from tirefmu.diagnosis.explanations.final import refined_core
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.signals import Simulator
 from tirefmu.diagnosis.verdict import (
