@@ -153,17 +153,21 @@ def with_proven(
             break
         explanation = replace(explanation, forms=tuple(form for form in explanation.forms if form[0] not in absent))
         lost = {name for effect in absent for name in coefficients[effect]}
-        lost -= {name for effect in explanation.effects for name in coefficients[effect]}
+        lost -= {name for _, form in explanation.forms for name in form.free}
         free = tuple(name for name in solution.free if name not in lost)
         problem, solution = problem.fitted(problem.simulator.without(solution.parameters, lost), free)
     return problem, solution, explanation
 
 
 def _coefficients(effect: str, explanation: Explanation, model: Model, solution: Solution) -> tuple[str, ...]:
-    """Return the free coefficients that belong to an effect, also those of its refinements."""
+    """Return the free coefficients that belong to an effect, also those of its refinements.
+
+    A coefficient of several effects of the model (PHYP2: camber thrust and turn slip) is that of the one it is free for.
+    """
     owned = model.owned(effect) if effect in model.effects else frozenset()
+    owners = {name: explanation.owner(name) for name in solution.free}
     freed = {name for owner, form in explanation.forms if owner == effect for name in form.free}
-    return tuple(name for name in solution.free if name in freed or name in owned)
+    return tuple(name for name in solution.free if name in freed or (name in owned and not owners[name]))
 
 
 def balanced(problem: LeastSquares, solution: Solution) -> LeastSquares:
