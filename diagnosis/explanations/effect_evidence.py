@@ -45,6 +45,8 @@ class Evidence:
         Cross-validated gain of each block of time, as a share of the squared misfit without the effect.
     change : ndarray, shape (n_channels, n)
         Of the forces by the effect alone, N and N m.
+    certainty : float
+        How certainly the effect predicts what was left out, in standard errors; 0 if it changes no force.
     """
 
     JSON_KEYS: ClassVar = ("z", "stretches", "holdout_gain", "holdout_error")
@@ -56,6 +58,7 @@ class Evidence:
     p: float
     gains: FloatArray
     change: FloatArray
+    certainty: float
 
     @property
     def gain(self) -> float:
@@ -66,11 +69,6 @@ class Evidence:
     def gain_error(self) -> float:
         """The standard error of `gain`."""
         return error_of_sum(self.gains)
-
-    @property
-    def certainty(self) -> float:
-        """How certainly the effect predicts what was left out; above `CERTAIN` if it does."""
-        return certainty(self.gains, self.holdout_gain)
 
 
 def effect_evidence(after: Screen, coefficients: Collection[str]) -> Evidence:
@@ -92,34 +90,40 @@ def effect_evidence(after: Screen, coefficients: Collection[str]) -> Evidence:
     edges = _stretches(screen, columns[:, :, 0], z)
     holdout = problem.holdout_gains(without, solution)
     total = float(screen.baseline.loss.sum())
+    gains = (screen.baseline.loss - after.baseline.loss) / total
+    change = np.nan_to_num(problem.simulator.forces(solution.parameters) - problem.simulator.forces(removed))
     return Evidence(
         z,
         int(np.sum(screen.losses(edges) > after.losses(edges))),
         float(holdout.sum()),
         error_of_sum(holdout) if len(holdout) > 1 else 0.0,
         float(chdtrc(1, (response.estimate[0] / response.coloured[0]) ** 2)),
-        (screen.baseline.loss - after.baseline.loss) / total,
-        np.nan_to_num(problem.simulator.forces(solution.parameters) - problem.simulator.forces(removed)),
+        gains,
+        change,
+        certainty(gains, holdout) if change.any() else 0.0,
     )
 
 
-def certainty(gains: FloatArray, holdout_gain: float) -> float:
-    """Return the gain of left-out blocks, shape (n_blocks,), in standard errors; at most 0 if the hold-out set loses.
+def certainty(gains: FloatArray, holdout_gains: FloatArray) -> float:
+    """Return the gain of all blocks that were left out, in standard errors.
 
-    >>> gains = np.array([1.0, 3.0])
-    >>> [round(value, 6) for value in (certainty(gains, 0.1), certainty(gains, -0.1), certainty(-gains, 0.1))]
-    [2.0, 0.0, -2.0]
+    `gains`, shape (n_blocks,): of blocks that were left out one after another. `holdout_gains`, shape (n,): of the
+    blocks of the hold-out set. Both as shares of the squared misfit on all blocks of their kind.
+
+    >>> alike, none = np.array([0.02, 0.06]), np.zeros(0)
+    >>> [round(certainty(*given), 6) for given in ((alike, none), (-alike, none), (alike, alike), (alike, -alike))]
+    [2.0, -2.0, 3.464102, 0.0]
     """
-    rated = float(gains.sum()) / max(error_of_sum(gains), 1e-300)
-    return rated if holdout_gain > 0.0 else min(rated, 0.0)
+    both = np.concatenate([len(gains) * gains, len(holdout_gains) * holdout_gains])
+    return float(both.sum()) / max(error_of_sum(both), 1e-300)
 
 
 def unproven(after: Screen, effects: Mapping[str, Collection[str]]) -> list[str]:
     """Return the effects that do not predict what was left out.
 
-    As for a correction of the form, this is blocks of time, by more than twice the standard error over blocks, and the
-    hold-out set. One effect after another, the least certain one first: of two that are in each other's place, one
-    remains. All other coefficients follow linearly.
+    These are blocks of time, one after another, and the hold-out set, by more than twice the standard error.
+    One effect after another, the least certain one first: of two that are in each other's place, one remains. All other
+    coefficients follow linearly.
 
     `after`: of the model with all effects. `effects`: the coefficients that are free for each of those that are judged.
     """
@@ -140,7 +144,7 @@ def unproven(after: Screen, effects: Mapping[str, Collection[str]]) -> list[str]
     while remaining := [name for name in effects if name not in absent]:
         tried = {name: without([*absent, name]) for name in remaining}
         rated = {
-            name: certainty(loss - before[0], float(problem.holdout_gains(rest, before[1]).sum()))
+            name: certainty((loss - before[0]) / before[0].sum(), problem.holdout_gains(rest, before[1]))
             for name, (loss, rest) in tried.items()
         }
         least = min(remaining, key=lambda name: graded(rated[name]))
