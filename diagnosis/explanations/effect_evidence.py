@@ -98,23 +98,26 @@ def effect_evidence(after: Screen, coefficients: Collection[str]) -> Evidence:
     )
 
 
-def certainty(gains: FloatArray, holdout_gain: float) -> float:
-    """Return the gain of left-out blocks, shape (n_blocks,), in standard errors; at most 0 if the hold-out set loses.
+def certainty(gains: FloatArray, holdout_gains: FloatArray) -> float:
+    """Return the gain of all blocks that were left out, in standard errors.
 
-    >>> gains = np.array([1.0, 3.0])
-    >>> [round(value, 6) for value in (certainty(gains, 0.1), certainty(gains, -0.1), certainty(-gains, 0.1))]
-    [2.0, 0.0, -2.0]
+    `gains`, shape (n_blocks,): of blocks that were left out one after another. `holdout_gains`, shape (n,): of the
+    blocks of the hold-out set. Both as shares of the squared misfit on all blocks of their kind.
+
+    >>> alike, none = np.array([0.02, 0.06]), np.zeros(0)
+    >>> [round(certainty(*given), 6) for given in ((alike, none), (-alike, none), (alike, alike), (alike, -alike))]
+    [2.0, -2.0, 3.464102, 0.0]
     """
-    rated = float(gains.sum()) / max(error_of_sum(gains), 1e-300)
-    return rated if holdout_gain > 0.0 else min(rated, 0.0)
+    both = np.concatenate([len(gains) * gains, len(holdout_gains) * holdout_gains])
+    return float(both.sum()) / max(error_of_sum(both), 1e-300)
 
 
 def unproven(after: Screen, effects: Mapping[str, Collection[str]]) -> list[str]:
     """Return the effects that do not predict what was left out.
 
-    As for a correction of the form, this is blocks of time, by more than twice the standard error over blocks, and the
-    hold-out set. One effect after another, the least certain one first: of two that are in each other's place, one
-    remains. All other coefficients follow linearly.
+    These are blocks of time, one after another, and the hold-out set, by more than twice the standard error.
+    One effect after another, the least certain one first: of two that are in each other's place, one remains. All other
+    coefficients follow linearly.
 
     `after`: of the model with all effects. `effects`: the coefficients that are free for each of those that are judged.
     """
@@ -135,7 +138,7 @@ def unproven(after: Screen, effects: Mapping[str, Collection[str]]) -> list[str]
     while remaining := [name for name in effects if name not in absent]:
         tried = {name: without([*absent, name]) for name in remaining}
         rated = {
-            name: certainty(loss - before[0], float(problem.holdout_gains(rest, before[1]).sum()))
+            name: certainty((loss - before[0]) / before[0].sum(), problem.holdout_gains(rest, before[1]))
             for name, (loss, rest) in tried.items()
         }
         least = min(remaining, key=lambda name: graded(rated[name]))

@@ -165,9 +165,9 @@ def _coefficients(effect: str, explanation: Explanation, model: Model, solution:
     A coefficient of several effects of the model (PHYP2: camber thrust and turn slip) is that of the one it is free for.
     """
     owned = model.owned(effect) if effect in model.effects else frozenset()
-    owners = {name: explanation.owner(name) for name in solution.free}
     freed = {name for owner, form in explanation.forms if owner == effect for name in form.free}
-    return tuple(name for name in solution.free if name in freed or (name in owned and not owners[name]))
+    others = {name for owner, form in explanation.forms if owner != effect for name in form.free}
+    return tuple(name for name in solution.free if name in freed or name in owned - others)
 
 
 def balanced(problem: LeastSquares, solution: Solution) -> LeastSquares:
