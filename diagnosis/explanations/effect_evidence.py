@@ -12,7 +12,7 @@ from scipy.special import chdtrc, ndtri
 from ...numerics.arrays import FloatArray, IntArray
 from ...numerics.block_regression import block_sums, error_of_sum, regression
 from ...numerics.ties import graded
-from ..least_squares import Solution
+from ..least_squares import Solution, density_gains
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS
 
@@ -75,9 +75,8 @@ def effect_evidence(after: Screen, coefficients: Collection[str]) -> Evidence:
     """
     problem, solution = after.problem, after.solution
     removed = problem.simulator.without(solution.parameters, coefficients)
-    others = tuple(name for name in solution.free if name not in coefficients)
-    without = problem.solve(removed, others, iterations=FINAL_ITERATIONS)
-    screen = Screen(problem, without)
+    screen = without_effect(after, coefficients)
+    without = screen.solution
     # In the linear case the change by the effect alone, but right, too, if the other coefficients follow nonlinearly.
     columns = problem.weighted(without.residual - solution.residual)[:, :, None]
     screen.learn_noise([columns])
@@ -146,6 +145,31 @@ def unproven(after: Screen, effects: Mapping[str, Collection[str]]) -> list[str]
             break
         absent, before = [*absent, least], tried[least]
     return absent
+
+
+def harmful(after: Screen, effects: Mapping[str, Collection[str]]) -> list[str]:
+    """Return the effect without which all coefficients find an optimum that predicts all channels better, if any does.
+
+    The predictive density of the fitted rows counts or, if the effect improves it less, that of left-out blocks.
+    """
+    used = after.problem.inverse_noise > 0.0
+
+    def gain(without: Screen) -> float:
+        fitted = without.solution.residual, after.solution.residual
+        left_out = [rest + fit.change_without_block for rest, fit in zip(fitted, (without, after), strict=True)]
+        return min(float(density_gains(*rests, used, used).sum()) for rests in (fitted, left_out))
+
+    gains = {name: gain(without_effect(after, coefficients)) for name, coefficients in effects.items()}
+    least = min(gains, key=lambda name: graded(gains[name]))
+    return [least] if not gains[least] > 0.0 else []
+
+
+def without_effect(after: Screen, coefficients: Collection[str]) -> Screen:
+    """Return the fit of the same model without an effect."""
+    problem, solution = after.problem, after.solution
+    removed = problem.simulator.without(solution.parameters, coefficients)
+    others = tuple(name for name in solution.free if name not in coefficients)
+    return Screen(problem, problem.solve(removed, others, iterations=FINAL_ITERATIONS))
 
 
 def _stretches(screen: Screen, change: FloatArray, z: float) -> IntArray:

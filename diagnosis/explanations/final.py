@@ -26,7 +26,7 @@ from ..thresholds import FINAL_ITERATIONS
 from ..unexplained.formula_proposal import UnexplainedStructure, Unknown, proposed
 from .budget import Budget
 from .compare import ComparedExplanations
-from .effect_evidence import Evidence, effect_evidence, unproven
+from .effect_evidence import Evidence, effect_evidence, harmful, unproven
 from .explanation import Explanation
 from .form import form_of
 
@@ -100,13 +100,11 @@ def final_fits(
         budget.report("adding the proposed formula to the model equations")
         part, with_formula = proposed(structure, extended, solution, no_formula)
         unknown, (extended, solution) = (part,), with_formula or (extended, solution)
-    explanation, doubtful = linear.explanation, comparison.doubtful
-    extended, solution, explanation = with_proven(extended, solution, explanation, doubtful)
     if correct_form and not budget.late and (corrected := form_of(extended, solution)):
         extended, solution, change = corrected
     for _ in range(BALANCING):
         extended, solution = balanced(extended, solution).fitted(solution.parameters, solution.free)
-    extended, solution, explanation = with_proven(extended, solution, explanation, doubtful)
+    extended, solution, explanation = with_proven(extended, solution, linear.explanation, comparison.doubtful)
     before = Screen(extended, solution)
     if solution.free != base.free:  # with the same weights: a channel could give way to another one in one fit only
         problem = replace(problem, inverse_noise=extended.inverse_noise)
@@ -138,7 +136,7 @@ def refined_core(problem: LeastSquares) -> list[str]:
 def with_proven(
     problem: LeastSquares, solution: Solution, explanation: Explanation, doubtful: Collection[str]
 ) -> tuple[LeastSquares, Solution, Explanation]:
-    """Return a fit without the doubtful effects that do not predict what was left out, and its explanation.
+    """Return a fit without doubtful effects that do not predict what was left out or do harm, and its explanation.
 
     The comparison counts an effect beside errors of the form of all others, which the tire does not have: in it, one
     may improve a force and make another one worse, or hold the others in a worse optimum.
@@ -148,7 +146,8 @@ def with_proven(
         after = Screen(weighted, weighted.at(solution.parameters, solution.free))
         model = problem.simulator.symbolic_model
         coefficients = {name: _coefficients(name, explanation, model, solution) for name in explanation.effects}
-        absent = unproven(after, {name: coefficients[name] for name in judged})
+        judging = {name: coefficients[name] for name in judged}
+        absent = unproven(after, judging) or harmful(after, judging)
         if not absent:
             break
         explanation = replace(explanation, forms=tuple(form for form in explanation.forms if form[0] not in absent))
@@ -162,7 +161,7 @@ def with_proven(
 def _coefficients(effect: str, explanation: Explanation, model: Model, solution: Solution) -> tuple[str, ...]:
     """Return the free coefficients that belong to an effect, also those of its refinements.
 
-    A coefficient of several effects of the model (PHYP2: camber thrust and turn slip) is that of the one it is free for.
+    One of several effects of the model (PHYP2: camber thrust and turn slip) is that of the one it is free for.
     """
     owned = model.owned(effect) if effect in model.effects else frozenset()
     freed = {name for owner, form in explanation.forms if owner == effect for name in form.free}
