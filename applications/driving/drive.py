@@ -20,7 +20,7 @@ from .factors import CERTAIN, believed, factors_of, scaled_tires, withheld
 from .inputs.car import Car, read_car
 from .inputs.grid import Grid, forward_speed, gridded, spinning, unwrapped
 from .inputs.log import Log, LogLike, read_log
-from .inputs.plausibility import check_load_class, check_log, check_wheel_speeds
+from .inputs.plausibility import check_load_class, check_log, check_wheel_speeds, exchanged_axles
 from .inputs.unknowns import Unknowns, check_factors, unknowns_of
 from .interval import BALANCE, POSE, interval_of
 from .result import Drive, wheel_table
@@ -108,7 +108,11 @@ def drive(
     check_wheel_speeds(recorded, car)
     speed = forward_speed(recorded, car)
     grid = gridded(recorded, car, speed)
-    check_log(recorded, car, grid, np.interp(grid.t, *speed))
+    at_intervals = np.interp(grid.t, *speed)
+    check_log(recorded, car, grid, at_intervals)
+    if axles := exchanged_axles(grid, at_intervals, car):
+        recorded = recorded.with_exchanged(axles)
+        grid = gridded(recorded, car, speed)
     return _answer(car, tires, recorded, grid, speed, fmus)
 
 
@@ -162,7 +166,7 @@ def _answer(
     gap = _lacking(answer, unknowns, car, tires, (tires, new))
     where = disagreement(answer.grid, answer.estimate, gap[0], car)
     verdict = verdict_on(answer, ranked, unknowns, car, factors, certain, wrong, contradiction, predicted, where)
-    verdict = replace(verdict, lines=(*verdict.lines, *_limits(tires)))
+    verdict = replace(verdict, lines=(*verdict.lines, *_limits(tires), *_exchanged(log)))
     wheels = wheel_table(answer.grid, answer.estimate)
     return Drive(
         log, car, answer.grid, unknowns, answer.estimate, tires, new, factors, wheels, before, after, gap, verdict
@@ -190,6 +194,14 @@ def _with_effect(
     with_it = best.missing.delivered(best.estimate.z[len(unknowns) :])
     ((before, _),), ((after, _),) = without.errors(tires, [()]), parts.errors(with_it, [()])
     return best if is_better(before, after) else base
+
+
+def _exchanged(log: Log) -> list[str]:
+    """Return what was assumed of the sides of wheel speeds."""
+    return [
+        f"{' and '.join(log.exchanged)} axle: the logged left wheel is the faster one in left turns: left and right "
+        "wheel speeds were exchanged (or steer, yaw rate and ay are positive to the right: --columns steer=-HEADER,...)"
+    ] * bool(log.exchanged)
 
 
 def _limits(tires: Mapping[str, Tire]) -> list[str]:

@@ -57,8 +57,7 @@ def in_place_of(part: str, linear: Linearization, additions: Sequence[Addition])
     addition takes the place of the part does not depend on what its form may err by.
     """
     problem, solution = linear.problem, linear.solution
-    owned = {name for effect, form in linear.explanation.forms if effect == part for name in form.free}
-    others = [name for name in solution.free if name not in owned]
+    others = [name for name in solution.free if linear.explanation.owner(name) != part]
     recorded = problem.disturbances.of_recording()
     fixed = [recorded.columns, linear.simulator.jacobian(solution.parameters, others)]
     columns = joined([

@@ -13,6 +13,8 @@ from .explanation import UNKNOWN
 
 #: Probability below which an effect is excluded, and above one minus which it is certain. Convention.
 UNSURE = 0.1
+#: Probability from which an effect is called missing. Convention.
+NAMED = 0.5
 
 
 @dataclass(frozen=True)
@@ -112,6 +114,18 @@ class Answer:
                 classes.append(OneOf(tuple(ordered), min(share, 1.0)))
                 unsure.difference_update(members)
         return tuple(classes)
+
+    def doubtful(self, effects: Iterable[str]) -> list[str]:
+        """Return those of some effects that are not called missing: neither alone nor as one of several.
+
+        >>> answer = answer_of({("a", "b"): 0.0, ("a", "c"): 0.0, ("a", "b", "d"): -2.0}, list("abcd"))
+        >>> answer.doubtful("abd")
+        ['d']
+        """
+        names, probabilities = list(effects), self.probabilities
+        unsure = [name for name in names if probabilities[name] < NAMED]
+        one_of = {name for alternatives in self.one_of(unsure) for name in alternatives.effects}
+        return [name for name in unsure if name not in one_of]
 
     def _exactly_one(self, names: Collection[str]) -> float:
         chosen = set(names)

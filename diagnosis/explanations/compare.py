@@ -20,7 +20,7 @@ from ..probing.candidates import Candidate
 from ..probing.effect_probing import starts
 from ..thresholds import CONFOUNDED, EFFECT_ODDS, REFIT_MARGIN, RIVALS
 from .additions import Gain, best_formula, gains, in_place_of, projected, rivals_of
-from .answer import UNSURE, Answer, answer_of
+from .answer import NAMED, UNSURE, Answer, answer_of
 from .budget import Budget, Ended
 from .evidence import inflation
 from .explanation import UNKNOWN, Explanation
@@ -49,6 +49,11 @@ class ComparedExplanations:
     leader: Refitted
     shared: Shared
     stopped: str = ""
+
+    @property
+    def doubtful(self) -> list[str]:
+        """The effects of the delivered explanation that are not called missing."""
+        return self.answer.doubtful(self.leader.explanation.effects)
 
 
 def compared(
@@ -108,11 +113,12 @@ def _with_those_of(table: Table, others: Collection[Table]) -> Table:
 
 
 def _simplest(table: Table, answer: Answer) -> Refitted:
-    """Return the leader, with the simplest of effects of which one is missing and none is much more probable.
+    """Return the leader without what only weak evidence adds, with the simplest of effects of which one is missing.
 
-    The simplest one has the fewest states, then the fewest coefficients.
+    Evidence of less than ten to one is weak, and so is that of which of several effects it is. The simplest one has the
+    fewest states, then the fewest coefficients. Effects that are called missing remain.
     """
-    leader, model = table.leader, table.shared.problem.simulator.symbolic_model
+    leader, model = _with_fewest_parts(table, answer), table.shared.problem.simulator.symbolic_model
     probability = dict.fromkeys(table.refits, 0.0)
     probability |= {explanation.parts: explanation.probability for explanation in answer.explanations}
     states = {effect.name: len(effect.states) for effect in model.added}
@@ -133,6 +139,18 @@ def _simplest(table: Table, answer: Answer) -> Refitted:
         ]
         leader = min(equal, key=size, default=leader)
     return leader
+
+
+def _with_fewest_parts(table: Table, answer: Answer) -> Refitted:
+    most, doubtful = set(table.leader.explanation.parts), answer.doubtful(table.leader.explanation.effects)
+    unknown = {UNKNOWN} if answer.probabilities[UNKNOWN] < NAMED else set()
+    least = most.difference(doubtful, unknown)
+    equal = [
+        refit
+        for parts, refit in table.refits.items()
+        if least <= set(parts) <= most and refit.score > table.leader.score + np.log(UNSURE)
+    ]
+    return min(equal, key=lambda refit: (len(refit.explanation.parts), -graded(refit.score)), default=table.leader)
 
 
 def _tables(
@@ -264,13 +282,14 @@ def extended(table: Table, refit: Refitted) -> Move:
     table, possible = table.possible(refit.linear)
     scored = gains(projected(refit.linear, possible), possible) if possible else {}
     totals = {name: float(np.logaddexp.reduce([form.gain for form in forms])) for name, forms in scored.items()}
-    prior = refit.explanation.log_prior + float(np.log(EFFECT_ODDS))
+    before = refit.evidence - float(np.log(EFFECT_ODDS))
     for name in sorted(totals, key=lambda part: -graded(totals[part])):
         more = _with_gain(table, refit.explanation, _best(scored[name]))
         if more.parts in table.refits:
             continue
-        score = refit.score + totals[name]
-        table = table.with_linear(more.parts, score - prior, prior)
+        evidence, prior = before + totals[name], more.log_prior
+        score = evidence + prior
+        table = table.with_linear(more.parts, evidence, prior)
         if score > max(table.scores.values()) + REFIT_MARGIN:
             table = table.with_refit(_with_effect(table, refit, more, _best(scored[name])))
             yield table
@@ -310,9 +329,9 @@ def exchanged(table: Table, refit: Refitted) -> Move:
             if table.compared(more):
                 continue
             table.report(f"comparing {part} with {name}")
-            begins = _starts(refit, best, table.without(refit, less))
+            begins = _starts(table, refit, more, best)
             if less.parts in table.refits:
-                begins = [*_starts(table.refits[less.parts], best), *begins]
+                begins = [*_starts(table, table.refits[less.parts], more, best), *begins]
             table = table.with_refit(refitted(table.shared, more, begins, refit.linear.simulator))
             yield table
         table = yield from _with_both(table, refit, part)
@@ -338,7 +357,7 @@ def _with_both(table: Table, refit: Refitted, part: str) -> Move:
     more = _with_form(table, refit.explanation, name, dict(others[name].explanation.forms)[name])
     if not table.compared(more):
         table.report(f"comparing {part} with both {part} and {name}")
-        start = 0.5 * (refit.linear.solution.parameters + others[name].linear.solution.parameters)
+        start = 0.5 * (table.without(refit, more) + table.without(others[name], more))
         for effect, of in ((part, refit), (name, others[name])):
             form = dict(of.explanation.forms)[effect]
             whole = [of.linear.simulator.index[free] for free in form.free if not form.scalable or free in form.grid]
@@ -397,8 +416,8 @@ def _with_gain(table: Table, explanation: Explanation, gain: Gain) -> Explanatio
 
 
 def _with_form(table: Table, explanation: Explanation, name: str, form: Form) -> Explanation:
-    """Return an explanation with an effect, without terms that are errors of its form."""
-    more = explanation.with_effect(name, form)
+    """Return an explanation with an effect, without the one that it contains and terms that are errors of its form."""
+    more = explanation.without(table.shared.candidates[name].contains).with_effect(name, form)
     errors = form_errors(more, table.shared.candidates, table.shared.problem.simulator.symbolic_model)
     terms = tuple(term for term in more.terms if not errors.contain(term.location, term.depends_on))
     return replace(more, terms=terms)
@@ -406,11 +425,11 @@ def _with_form(table: Table, explanation: Explanation, name: str, form: Form) ->
 
 def _with_effect(table: Table, refit: Refitted, more: Explanation, gain: Gain) -> Refitted:
     """Refit an explanation with an addition; coefficients of a grid are fitted: its points are one explanation."""
-    return refitted(table.shared, more, _starts(refit, gain), refit.linear.simulator)
+    return refitted(table.shared, more, _starts(table, refit, more, gain), refit.linear.simulator)
 
 
-def _starts(refit: Refitted, gain: Gain, parameters: FloatArray | None = None) -> list[FloatArray]:
-    """Return initial values for a refit with an addition, beside the coefficients of a refit or given ones."""
-    solution, estimate = refit.linear.solution, gain.estimate * gain.addition.deviation
-    at = solution if parameters is None else replace(solution, parameters=parameters)
+def _starts(table: Table, refit: Refitted, more: Explanation, gain: Gain) -> list[FloatArray]:
+    """Return initial values for an explanation with an addition, beside what it has of a refit."""
+    estimate = gain.estimate * gain.addition.deviation
+    at = replace(refit.linear.solution, parameters=table.without(refit, more))
     return starts(refit.linear.simulator, at, gain.addition.form, estimate)

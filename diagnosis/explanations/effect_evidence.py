@@ -2,25 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 from scipy.special import chdtrc, ndtri
 
 from ...numerics.arrays import FloatArray, IntArray
-from ...numerics.block_regression import error_of_sum
+from ...numerics.block_regression import block_sums, error_of_sum, regression
+from ...numerics.ties import graded
+from ..least_squares import Solution
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS
 
 #: Number of long stretches in which an effect is judged. Convention.
 STRETCHES = 8
+#: Gain of left-out blocks, in standard errors, above which an effect that is not called missing is in the tire.
+#: Convention, as of the correction of the form.
+CERTAIN = 2.0
 
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """Evidence for an effect. It is reported; the probability of the effect decides whether it is named.
+    """Evidence for an effect. The probability of the effect decides whether it is named.
+
+    The evidence decides whether the tire has an effect that is not called missing.
 
     Attributes
     ----------
@@ -89,6 +96,53 @@ def effect_evidence(after: Screen, coefficients: Collection[str]) -> Evidence:
         (screen.baseline.loss - after.baseline.loss) / total,
         np.nan_to_num(problem.simulator.forces(solution.parameters) - problem.simulator.forces(removed)),
     )
+
+
+def certainty(gains: FloatArray, holdout_gain: float) -> float:
+    """Return the gain of left-out blocks, shape (n_blocks,), in standard errors; at most 0 if the hold-out set loses.
+
+    >>> gains = np.array([1.0, 3.0])
+    >>> [round(value, 6) for value in (certainty(gains, 0.1), certainty(gains, -0.1), certainty(-gains, 0.1))]
+    [2.0, 0.0, -2.0]
+    """
+    rated = float(gains.sum()) / max(error_of_sum(gains), 1e-300)
+    return rated if holdout_gain > 0.0 else min(rated, 0.0)
+
+
+def unproven(after: Screen, effects: Mapping[str, Collection[str]]) -> list[str]:
+    """Return the effects that do not predict what was left out.
+
+    As for a correction of the form, this is blocks of time, by more than twice the standard error over blocks, and the
+    hold-out set. One effect after another, the least certain one first: of two that are in each other's place, one
+    remains. All other coefficients follow linearly.
+
+    `after`: of the model with all effects. `effects`: the coefficients that are free for each of those that are judged.
+    """
+    problem, solution, absent = after.problem, after.solution, list[str]()
+    jacobian = problem.simulator.jacobian(solution.parameters, solution.free)
+    tangent, at = np.concatenate([jacobian, problem.disturbances.columns], axis=-1), solution.residual
+
+    def without(names: Collection[str]) -> tuple[FloatArray, Solution]:
+        lost = {coefficient for name in names for coefficient in effects[name]}
+        removed = problem.simulator.without(solution.parameters, lost)
+        change = np.nan_to_num(problem.simulator.forces(solution.parameters) - problem.simulator.forces(removed))
+        remain = [i for i in range(tangent.shape[-1]) if i >= len(solution.free) or solution.free[i] not in lost]
+        sums = block_sums(after.tangent[:, :, remain], after.residual + problem.weighted(change), after.edges)
+        fit = regression(sums, after.prior_precision[remain], after.prior_gradient[remain])
+        return fit.loss, replace(solution, residual=at + change - tangent[:, :, remain] @ fit.estimate)
+
+    before = without([])
+    while remaining := [name for name in effects if name not in absent]:
+        tried = {name: without([*absent, name]) for name in remaining}
+        rated = {
+            name: certainty(loss - before[0], float(problem.holdout_gains(rest, before[1]).sum()))
+            for name, (loss, rest) in tried.items()
+        }
+        least = min(remaining, key=lambda name: graded(rated[name]))
+        if rated[least] > CERTAIN:
+            break
+        absent, before = [*absent, least], tried[least]
+    return absent
 
 
 def _stretches(screen: Screen, change: FloatArray, z: float) -> IntArray:

@@ -13,8 +13,9 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.special import log_ndtr
 
-from ...numerics.arrays import FloatArray, IntArray
+from ...numerics.arrays import FloatArray, IndexArray, IntArray
 from ..signals.signals import Signals
 from ..thresholds import COARSENED_ROWS, FOLDS, FORM_ERROR, INEXACT_SHARE
 
@@ -71,6 +72,8 @@ class NormalEquations:
     - `power`: sum of squares of the residual, and of the distances of all values from their prior means.
     - `precision`, shape (m,): inverse variances of the priors.
     - `gradient`, shape (m,): of the priors, where values are away from their means.
+    - `limits`, shape (2, m): least and largest change of each coefficient, infinite if it has no bound; None if none
+      has one. An effect gains nothing by a coefficient beyond its bound.
     """
 
     matrix: FloatArray
@@ -78,13 +81,15 @@ class NormalEquations:
     power: float
     precision: FloatArray
     gradient: FloatArray
+    limits: FloatArray | None = None
 
     def without(self, columns: Collection[int]) -> NormalEquations:
         """Return the equations without some of the columns."""
         others = np.delete(np.arange(len(self.target)), list(columns))
+        limits = None if self.limits is None else self.limits[:, others]
         return NormalEquations(
             self.matrix[np.ix_(others, others)], self.target[others], self.power, self.precision[others],
-            self.gradient[others],
+            self.gradient[others], limits,
         )  # fmt: skip
 
     def solved(self) -> tuple[FloatArray, float]:
@@ -94,13 +99,40 @@ class NormalEquations:
         >>> estimate, evidence = one.solved()
         >>> estimate.round(6).tolist(), bool(np.isclose(evidence, -0.5 * (9.0 / 2.0 + np.log(2.0))))
         ([1.5], True)
+
+        Only the share of the posterior within the limits counts, relative to that of the prior.
+
+        >>> from dataclasses import replace
+        >>> positive = replace(one, limits=np.array([[0.0], [np.inf]]))
+        >>> negative = replace(positive, target=-one.target)
+        >>> [round(equations.solved()[1] - evidence, 2) for equations in (positive, negative)]
+        [0.68, -3.38]
         """
         (factor, _), scale = self.factor
         target = scale * (self.target + self.gradient)
         estimate = cho_solve((factor, True), target)
         curvature = 2.0 * float(np.sum(np.log(np.diag(factor)) - np.log(scale)))
         fit = float(target @ estimate) - self.power
-        return scale * estimate, 0.5 * (fit - curvature + float(np.sum(np.log(self.precision))))
+        evidence = 0.5 * (fit - curvature + float(np.sum(np.log(self.precision))))
+        return scale * estimate, evidence + self._share_within_limits(scale * estimate)
+
+    def _share_within_limits(self, estimate: FloatArray) -> float:
+        """Return the logarithm of the share of the posterior within the limits, relative to that of the prior."""
+        if self.limits is None:
+            return 0.0
+        limited = np.flatnonzero(np.isfinite(self.limits).any(axis=0))
+        deviation = np.sqrt(np.sum(self._half_covariance(limited) ** 2, axis=0))
+        limits, precision = self.limits[:, limited], self.precision[limited]
+        share = _log_share((limits - estimate[limited]) / deviation)
+        of_prior = _log_share((limits - self.gradient[limited] / precision) * np.sqrt(precision))
+        return float(np.sum(share - of_prior))
+
+    def _half_covariance(self, columns: Sequence[int] | IndexArray) -> FloatArray:
+        """Return the factor whose product with itself is the posterior covariance of columns, shape (m, k)."""
+        (factor, _), scale = self.factor
+        unit = np.zeros((len(scale), len(columns)))
+        unit[columns, range(len(columns))] = scale[columns]
+        return np.asarray(solve_triangular(factor, unit, lower=True, check_finite=False))
 
     @cached_property
     def factor(self) -> tuple[tuple[FloatArray, bool], FloatArray]:
@@ -116,25 +148,39 @@ class NormalEquations:
         return cho_factor(whole.T, lower=True, overwrite_a=True), scale  # the transpose is in the order of LAPACK
 
     def gain_of(self, columns: Collection[int]) -> float:
-        """Return the increase of the logarithm of the evidence by some of the columns (Savage and Dickey).
+        """Return the increase of the logarithm of the evidence by some unlimited columns (Savage and Dickey).
 
         >>> matrix = np.array([[4.0, 1.0], [1.0, 3.0]])
         >>> both = NormalEquations(matrix, np.array([3.0, 2.0]), 9.0, np.ones(2), np.zeros(2))
         >>> bool(np.isclose(both.gain_of([1]), both.solved()[1] - both.without([1]).solved()[1]))
         True
         """
-        (factor, _), scale = self.factor
         chosen = list(columns)
-        unit = np.zeros((len(scale), len(chosen)))
-        unit[chosen, range(len(chosen))] = scale[chosen]
-        half = solve_triangular(factor, unit, lower=True, check_finite=False)
+        half = self._half_covariance(chosen)
         covariance, mean = half.T @ half, self.solved()[0][chosen]
         fit = float(mean @ np.linalg.solve(covariance, mean))
         return 0.5 * (fit + float(np.linalg.slogdet(covariance)[1] + np.sum(np.log(self.precision[chosen]))))
 
-    def with_target(self, target: FloatArray, power: float) -> NormalEquations:
-        """Return the equations of another residual."""
-        other = replace(self, target=target, power=power)
+    def estimate_without(self, column: int, absent: Sequence[int] | IndexArray) -> tuple[float, float]:
+        """Return the estimate of a column if some others are absent, and its standard deviation: where those are zero.
+
+        >>> matrix = np.array([[4.0, 1.0], [1.0, 3.0]])
+        >>> both = NormalEquations(matrix, np.array([3.0, 2.0]), 9.0, np.ones(2), np.zeros(2))
+        >>> [round(value, 6) for value in both.estimate_without(0, [1])]
+        [0.6, 0.447214]
+        """
+        half, estimate = self._half_covariance([column, *absent]), self.solved()[0]
+        covariance = half.T @ half
+        along = np.linalg.solve(covariance[1:, 1:], covariance[1:, 0])
+        variance = float(covariance[0, 0] - covariance[0, 1:] @ along)
+        return float(estimate[column] - along @ estimate[absent]), float(np.sqrt(variance))
+
+    def with_target(self, target: FloatArray, power: float, unlimited: Collection[int]) -> NormalEquations:
+        """Return the equations of another residual, for which some columns have no limits."""
+        limits = None if self.limits is None else self.limits.copy()
+        if limits is not None:
+            limits[:, list(unlimited)] = [[-np.inf], [np.inf]]
+        other = replace(self, target=target, power=power, limits=limits)
         other.__dict__["factor"] = self.factor
         return other
 
@@ -143,7 +189,15 @@ class NormalEquations:
         parts = zip(_vectors(self), _vectors(added), strict=True)
         target, precision, gradient = (np.concatenate(part) for part in parts)
         matrix = np.block([[self.matrix, cross], [cross.T, added.matrix]])
-        return NormalEquations(matrix, target, self.power, precision, gradient)
+        limits = None if self.limits is None or added.limits is None else np.hstack([self.limits, added.limits])
+        return NormalEquations(matrix, target, self.power, precision, gradient, limits)
+
+
+def _log_share(limits: FloatArray) -> FloatArray:
+    """Return the logarithm of the share of a standard normal distribution within limits, shape (2, k)."""
+    low, high = np.where(limits[0] > -limits[1], -limits[::-1], limits)  # the share on the other side is the same
+    above, below = log_ndtr(high), log_ndtr(low)
+    return np.asarray(above + np.log1p(-np.exp(below - above)))
 
 
 def _vectors(equations: NormalEquations) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -62,6 +62,11 @@ class Explanation:
         """Logarithm of the prior odds."""
         return len(self.parts) * float(np.log(EFFECT_ODDS)) + sum(term.log_prior for term in self.terms)
 
+    def owner(self, coefficient: str) -> str:
+        """Return the effect without which a coefficient is not free; empty if it is free in any case."""
+        freeing = [effect for effect, form in self.forms if coefficient in form.free]
+        return freeing[0] if len(freeing) == 1 else ""
+
     def with_effect(self, name: str, form: Form) -> Explanation:
         """Return the explanation with an effect of a form."""
         return replace(self, forms=(*self.forms, (name, form)))

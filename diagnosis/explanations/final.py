@@ -8,7 +8,7 @@ the forces of the fit before.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,14 +16,17 @@ import numpy as np
 from ...numerics.arrays import FloatArray
 from ...numerics.noise_model import Whitening, noise_parts
 from ...symbolic.detection import Form
+from ...symbolic.model import Model
 from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
+from ..probing.baseline_fit import readable
+from ..probing.candidates import CORE, refinements_for
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS
 from ..unexplained.formula_proposal import UnexplainedStructure, Unknown, proposed
 from .budget import Budget
 from .compare import ComparedExplanations
-from .effect_evidence import Evidence, effect_evidence
+from .effect_evidence import Evidence, effect_evidence, unproven
 from .explanation import Explanation
 from .form import form_of
 
@@ -78,16 +81,17 @@ def final_fits(
     linear = comparison.leader.linear
     disturbances = problem.disturbances.without(linear.unneeded_cross_talk())
     signals = problem.simulator.signals
-    aligned = signals.delayed(linear.simulator.signals.skew - signals.skew)
+    aligned = signals.delayed(linear.skew - signals.skew)
     problem = replace(problem, disturbances=disturbances, stop=lambda: budget.late).over(
         problem.simulator.with_signals(aligned)
     )
-    problem, base = problem.driven(baseline).fitted(baseline.parameters, baseline.free)
+    free = _in_order(problem, [*baseline.free, *refined_core(problem)])
+    problem, base = problem.driven(baseline).fitted(baseline.parameters, free)
     refinements = linear.needed_refinements()
     extended, solution = problem, base
-    freed = {*linear.solution.free, *(name for _, form in refinements for name in form.free)}
+    freed = {*base.free, *linear.solution.free, *(name for _, form in refinements for name in form.free)}
     if freed > set(base.free):
-        free = tuple(sorted(freed, key=linear.simulator.names.index))
+        free = _in_order(problem, freed)
         extended, solution = problem.driven(linear.solution).fitted(linear.solution.parameters, free)
     unknown, change = tuple[Unknown, ...](), None
     if terms := linear.explanation.terms:
@@ -96,29 +100,70 @@ def final_fits(
         budget.report("adding the proposed formula to the model equations")
         part, with_formula = proposed(structure, extended, solution, no_formula)
         unknown, (extended, solution) = (part,), with_formula or (extended, solution)
+    explanation, doubtful = linear.explanation, comparison.doubtful
+    extended, solution, explanation = with_proven(extended, solution, explanation, doubtful)
     if correct_form and not budget.late and (corrected := form_of(extended, solution)):
         extended, solution, change = corrected
     for _ in range(BALANCING):
         extended, solution = balanced(extended, solution).fitted(solution.parameters, solution.free)
+    extended, solution, explanation = with_proven(extended, solution, explanation, doubtful)
     before = Screen(extended, solution)
     if solution.free != base.free:  # with the same weights: a channel could give way to another one in one fit only
         problem = replace(problem, inverse_noise=extended.inverse_noise)
         before = Screen(*problem.fitted(base.parameters, base.free))
     before, solution, whitened = _whitened(extended, solution, before)
-    after, explanation = Screen(extended, solution), linear.explanation
-    effects = {name: _coefficients(name, explanation, after) for name in explanation.effects}
+    after = Screen(extended, solution)
+    model = extended.simulator.symbolic_model
+    effects = {name: _coefficients(name, explanation, model, solution) for name in explanation.effects}
     evidence = {name: effect_evidence(after, coefficients) for name, coefficients in effects.items()}
     added = [declared.name for part in unknown if part.added and part.effect for declared in part.effect.declarations]
     formula = effect_evidence(after, added) if added else None
+    refinements = tuple((name, form) for name, form in refinements if name in explanation.effects)
     return Final(before, after, whitened.standard_errors(), effects, evidence, refinements, unknown, formula, change)
 
 
-def _coefficients(effect: str, explanation: Explanation, after: Screen) -> tuple[str, ...]:
+def _in_order(problem: LeastSquares, names: Collection[str]) -> tuple[str, ...]:
+    """Return different coefficients in the order of the model."""
+    return tuple(sorted(set(names), key=problem.simulator.names.index))
+
+
+def refined_core(problem: LeastSquares) -> list[str]:
+    """Return the refinements of the core that the given tire has: they are fitted together with what they refine."""
+    tire, signals, model = problem.simulator.tire, problem.simulator.signals, problem.simulator.symbolic_model
+    names = {name for effect, form in refinements_for(tire, frozenset()) if effect == CORE for name in form.free}
+    neutral = {name: model.coefficients[name].neutral for name in sorted(names & tire.values.keys())}
+    return [name for name in readable(tuple(neutral), signals, model) if tire.values[name] != neutral[name]]
+
+
+def with_proven(
+    problem: LeastSquares, solution: Solution, explanation: Explanation, doubtful: Collection[str]
+) -> tuple[LeastSquares, Solution, Explanation]:
+    """Return a fit without the doubtful effects that do not predict what was left out, and its explanation.
+
+    The comparison counts an effect beside errors of the form of all others, which the tire does not have: in it, one
+    may improve a force and make another one worse, or hold the others in a worse optimum.
+    """
+    while (judged := [name for name in explanation.effects if name in doubtful]) and not problem.stop():
+        weighted = balanced(problem, solution)
+        after = Screen(weighted, weighted.at(solution.parameters, solution.free))
+        model = problem.simulator.symbolic_model
+        coefficients = {name: _coefficients(name, explanation, model, solution) for name in explanation.effects}
+        absent = unproven(after, {name: coefficients[name] for name in judged})
+        if not absent:
+            break
+        explanation = replace(explanation, forms=tuple(form for form in explanation.forms if form[0] not in absent))
+        lost = {name for effect in absent for name in coefficients[effect]}
+        lost -= {name for effect in explanation.effects for name in coefficients[effect]}
+        free = tuple(name for name in solution.free if name not in lost)
+        problem, solution = problem.fitted(problem.simulator.without(solution.parameters, lost), free)
+    return problem, solution, explanation
+
+
+def _coefficients(effect: str, explanation: Explanation, model: Model, solution: Solution) -> tuple[str, ...]:
     """Return the free coefficients that belong to an effect, also those of its refinements."""
-    model = after.problem.simulator.symbolic_model
     owned = model.owned(effect) if effect in model.effects else frozenset()
     freed = {name for owner, form in explanation.forms if owner == effect for name in form.free}
-    return tuple(name for name in after.solution.free if name in freed or name in owned)
+    return tuple(name for name in solution.free if name in freed or name in owned)
 
 
 def balanced(problem: LeastSquares, solution: Solution) -> LeastSquares:

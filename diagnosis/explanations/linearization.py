@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -16,10 +16,10 @@ from ..probing.candidates import CORE, Candidate, declared_candidate, is_testabl
 from ..probing.effect_probing import probed, unfitted
 from ..signals.disturbances import CROSS_TALK
 from ..signals.simulation import Simulator
-from ..thresholds import EFFECT_ODDS, FORM_ERROR, PAST_ERROR
+from ..thresholds import EFFECT_ODDS, FORM_ERROR, MAX_SKEW, PAST_ERROR
 from ..unexplained.features import CORE_INPUTS
 from ..weighted_columns import WeightedColumns, joined
-from .discrepancy import bench_errors, effect_discrepancy, envelope
+from .discrepancy import OF_ALL_INPUTS, bench_errors, effect_discrepancy, envelope
 from .evidence import NormalEquations
 from .explanation import UNKNOWN, Explanation
 from .terms import FormErrors, form_errors, unknown_terms
@@ -68,18 +68,26 @@ class Columns:
     - `owners`: the effect of each column; empty if explanations without it have the column, too.
     - `columns`, shape (n_channels, n, k), N and N m; `deviation`, shape (k,): of the priors of their coefficients.
     - `distance`, shape (k,): of the values from the means of their priors, in deviations.
+    - `limits`, shape (2, k): their least and largest change.
     """
 
     owners: list[str]
     columns: FloatArray
     deviation: FloatArray
     distance: FloatArray
+    limits: FloatArray
 
     @classmethod
     def of(cls, owner: str, columns: FloatArray, deviation: FloatArray | None = None) -> Columns:
         """Return columns of one owner with coefficients of 0; their deviation is 1 if none is given."""
         number = columns.shape[-1]
-        return cls([owner] * number, columns, np.ones(number) if deviation is None else deviation, np.zeros(number))
+        given = np.ones(number) if deviation is None else deviation
+        return cls([owner] * number, columns, given, np.zeros(number), unlimited(number))
+
+
+def unlimited(number: int) -> FloatArray:
+    """Return the limits of columns whose coefficients may change by any amount, shape (2, number)."""
+    return np.array([[-np.inf], [np.inf]]) * np.ones(number)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +116,19 @@ class Linearization:
     def skew_index(self) -> int:
         """The index of the skew among the columns of `equations`."""
         return len(self.problem.disturbances.names) + len(self._inside)
+
+    @cached_property
+    def skew(self) -> float:
+        """The time by which the inputs are recorded before the forces, s: of the simulator, and what is left of it.
+
+        Errors of single inputs, which no tire is fitted with, have no part of it. A rest of less than two standard
+        deviations is none.
+        """
+        skew, first, number = self.simulator.signals.skew, self.skew_index, _contents(self).bench
+        if number:
+            rest, deviation = self._own_equations.estimate_without(first, range(first + OF_ALL_INPUTS, first + number))
+            skew += rest if abs(rest) > 2.0 * deviation else 0.0
+        return float(np.clip(skew, -MAX_SKEW, MAX_SKEW))
 
     def error_of_skew(self, step: float) -> float:
         """Return the error of the logarithm of the evidence if the forces are linear in a change of the skew, s.
@@ -145,7 +166,8 @@ class Linearization:
         cross, base = _contents(self).columns.times(added), self._own_equations
         precision = np.concatenate([addition.deviation**-2.0 for addition in additions])
         zeros = np.zeros(added.number)
-        return NormalEquations(added.times(added), cross[-1], base.power, precision, zeros), cross
+        limits = unlimited(added.number)
+        return NormalEquations(added.times(added), cross[-1], base.power, precision, zeros, limits), cross
 
     def products(self, rows: IntArray) -> FloatArray:
         """Return the cross products of all columns, and of the misfit as the last one, over some of the rows."""
@@ -155,11 +177,11 @@ class Linearization:
     def evidence_without(self, effect: str) -> float:
         """Return the logarithm of the evidence if an effect of the explanation is absent, in the linear problem."""
         base, lost = self._own_equations, [i for i, name in enumerate(_contents(self).owners) if name == effect]
-        # The response is a part of the misfit then.
+        # The response is a part of the misfit then, and the lost columns have no value that could be limited.
         response, cross = self.beside([Addition(effect, self.response(effect)[:, :, None], np.ones(1))])
         distances = base.gradient[lost] ** 2 / base.precision[lost]
         power = base.power + 2.0 * cross[-1, 0] + response.matrix[0, 0] - float(np.sum(distances))
-        rest = base.with_target(base.target + cross[:-1, 0], float(power))
+        rest = base.with_target(base.target + cross[:-1, 0], float(power), unlimited=lost)
         return rest.solved()[1] - rest.gain_of(lost)
 
     @property
@@ -176,12 +198,14 @@ class Linearization:
         inside = [name in free for name in solution.free]
         center, deviation = (moment[inside] for moment in self.problem.prior(solution.free))
         values = solution.parameters[[simulator.index[name] for name in free]]
-        freed = {name: effect for effect, form in self.explanation.forms for name in form.free}
-        owners = [freed.get(name, "") for name in free]
-        yield Columns(owners, simulator.jacobian(solution.parameters, free), deviation, (values - center) / deviation)
+        owners = [self.explanation.owner(name) for name in free]
+        of_effects = np.isin(free, [name for _, form in self.explanation.forms for name in form.free])
+        limits = np.where(of_effects, self.problem.bounds(free) - values, unlimited(len(free)))
+        jacobian = simulator.jacobian(solution.parameters, free)
+        yield Columns(owners, jacobian, deviation, (values - center) / deviation, limits)
         bench, of_bench = bench_errors(simulator, solution.parameters)
         skew = np.where(np.arange(len(of_bench)) == 0, simulator.signals.skew, 0.0)
-        yield Columns([""] * len(of_bench), bench, of_bench, skew / of_bench)
+        yield Columns([""] * len(of_bench), bench, of_bench, skew / of_bench, unlimited(len(of_bench)))
         for name, form in self._refinements:
             yield Columns.of(name, *self._probes(form))
         yield Columns.of("", self._baseline_errors())
@@ -270,8 +294,9 @@ class Linearization:
     def _without(self, effect: str) -> FloatArray:
         """Return the forces without an effect of the explanation, shape (n_channels, n)."""
         simulator, absent = self.simulator, self.solution.parameters.copy()
-        freed = [name for effect_name, form in self.explanation.forms if effect_name == effect for name in form.free]
-        owned = {*freed, *simulator.symbolic_model.owned(effect)} & simulator.index.keys()
+        others = {name for other, form in self.explanation.forms if other != effect for name in form.free}
+        freed = dict(self.explanation.forms)[effect].free
+        owned = {*freed, *simulator.symbolic_model.owned(effect)} & simulator.index.keys() - others
         indices = [simulator.index[name] for name in owned]
         absent[indices] = simulator.tire.parameters()[indices]
         return simulator.forces(absent)
@@ -298,7 +323,7 @@ class Linearization:
         extrapolate what is left of them. The ratio of the evidences with and without a column is that of
         Savage and Dickey.
         """
-        first = self.skew_index + len(bench_errors(self.simulator, self.solution.parameters)[1])
+        first = self.skew_index + _contents(self).bench
         needed = []
         for name, form in self._refinements:
             end = first + len(form.probes)
@@ -329,8 +354,10 @@ class Linearization:
 
     @property
     def lacking(self) -> list[str]:
-        """The names of the effects that the explanation lacks."""
-        return [name for name in self.candidates if name not in self.explanation.effects]
+        """The names of the effects that the explanation lacks, also as special cases of others."""
+        present = self.explanation.effects
+        contained = {self.candidates[name].contains for name in present}
+        return [name for name in self.candidates if name not in contained.union(present)]
 
     def unknown(self) -> Addition:
         """Return all terms that an unknown component could have, features alone, as one addition."""
@@ -347,12 +374,14 @@ class Linearization:
     def of_effect(self, name: str) -> list[Addition]:
         """Return an addition for each form and point of a grid, which share the prior odds of the effect.
 
-        There are none if the recording cannot show the effect.
+        There are none if the recording cannot show the effect. A coefficient that an effect of the explanation shares
+        with it belongs to both.
         """
         candidate = self.candidates[name]
         if not is_testable(self.simulator.signals, self.simulator.tire, candidate):
             return []
-        forms = [unfitted(declared, self.simulator, self.solution.free) for declared in candidate.forms]
+        shared = set(self.solution.free).difference(*(form.free for _, form in self.explanation.forms))
+        forms = [unfitted(declared, self.simulator, shared) for declared in candidate.forms]
         points = [point for form in forms if form is not None for point in form.points()]
         added = []
         for form in points:
@@ -370,18 +399,34 @@ class _Contents:
     - `columns`: weighted, the disturbances first; the last one is the misfit.
     - `equations`: their normal equations.
     - `owners`: the effect of each column of the equations; empty of what explanations without the effect contain, too.
+    - `bench`: the number of errors of the bench, the first of which is the skew.
     - `errors`: the number of the last columns of the equations, which are errors of the form of effects.
     """
 
     columns: WeightedColumns
     equations: NormalEquations
     owners: list[str]
+    bench: int
     errors: int
 
 
-@lru_cache(maxsize=2)
+#: What the latest linearizations contain, and their number.
+_STORED, LATEST = dict[Linearization, _Contents](), 2
+
+
 def _contents(linear: Linearization) -> _Contents:
-    """Return what an explanation contains; it is stored for the latest linearizations only."""
+    """Return what an explanation contains; the oldest one that is stored is freed before another one is computed."""
+    if linear in _STORED:
+        contents = _STORED.pop(linear)
+    else:
+        if len(_STORED) == LATEST:
+            del _STORED[next(iter(_STORED))]
+        contents = _computed_contents(linear)
+    _STORED[linear] = contents
+    return contents
+
+
+def _computed_contents(linear: Linearization) -> _Contents:
     problem, weighted, groups = linear.problem, list[WeightedColumns](), list[Columns]()
     for group in linear.contained():  # one after another: weighted ones are stored without the zeros of other channels
         weighted.append(problem.weighted_columns(group.columns))
@@ -394,12 +439,15 @@ def _contents(linear: Linearization) -> _Contents:
     deviations = np.concatenate([problem.disturbances.deviation, *(group.deviation for group in groups)])
     distances = np.concatenate([np.zeros(common), *(group.distance for group in groups)])
     power = float(matrix[-1, -1]) + float(np.sum(distances**2))
-    equations = NormalEquations(matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations)
+    limits = np.concatenate([unlimited(common), *(group.limits for group in groups)], axis=1)
+    equations = NormalEquations(
+        matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations, limits
+    )
     owners = [*[""] * common, *(owner for group in groups for owner in group.owners)]
     errors = sum(len(group.owners) for group in groups[len(groups) - len(linear.explanation.forms) :])
-    return _Contents(columns, equations, owners, errors)
+    return _Contents(columns, equations, owners, len(groups[1].owners), errors)
 
 
 def forget_columns() -> None:
     """Free the memory of stored columns; they are computed again when they are needed."""
-    _contents.cache_clear()
+    _STORED.clear()

@@ -95,14 +95,14 @@ def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArr
     fitted = {*shared.free, *(name for _, form in explanation.forms for name in form.free)}
     free = tuple(sorted(fitted, key=simulator.names.index))
     start = starts[0] if len(starts) == 1 else _best_of(starts, whole, free, shared.budget)
-    best, estimate = _evaluated(shared, explanation, whole, start, free)
+    best = _evaluated(shared, explanation, whole, start, free)
     for _ in range(ALIGNMENTS if simulator.signals.timed else 0):
-        signals, skew = best.linear.simulator.signals, float(estimate[best.linear.skew_index])
-        step = float(np.clip(signals.skew + skew, -MAX_SKEW, MAX_SKEW)) - signals.skew
+        signals = best.linear.simulator.signals
+        step = best.linear.skew - signals.skew
         if best.linear.error_of_skew(step) < SAME_EVIDENCE:
             break
         delayed = whole.over(simulator.with_signals(signals.delayed(step)))
-        other, estimate = _evaluated(shared, explanation, delayed, best.linear.solution.parameters, free)
+        other = _evaluated(shared, explanation, delayed, best.linear.solution.parameters, free)
         if other.evidence <= best.evidence:
             break
         best = other
@@ -138,13 +138,12 @@ def with_terms(problem: LeastSquares, terms: tuple[Term, ...]) -> LeastSquares:
 
 def _evaluated(
     shared: Shared, explanation: Explanation, problem: LeastSquares, start: FloatArray, free: Sequence[str]
-) -> tuple[Refitted, FloatArray]:
-    """Return a refit from all rows, and the estimates of all columns at it."""
+) -> Refitted:
+    """Return a refit from all rows."""
     shared.budget.check()
     solution = problem.solve(start, free, iterations=ITERATIONS)
     linear = Linearization(explanation, problem, solution, shared.candidates)
-    estimate, evidence = linear.equations().solved()
-    return Refitted(linear, evidence), estimate
+    return Refitted(linear, linear.equations().solved()[1])
 
 
 def shared_problem(

@@ -197,10 +197,10 @@ class Table:
         self.shared.budget.report(f"{sentence}; {', '.join(parts) or 'the baseline model'} leads{compared}")
 
     def without(self, refit: Refitted, less: Explanation) -> FloatArray:
-        """Return the coefficients of a refit, those of the effects that a smaller explanation lacks absent."""
+        """Return the coefficients of a refit, those of the effects that another explanation lacks absent."""
         start, index = refit.linear.solution.parameters.copy(), refit.linear.simulator.index
-        forms = [form for effect, form in refit.explanation.forms if effect not in less.effects]
-        freed = [index[name] for form in forms for name in form.free]
+        kept = {name for _, form in less.forms for name in form.free}
+        freed = [index[name] for _, form in refit.explanation.forms for name in form.free if name not in kept]
         start[freed] = self.absent[freed]
         return start
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from ...drawing.labels import drawn_unit
 from ...numerics.ties import graded
-from ..explanations.answer import OneOf, percent
+from ..explanations.answer import NAMED, OneOf, percent
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
 from .findings import FoundEffect
@@ -59,14 +59,14 @@ def headline_text(
     'Best explanation so far: no effect is identified as missing'
     """
     in_class = {name for alternatives in one_of for name in alternatives.effects}
-    names = [finding.effect for finding in findings if finding.probability >= 0.5 and finding.effect != "UNKNOWN"]
+    names = [finding.effect for finding in findings if finding.probability >= NAMED and finding.effect != "UNKNOWN"]
     missing = [name for name in names if name not in in_class]
     missing += [
         f"either {', '.join(others)} or {last}" for *others, last in (alternatives.effects for alternatives in one_of)
     ]
     red = [rated.channel for rated in adequacy if rated.rating == "red"]
     parts = [f"missing: {', '.join(missing)}"] if missing else []
-    if any(finding.effect == "UNKNOWN" and finding.probability >= 0.5 for finding in findings):
+    if any(finding.effect == "UNKNOWN" and finding.probability >= NAMED for finding in findings):
         parts.append("an effect is missing that is not in the library")
     elif red:
         what = f"something {'else ' * bool(missing)}is missing" + " and was not identified" * delivered
@@ -94,7 +94,7 @@ def _missing(
                 missing.append(_one_of_text(alternatives, findings))
             told.add(alternatives)
             continue
-        certain = missing if finding.probability >= 0.5 else uncertain
+        certain = missing if finding.probability >= NAMED else uncertain
         if finding.effect == "UNKNOWN":
             if unknown[0].formula:
                 sure = percent(finding.probability)

@@ -11,6 +11,7 @@ from scipy.stats import multivariate_normal
 
 from tirefmu.diagnosis.diagnose import _start_model, with_library
 from tirefmu.diagnosis.explanations import (
+    OF_ALL_INPUTS,
     UNKNOWN,
     Addition,
     Budget,
@@ -21,6 +22,7 @@ from tirefmu.diagnosis.explanations import (
     Projected,
     Term,
     answer_of,
+    bench_errors,
     compare,
     compared,
     effect_discrepancy,
@@ -107,6 +109,22 @@ def test_a_column_is_correlated_with_the_columns_that_reproduce_it(linear_proble
     assert np.all(projected.correlations(slice(0, 1)) <= 1.0 + 1e-9)
 
 
+def test_the_evidence_of_limited_coefficients_is_the_integral_within_their_limits(linear_problem):
+    """Of two coefficients whose columns are orthogonal; the second one is pushed beyond its limit."""
+    columns = np.linalg.qr(linear_problem[0][:, :2])[0]
+    residual, deviations = columns @ np.array([1.0, -2.5]), np.array([1.0, 2.0])
+    limits = np.array([[-0.5, 0.0], [0.8, 3.0]])
+    limited = replace(equations(columns, residual, deviations), limits=limits)
+    axes = [np.linspace(*ends, 4001) for ends in limits.T]
+    density = 0.0
+    for axis, deviation, along in zip(axes, deviations, columns.T @ residual, strict=True):
+        prior = np.exp(-0.5 * (axis / deviation) ** 2)
+        likelihood = np.exp(along * axis - 0.5 * axis**2)
+        whole = np.trapezoid(prior, axis)
+        density += np.log(np.trapezoid(prior * likelihood, axis) / whole)
+    assert limited.solved()[1] == pytest.approx(density - 0.5 * float(residual @ residual), abs=1e-5)
+
+
 # ------------------------------------------------------------------ the answer
 
 
@@ -184,22 +202,38 @@ def test_no_effect_is_in_two_classes():
 def test_the_simplest_of_equal_effects_is_delivered():
     """Fewest states first; an explanation that is much less probable than the leader is not taken."""
 
-    def refit(effects, free):
-        explanation = Explanation(tuple((name, Form((), ())) for name in effects))
-        linear = SimpleNamespace(solution=SimpleNamespace(free=tuple(range(free))))
-        return SimpleNamespace(explanation=explanation, linear=linear)
-
     sets = {("history", "lag"): (0.0, 5), ("lag", "temperature"): (-0.3, 6), ("lag", "pressure"): (-4.0, 2)}
-    refits = {parts: refit(parts, free) for parts, (_, free) in sets.items()}
-    model = SimpleNamespace(added=[SimpleNamespace(name="history", states=("s",))])
-    shared = SimpleNamespace(problem=SimpleNamespace(simulator=SimpleNamespace(symbolic_model=model)))
-    table = SimpleNamespace(refits=refits, leader=refits["history", "lag"], shared=shared)
+    table = compared_table(sets)
     answer = answer_of(
         {parts: score for parts, (score, _) in sets.items()}, ["history", "lag", "temperature", "pressure"]
     )
     assert _simplest(table, answer).explanation.effects == ("lag", "temperature")
     alone = answer_of({("history", "lag"): 0.0}, ["history", "lag", "temperature"])
     assert _simplest(table, alone) is table.leader
+
+
+@pytest.mark.parametrize(
+    ("lead", "cautious", "delivered"), [(2.0, 0.3, ("a",)), (2.6, 0.3, ("a", "b")), (2.0, 0.6, ("a", "b"))]
+)
+def test_what_only_weak_evidence_adds_is_not_delivered_unless_it_is_called_missing(lead, cautious, delivered):
+    """Evidence of less than ten to one is weak: a logarithm of 2.3."""
+    table = compared_table({("a", "b"): (0.0, 2), ("a",): (-lead, 1), (): (-90.0, 0)})
+    answer = answer_of({("a", "b"): np.log(cautious), ("a",): np.log(1.0 - cautious)}, ["a", "b"])
+    assert _simplest(table, answer).explanation.effects == delivered
+
+
+def compared_table(sets):
+    """Of refits by their effects: score and number of free coefficients; the first one leads."""
+
+    def refit(effects, score, free):
+        explanation = Explanation(tuple((name, Form((), ())) for name in effects))
+        linear = SimpleNamespace(solution=SimpleNamespace(free=tuple(range(free))))
+        return SimpleNamespace(explanation=explanation, linear=linear, score=score)
+
+    refits = {parts: refit(parts, score, free) for parts, (score, free) in sets.items()}
+    model = SimpleNamespace(added=[SimpleNamespace(name="history", states=("s",))])
+    shared = SimpleNamespace(problem=SimpleNamespace(simulator=SimpleNamespace(symbolic_model=model)))
+    return SimpleNamespace(refits=refits, leader=next(iter(refits.values())), shared=shared)
 
 
 def test_the_reported_explanations_have_nearly_all_of_the_probability():
@@ -259,6 +293,21 @@ def test_a_coefficient_at_its_bound_is_a_constant(at_true_values, tire):
     assert len(outside.target) == len(inside.target) - 1
 
 
+def test_the_mean_of_an_input_over_a_step_is_an_error_of_the_bench(at_true_values):
+    """Forces at a slip angle whose channel has a filter: they are one deviation of one column away."""
+    simulator, parameters = at_true_values.problem.simulator, at_true_values.solution.parameters
+    t, alpha = simulator.signals.t, simulator.signals.everywhere.named()["alpha"]
+    columns, deviations = bench_errors(simulator, parameters)
+    assert len(deviations) == OF_ALL_INPUTS + 3  # the load, alpha and kappa
+    fine = np.linspace(-0.5, 0.5, 201) * float(np.median(np.diff(t)))
+    weights = np.r_[0.5, np.ones(199), 0.5] / 200.0
+    mean = np.array([weights @ np.interp(at + fine, t, alpha) for at in t[1:-1]])
+    change = np.pad(mean - alpha[1:-1], 1)[simulator.signals.rows]
+    moved = simulator.forces(parameters, {"alpha": change}) - simulator.forces(parameters)
+    column = columns[:, :, OF_ALL_INPUTS + 1] * deviations[OF_ALL_INPUTS + 1]
+    assert np.linalg.norm(column - moved) < 0.01 * np.linalg.norm(moved)
+
+
 def test_terms_in_the_inputs_of_the_explanation_are_errors_of_form(at_true_values, tire):
     problem, solution = at_true_values.problem, at_true_values.solution
     candidates = candidates_for(replace(tire, effects=tuple(tire.has - {"camber_thrust"})))
@@ -313,6 +362,63 @@ def of_case(hidden):
 def sideways():
     """Return the problem of a recording whose tire has a conicity."""
     return of_case(("conicity",))
+
+
+def test_a_coefficient_beyond_its_bound_gains_nothing(sideways):
+    """What a lag of the load gains is lost if the same forces have the other sign: its friction is at least 0."""
+    problem, solution, candidates = sideways
+    simulator, absent = problem.simulator, Linearization(Explanation(), problem, solution, candidates)
+    addition, at = absent.of_effect("load_lag")[0], solution.parameters
+    lagging = at.copy()
+    lagging[simulator.index["LLMU"]] = 0.3
+    change, gains = simulator.forces(lagging) - simulator.forces(at), []
+    for sign, start in ((1.0, 0.3), (-1.0, 1e-4)):
+        signals = replace(simulator.signals, measured=simulator.signals.measured + sign * change)
+        moved = problem.over(simulator.with_signals(signals))
+        near, free = at.copy(), (*solution.free, *addition.form.free)
+        near[simulator.index["LLMU"]] = start
+        explanation = Explanation((("load_lag", addition.form),))
+        with_lag = Linearization(explanation, moved, moved.at(near, free), candidates)
+        without = Linearization(Explanation(), moved, moved.at(at, solution.free), candidates)
+        gains.append(with_lag.equations().solved()[1] - without.equations().solved()[1])
+    assert gains[0] > 10.0
+    assert gains[1] < 0.0
+
+
+def test_a_coefficient_of_two_effects_belongs_to_both(sideways):
+    """Whatever the explanation beside which one of them is added: both heat up with one time constant."""
+    problem, solution, _ = sideways
+    candidates = candidates_for(problem.simulator.tire)
+    forms = {name: candidates[name].forms[0] for name in ("heat_friction", "heat_stiffness")}
+    assert "HTAU" in forms["heat_friction"].free
+    warm = Explanation((("heat_stiffness", forms["heat_stiffness"]),))
+    at = problem.at(solution.parameters, (*solution.free, *forms["heat_stiffness"].free))
+    beside = Linearization(warm, problem, at, candidates).of_effect("heat_friction")
+    alone = Linearization(Explanation(), problem, solution, candidates).of_effect("heat_friction")
+    assert {addition.form.free for addition in beside} == {addition.form.free for addition in alone}
+    both = warm.with_effect("heat_friction", forms["heat_friction"])
+    assert (both.owner("HTAU"), both.owner("HK")) == ("", "heat_stiffness")
+    assert both.without("heat_stiffness").owner("HTAU") == "heat_friction"
+
+
+def test_an_effect_takes_the_place_of_its_special_case():
+    relaxation = SimpleNamespace(requires=frozenset({"alpha"}), contains="")
+    with_load = SimpleNamespace(requires=frozenset({"alpha", "Fz"}), contains="lateral")
+    candidates = {"lateral": relaxation, "with_load": with_load, "other": relaxation}
+    problem = SimpleNamespace(simulator=SimpleNamespace(symbolic_model=SimpleNamespace(added=(), relaxing_effects=())))
+    table = SimpleNamespace(shared=SimpleNamespace(candidates=candidates, problem=problem))
+    two = Explanation((("lateral", Form((), ())), ("other", Form((), ()))))
+    more = compare._with_form(table, two, "with_load", Form((), ()))
+    assert more.effects == ("other", "with_load")
+    relaxing = Explanation((("lateral", Form.each({"SIGY": 0.2})), ("other", Form.each({"PHY1": 0.1}))))
+    index = {"SIGY": 0, "PHY1": 1, "SIGC": 2}
+    linear = SimpleNamespace(solution=SimpleNamespace(parameters=np.ones(3)), simulator=SimpleNamespace(index=index))
+    compared_before = Table(None, np.zeros(3), {})
+    less = Explanation((("other", Form.each({"PHY1": 0.1})),))
+    for other, expected in ((less, [0, 1, 1]), (less.with_effect("with_load", Form.each({"SIGY": 0.2})), [1, 1, 1])):
+        start = compared_before.without(SimpleNamespace(explanation=relaxing, linear=linear), other)
+        assert start.tolist() == expected  # no coefficient of an effect that is absent remains
+    assert Linearization(more, problem, None, candidates).lacking == []
 
 
 def test_noise_alone_has_neither_an_effect_nor_a_formula():
@@ -378,13 +484,14 @@ def test_two_similar_effects_begin_with_half_of_each_and_their_memories(monkeypa
     history = refit("history", [1.0, 0.4, 0.05, 0.0, 2.0], 5.0)
     heat = refit("heat", [1.2, 0.0, 0.02, 0.3, 8.0], 4.0)
     refits = {("history",): history, ("heat",): heat}
-    requires = dict.fromkeys(forms, SimpleNamespace(requires=frozenset({"alpha"})))
+    requires = dict.fromkeys(forms, SimpleNamespace(requires=frozenset({"alpha"}), contains=""))
     model = SimpleNamespace(added=(), relaxing_effects=())
     problem = SimpleNamespace(simulator=SimpleNamespace(symbolic_model=model))
     shared = SimpleNamespace(candidates=requires, problem=problem)
     table = SimpleNamespace(
         refits=refits, shared=shared, is_far=lambda parts: False, compared=lambda more: False,
         report=lambda sentence: None, with_refit=lambda refit: refit,
+        without=lambda refit, more: refit.linear.solution.parameters,
     )  # fmt: skip
     monkeypatch.setattr(compare, "refitted", lambda shared, more, begins, at: (more.effects, begins[0].tolist()))
     effects, start = next(compare._with_both(table, history, "history"))

@@ -15,7 +15,7 @@ from tirefmu.applications.driving.inputs.car_entries import ENTRIES, car_schema
 from tirefmu.applications.driving.inputs.clock import clock_problem
 from tirefmu.applications.driving.inputs.grid import forward_speed, gridded
 from tirefmu.applications.driving.inputs.log import read_log
-from tirefmu.applications.driving.inputs.plausibility import check_log
+from tirefmu.applications.driving.inputs.plausibility import check_log, exchanged_axles
 from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.commands.cli import main
 
@@ -180,22 +180,49 @@ def test_the_log_of_another_drive_is_refused(change, late, car):
         checked(turning(other), car)
 
 
-@pytest.mark.parametrize("axle", ["f", "r"])
-@pytest.mark.parametrize("slip", [0.0, 0.04])
-def test_exchanged_wheel_speeds_are_named_and_right_ones_are_not(car, axle, slip):
-    """The inner wheel of a driven axle spins in tight turns."""
-    log = turning(lambda t, steer, rate: (steer, rate))
+def exchanged(log, car):
+    speed = forward_speed(log, car)
+    grid = gridded(log, car, speed)
+    return exchanged_axles(grid, np.interp(grid.t, *speed), car)
+
+
+def with_wheels(log, inner, larger=0.0):
+    """Return a log with the spins of wheels, of which the inner one slips, and a left one has a larger radius."""
     t, rate = log.channels["yaw_rate"]
-    inner = slip * 15.0 * np.where(np.abs(rate) > 0.7 * np.abs(rate).max(), np.sign(rate), 0.0)
     half = {"f": road.CAR["track_front"] / 2, "r": road.CAR["track_rear"] / 2}
-    rims = {f"omega_{end}{side}": 15.0 + sign * half[end] * rate + (inner if (end, sign) == (axle, -1) else 0.0)
+    tight = np.where(np.abs(rate) > 0.7 * np.abs(rate).max(), np.sign(rate), 0.0)
+    rims = {f"omega_{end}{side}": (1.0 - larger * (side == "l")) * (15.0 + sign * (half[end] * rate - inner * tight))
             for end in "fr" for side, sign in zip("lr", (-1, 1), strict=True)}  # fmt: skip
     table = pd.DataFrame({name: values for name, (_, values) in log.channels.items()} | {"t": t})
-    table = table.assign(**{name: speed / road.CAR["radius_front"] for name, speed in rims.items()})
-    checked(read_log(table), car)
-    left, right = f"omega_{axle}l", f"omega_{axle}r"
-    with pytest.raises(DataError, match=f"exchanged .--columns '{left}=HEADER OF {right}"):
-        checked(read_log(table.rename(columns={left: right, right: left})), car)
+    return table.assign(**{name: speed / road.CAR["radius_front"] for name, speed in rims.items()})
+
+
+@pytest.mark.parametrize("axle", ["front", "rear"])
+@pytest.mark.parametrize("slip", [0.0, 0.6])
+def test_exchanged_wheel_speeds_are_exchanged_again_and_right_ones_are_not(car, axle, slip):
+    """The inner wheel of a driven axle spins in tight turns."""
+    table = with_wheels(turning(lambda t, steer, rate: (steer, rate)), slip)
+    assert exchanged(read_log(table), car) == ()
+    left, right = (f"omega_{axle[0]}{side}" for side in "lr")
+    other = read_log(table.rename(columns={left: right, right: left}))
+    assert exchanged(other, car) == (axle,)
+    again = other.with_exchanged((axle,))
+    assert again.exchanged == (axle,)
+    for name, (_, values) in read_log(table).channels.items():
+        np.testing.assert_array_equal(again.values(name), values)
+
+
+@pytest.mark.parametrize("larger", [-0.03, 0.03])
+def test_another_radius_is_no_other_side(car, larger):
+    """Also if the car turns to one side only."""
+    log = turning(lambda t, steer, rate: (np.abs(steer) + 0.02, np.abs(rate) + 0.1))
+    assert exchanged(read_log(with_wheels(log, 0.0, larger)), car) == ()
+
+
+def test_a_log_with_axes_to_the_right_has_the_other_sides(car):
+    table = with_wheels(turning(lambda t, steer, rate: (steer, rate)), 0.0)
+    mirrored = table.assign(**{name: -table[name] for name in ("steer", "yaw_rate", "ay")})
+    assert exchanged(read_log(mirrored), car) == ("front", "rear")
 
 
 def test_a_wrong_sign_is_named_also_where_a_delay_would_explain_it(car):

@@ -17,9 +17,9 @@ from scipy.stats import chi2
 import tirefmu
 from tests.json_schemas import check_file, objections
 from tirefmu.applications.driving import estimate, simulation
-from tirefmu.applications.driving.dynamics.lagging import behind_lags
+from tirefmu.applications.driving.dynamics import SIZED, USUAL, behind_lags, size_of
 from tirefmu.applications.driving.effects import Missing, effect_columns, factor_values, motion_of
-from tirefmu.applications.driving.estimate import SIZED, USUAL, estimated, size_of
+from tirefmu.applications.driving.estimate import estimated
 from tirefmu.applications.driving.factors import scaled_tires, withheld
 from tirefmu.applications.driving.figures import write_drive
 from tirefmu.applications.driving.inputs.car import Car

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -37,12 +37,21 @@ class Log:
     - `channels`: times (rising, from 0) and values of each channel; missing values are left out.
     - `ignored`: what of the file is not read, in one line.
     - `units`: by channel, the unit of its numbers in the file; empty for SI.
+    - `exchanged`: axles whose wheel speeds have the sides of the other wheel in the file.
     """
 
     source: str
     channels: Mapping[str, Samples]
     ignored: str = ""
     units: Mapping[str, str] = field(default_factory=dict)
+    exchanged: tuple[str, ...] = ()
+
+    def with_exchanged(self, axles: tuple[str, ...]) -> Log:
+        """Return the log with left and right wheel speeds of axles exchanged."""
+        pairs = [WHEEL_SPEEDS[axle] for axle in axles]
+        other = {name: other for left, right in pairs for name, other in ((left, right), (right, left))}
+        channels = {name: self.channels[other.get(name, name)] for name in self.channels}
+        return replace(self, channels=channels, exchanged=axles)
 
     def values(self, name: str) -> FloatArray:
         """Return the values of a channel."""

@@ -17,8 +17,9 @@ from .log import Log
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Limits of the measured yaw rate over that of a car without slip, v delta / l, and of ay over v times yaw rate. An
-#: understeering car has 0.3 at high speed; another unit of an angle has 57 or 1/57, one of acceleration 9.8 or 0.1.
+#: Limits of the measured yaw rate over that of a car without slip, v delta / l, and of ay over v times yaw rate, or of
+#: a track over that of the car. An understeering car has 0.3 at high speed; another unit of an angle has 57 or 1/57,
+#: one of acceleration 9.8 or 0.1.
 YAW_GAIN, LATERAL_GAIN, TYPICAL_GAIN = (0.15, 3.0), (0.5, 2.0), 0.7
 #: Smallest correlation of yaw rate with v delta / l, and smallest angle of the front wheels with a turn, rad.
 MIN_CORRELATION, MIN_STEER = 0.5, 0.002
@@ -74,7 +75,7 @@ def check_wheel_speeds(log: Log, car: Car) -> None:
 
 
 def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
-    """Raise `DataError` if the log contradicts the car: no steering, a wrong sign or side, another unit, another car.
+    """Raise `DataError` if the log contradicts the car: no steering, a wrong sign, another unit, another car.
 
     `speed`, shape (n,): rough forward speed at the intervals.
     """
@@ -91,7 +92,6 @@ def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
         raise DataError(
             f"{source}: yaw rate and steer have opposite signs: both are positive to the left (--columns steer=-HEADER)"
         )
-    _check_sides(grid, speed, yaw_rate, source)
     if correlation < MIN_CORRELATION:
         raise DataError(
             f"{source}: the steering does not explain the yaw rate (correlation {correlation:.2f}): is this the log of "
@@ -121,16 +121,22 @@ def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
         )
 
 
-def _check_sides(grid: Grid, speed: FloatArray, yaw_rate: FloatArray, source: str) -> None:
-    """Raise `DataError` if the left wheel of an axle is the faster one in a left turn without sliding."""
+def exchanged_axles(grid: Grid, speed: FloatArray, car: Car) -> tuple[str, ...]:
+    """Return the axles whose logged left wheel is the faster one in left turns: the sides of the log are exchanged.
+
+    Differences in proportion to the speed are those of rolling radii, and a car that slides shows other ones.
+
+    `speed`, shape (n,): rough forward speed at the intervals.
+    """
+    yaw_rate, axles = _yaw_rate(grid), list[str]()
     calm = _calm(speed * yaw_rate)
+    v, turn = speed[calm], _beyond(speed[calm], yaw_rate[calm])
     for axle, (left, right) in (("front", grid.rims[:2]), ("rear", grid.rims[2:])):
-        if left.any() and right.any() and _slope(yaw_rate[calm], (right - left)[calm])[1] < -MIN_CORRELATION:
-            pair = [f"omega_{axle[0]}{side}" for side in "lr"]
-            raise DataError(
-                f"{source}: the left {axle} wheel is the faster one in a left turn: left and right wheel speeds are "
-                f"exchanged (--columns '{pair[0]}=HEADER OF {pair[1]},{pair[1]}=HEADER OF {pair[0]}')"
-            )
+        gain, correlation = _slope(turn, _beyond(v, (right - left)[calm]))
+        logged = left.any() and right.any()
+        if logged and correlation < -MIN_CORRELATION and _within(-gain / car.values[f"track_{axle}"], LATERAL_GAIN):
+            axles.append(axle)
+    return tuple(axles)
 
 
 def _turning(
