@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from ...numerics.correlation import correlation_length
 from ...numerics.ties import graded
-from .dynamics.discrepancy import USUAL, discrepancy_columns, size_of
+from .dynamics.discrepancy import SIZED, USUAL, discrepancy_columns, size_of
 from .dynamics.lagging import with_lags
 from .evaluation import curved, evaluated, interval_data, values_of
 from .inputs.car import Car
@@ -180,8 +180,7 @@ def _estimated(
 
     def acting(grid: Grid, states: FloatArray, z: FloatArray, held: AddedForces) -> AddedForces:
         beyond = values_of(interval, grid, states, z[:n], interval_data(grid))[:, -n_balance:]
-        columns = discrepancy_columns(grid, states, unknowns.car_values(car, z), beyond)
-        return held.and_columns(size * columns)
+        return held.and_columns(discrepancy_columns(grid, states, unknowns.car_values(car, z), beyond, size))
 
     held = forces(grid, start, z)
     added = acting(grid, start, z, held)
@@ -228,10 +227,10 @@ def _estimated(
         grid = _moved(grid, interval, tried.states, log, car, unknowns.car_values(car, z))
         weights = _weights(tried.linear.values / at.weights)
         if longest < 1.0:  # before, errors of the unknowns would be taken for the car's
-            variances = np.diag(at.posterior.covariance)[len(z) - n_rest :]
-            new = size_of(size, z[len(z) - n_rest :], variances)
+            coefficients, variances = z[-n_rest:], np.diag(at.posterior.covariance)[-n_rest:]
+            new = size_of(size, coefficients[SIZED], variances[SIZED])
             resized = abs(np.log(new / size))
-            z[len(z) - n_rest :] *= size / new
+            coefficients[SIZED] *= size / new
             size = new
         states, deviations = tried.states, tried.deviations
         del at, tried  # a long log has large arrays

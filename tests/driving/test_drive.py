@@ -17,7 +17,7 @@ from scipy.stats import chi2
 import tirefmu
 from tests.json_schemas import check_file, objections
 from tirefmu.applications.driving import estimate, simulation
-from tirefmu.applications.driving.dynamics import USUAL, behind_lags, size_of
+from tirefmu.applications.driving.dynamics import SIZED, USUAL, behind_lags, size_of
 from tirefmu.applications.driving.effects import Missing, effect_columns, factor_values, motion_of
 from tirefmu.applications.driving.estimate import estimated
 from tirefmu.applications.driving.factors import scaled_tires, withheld
@@ -108,8 +108,9 @@ def test_what_a_car_has_and_no_entry_explains_is_no_factor(error, places, answer
 
 def test_a_drive_shows_no_less_of_what_it_cannot_see(answer):
     assert answer.estimate.size >= USUAL
-    assert size_of(USUAL, np.zeros(24), np.zeros(24)) == USUAL
-    assert USUAL < size_of(USUAL, np.full(24, 1.5), np.zeros(24)) < size_of(USUAL, np.full(24, 9.0), np.zeros(24))
+    none, some = np.zeros(SIZED.sum()), np.full(SIZED.sum(), 1.5)
+    assert size_of(USUAL, none, none) == USUAL
+    assert USUAL < size_of(USUAL, some, none) < size_of(USUAL, 6.0 * some, none)
 
 
 @pytest.mark.slow

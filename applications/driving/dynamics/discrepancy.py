@@ -25,9 +25,12 @@ FloatArray = npt.NDArray[np.float64]
 #: Standard deviation of a coefficient before any data, relative to the required force, and how many coefficients it is
 #: worth. Judgement: side forces of repeated tests differ by 0.5 %.
 USUAL, WORTH = 0.005, 4.0
-#: Coefficients of the curve of the force over the slip, over the others. Judgement: a Magic Formula differs from bench
-#: data by 1 %, and the tires of a car from those of the bench by as much.
-FORM = 2.0
+#: Standard deviation of the coefficients of the curve of the force over the slip, which data hardly contradict.
+#: Judgement: a Magic Formula differs from bench data by 1 %, and the tires of a car from those of the bench by as much.
+FORM = 0.01
+#: Numbers of the columns of an axle and, of these, of the curve; which of all columns have the estimated size.
+N_COLUMNS, N_FORM = 12, 3
+SIZED = np.arange(2 * N_COLUMNS) % N_COLUMNS >= N_FORM
 #: Longitudinal acceleration per g that changes a force by one coefficient; time by which the force of a usual car is
 #: late, s, and its square for masses that move against the body, s^2. Judgement: of the usual size they are 10 ms and
 #: (40 ms)^2; relaxation, roll and compliance between body and wheels make forces late by 10 to 40 ms.
@@ -37,11 +40,14 @@ ACCELERATION, TIME, INERTIA = 0.3, 2.0, 0.3
 SMALLEST, LARGEST = USUAL, 0.01
 
 
-def discrepancy_columns(grid: Grid, states: FloatArray, entries: Mapping[str, float], beyond: FloatArray) -> FloatArray:
+def discrepancy_columns(
+    grid: Grid, states: FloatArray, entries: Mapping[str, float], beyond: FloatArray, size: float
+) -> FloatArray:
     """Return the side forces of both axles per static load for a coefficient of 1, shape (n, 2, n_columns).
 
-    `beyond`, shape (n, 2): side force that the motion requires beyond the tires', per static load. The columns follow
-    from the tires' part: in proportion to all that the motion requires, they would shrink the noise of accelerations.
+    Coefficients are standardized. `beyond`, shape (n, 2): side force that the motion requires beyond the tires', per
+    static load. The columns follow from the tires' part: in proportion to all that the motion requires, they would
+    shrink the noise of accelerations.
     """
     left, right = states[grid.left], states[grid.right]
     vx, vy, yaw_rate = (left + right)[:, :3].T / 2
@@ -49,24 +55,26 @@ def discrepancy_columns(grid: Grid, states: FloatArray, entries: Mapping[str, fl
     ax, ay = vx_dot - vy * yaw_rate, vy_dot + vx * yaw_rate
     radius = entries["yaw_inertia"] / entries["mass"]
     speed, time = vx / vx.mean() - 1.0, 2.0 * (grid.t - grid.t[0]) / max(np.ptp(grid.t), grid.step) - 1.0
-    late = np.sqrt(entries["wheelbase"] / USUAL_WHEELBASE)  # similar cars
+    slower = np.sqrt(entries["wheelbase"] / USUAL_WHEELBASE)  # similar cars
     inner = np.pad(grid.segment[2:] == grid.segment[:-2], 1)
     columns = []
     for axle, arm in enumerate((entries["cg_to_rear"], -entries["cg_to_front"])):
         force = (ay + radius / arm * turning) / GRAVITY - beyond[:, axle]
-        size = np.abs(force) / max(np.abs(force).max(), 1e-9)
-        rate = np.where(inner, late * np.gradient(force, grid.step), 0.0)
-        bend = np.where(inner, late * np.gradient(rate, grid.step), 0.0)
+        share = np.abs(force) / max(np.abs(force).max(), 1e-9)
+        rate = np.where(inner, slower * np.gradient(force, grid.step), 0.0)
+        bend = np.where(inner, slower * np.gradient(rate, grid.step), 0.0)
         along = ax / (ACCELERATION * GRAVITY)
         driving, braking = np.maximum(along, 0.0), np.minimum(along, 0.0)
-        changes = (FORM, FORM * size, FORM * size**2, driving, braking, driving * size, braking * size, speed, time)
-        shapes = [*(force * change for change in changes), TIME * rate, TIME * rate * size**2, INERTIA * bend]
+        curve = [FORM * force * share**power for power in range(N_FORM)]
+        changes = (driving, braking, driving * share, braking * share, speed, time)
+        late = [TIME * rate, TIME * rate * share**2, INERTIA * bend]
+        shapes = [*curve, *(size * shape for shape in (*(force * change for change in changes), *late))]
         columns += [np.where(np.arange(2) == axle, shape[:, None], 0.0) for shape in shapes]
     return np.stack(columns, axis=2)
 
 
 def size_of(size: float, deviations: FloatArray, variances: FloatArray) -> float:
-    """Return the next size from the standardized coefficients and their posterior variances (MacKay's fixed point)."""
+    """Return the next size from standardized coefficients that have it and their posterior variances (MacKay)."""
     determined = float(np.sum(1.0 - np.minimum(variances, 1.0)))
     squares = size**2 * float(deviations @ deviations) + WORTH * USUAL**2
     return float(np.clip(np.sqrt(squares / (determined + WORTH)), SMALLEST, LARGEST))
