@@ -130,16 +130,7 @@ def diagnose(
         recorded_or_read = replace(complete, table=derived_table)
 
         def with_final_fits(*, no_formula: str = "", correct_form: bool = form) -> Diagnosis:
-            dropped = list[str]()
-            while True:
-                fits = final_fits(
-                    comparison, problem, solution, budget, no_formula=no_formula, correct_form=correct_form,
-                    without=dropped,
-                )  # fmt: skip
-                least = fits.least_proven(comparison.doubtful)
-                if budget.late or not least:
-                    break
-                dropped.append(least)
+            fits = final_fits(comparison, problem, solution, budget, no_formula=no_formula, correct_form=correct_form)
             outcome = DiagnosisOutcome(recorded_or_read, candidates_tried, fits, comparison.answer, comparison.stopped)
             return composed(outcome, began)
 

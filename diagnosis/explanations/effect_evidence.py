@@ -45,8 +45,6 @@ class Evidence:
         Cross-validated gain of each block of time, as a share of the squared misfit without the effect.
     change : ndarray, shape (n_channels, n)
         Of the forces by the effect alone, N and N m.
-    certainty : float
-        How certainly the effect predicts what was left out, in standard errors; 0 if it changes no force.
     """
 
     JSON_KEYS: ClassVar = ("z", "stretches", "holdout_gain", "holdout_error")
@@ -58,7 +56,6 @@ class Evidence:
     p: float
     gains: FloatArray
     change: FloatArray
-    certainty: float
 
     @property
     def gain(self) -> float:
@@ -90,17 +87,14 @@ def effect_evidence(after: Screen, coefficients: Collection[str]) -> Evidence:
     edges = _stretches(screen, columns[:, :, 0], z)
     holdout = problem.holdout_gains(without, solution)
     total = float(screen.baseline.loss.sum())
-    gains = (screen.baseline.loss - after.baseline.loss) / total
-    change = np.nan_to_num(problem.simulator.forces(solution.parameters) - problem.simulator.forces(removed))
     return Evidence(
         z,
         int(np.sum(screen.losses(edges) > after.losses(edges))),
         float(holdout.sum()),
         error_of_sum(holdout) if len(holdout) > 1 else 0.0,
         float(chdtrc(1, (response.estimate[0] / response.coloured[0]) ** 2)),
-        gains,
-        change,
-        certainty(gains, holdout) if change.any() else 0.0,
+        (screen.baseline.loss - after.baseline.loss) / total,
+        np.nan_to_num(problem.simulator.forces(solution.parameters) - problem.simulator.forces(removed)),
     )
 
 

@@ -15,7 +15,6 @@ import numpy as np
 
 from ...numerics.arrays import FloatArray
 from ...numerics.noise_model import Whitening, noise_parts
-from ...numerics.ties import graded
 from ...symbolic.detection import Form
 from ...symbolic.model import Model
 from ...tires.tire import Tire
@@ -27,7 +26,7 @@ from ..thresholds import FINAL_ITERATIONS
 from ..unexplained.formula_proposal import UnexplainedStructure, Unknown, proposed
 from .budget import Budget
 from .compare import ComparedExplanations
-from .effect_evidence import CERTAIN, Evidence, effect_evidence, unproven
+from .effect_evidence import Evidence, effect_evidence, unproven
 from .explanation import Explanation
 from .form import form_of
 
@@ -69,22 +68,15 @@ class Final:
         """The baseline model with all effects that were tested, switched off, and with what was added to its lines."""
         return self.after.problem.simulator.tire
 
-    def least_proven(self, names: Collection[str]) -> str:
-        """Return the one of some effects that least predicts what was left out, or '' if all do."""
-        certainty = {name: found.certainty for name, found in self.evidence.items() if name in names}
-        least = min(certainty, key=lambda name: graded(certainty[name]), default="")
-        return least if least and certainty[least] <= CERTAIN else ""
-
 
 def final_fits(
     comparison: ComparedExplanations, problem: LeastSquares, baseline: Solution, budget: Budget,
-    *, no_formula: str = "", correct_form: bool = True, without: Collection[str] = (),
+    *, no_formula: str = "", correct_form: bool = True,
 ) -> Final:  # fmt: skip
     """Return the final fits. When the time ends, fits stay where they are, and the form is not corrected.
 
     `problem`, `baseline`: of the baseline model. `no_formula`: the reason why the formula of an unknown component may
     not be added to the model, if any. `correct_form`: whether the model may have a correction of its own form.
-    `without`: effects of the leading explanation that are left out.
     """
     linear = comparison.leader.linear
     disturbances = problem.disturbances.without(linear.unneeded_cross_talk())
@@ -108,14 +100,13 @@ def final_fits(
         budget.report("adding the proposed formula to the model equations")
         part, with_formula = proposed(structure, extended, solution, no_formula)
         unknown, (extended, solution) = (part,), with_formula or (extended, solution)
-    explanation, dropped = linear.explanation, _unproven(comparison, extended, solution, budget, without)
-    if dropped:
-        explanation, extended, solution = _without(dropped, explanation, extended, solution)
-        refinements = tuple((name, form) for name, form in refinements if name not in dropped)
+    explanation, doubtful = linear.explanation, comparison.doubtful
+    extended, solution, explanation = with_proven(extended, solution, explanation, doubtful)
     if correct_form and not budget.late and (corrected := form_of(extended, solution)):
         extended, solution, change = corrected
     for _ in range(BALANCING):
         extended, solution = balanced(extended, solution).fitted(solution.parameters, solution.free)
+    extended, solution, explanation = with_proven(extended, solution, explanation, doubtful)
     before = Screen(extended, solution)
     if solution.free != base.free:  # with the same weights: a channel could give way to another one in one fit only
         problem = replace(problem, inverse_noise=extended.inverse_noise)
@@ -127,6 +118,7 @@ def final_fits(
     evidence = {name: effect_evidence(after, coefficients) for name, coefficients in effects.items()}
     added = [declared.name for part in unknown if part.added and part.effect for declared in part.effect.declarations]
     formula = effect_evidence(after, added) if added else None
+    refinements = tuple((name, form) for name, form in refinements if name in explanation.effects)
     return Final(before, after, whitened.standard_errors(), effects, evidence, refinements, unknown, formula, change)
 
 
@@ -143,34 +135,28 @@ def refined_core(problem: LeastSquares) -> list[str]:
     return [name for name in readable(tuple(neutral), signals, model) if tire.values[name] != neutral[name]]
 
 
-def _unproven(
-    comparison: ComparedExplanations,
-    problem: LeastSquares,
-    solution: Solution,
-    budget: Budget,
-    without: Collection[str],
-) -> list[str]:
-    """Return given effects, and those that are not called missing and do not predict what was left out (`unproven`)."""
-    explanation, model = comparison.leader.explanation, problem.simulator.symbolic_model
-    doubtful = [name for name in comparison.doubtful if name not in without]
-    if not doubtful or budget.late:
-        return list(without)
-    weighted = balanced(problem, solution)
-    after = Screen(weighted, weighted.at(solution.parameters, solution.free))
-    owned = {name: _coefficients(name, explanation, model, solution) for name in doubtful}
-    return [*without, *unproven(after, owned)]
+def with_proven(
+    problem: LeastSquares, solution: Solution, explanation: Explanation, doubtful: Collection[str]
+) -> tuple[LeastSquares, Solution, Explanation]:
+    """Return a fit without the doubtful effects that do not predict what was left out, and its explanation.
 
-
-def _without(
-    names: Collection[str], explanation: Explanation, problem: LeastSquares, solution: Solution
-) -> tuple[Explanation, LeastSquares, Solution]:
-    """Return an explanation without some effects, and its fit."""
-    model, simulator = problem.simulator.symbolic_model, problem.simulator
-    less = replace(explanation, forms=tuple(form for form in explanation.forms if form[0] not in names))
-    kept = {own for name in less.effects for own in _coefficients(name, less, model, solution)}
-    lost = {own for name in names for own in _coefficients(name, explanation, model, solution)} - kept
-    free = tuple(name for name in solution.free if name not in lost)
-    return less, *problem.fitted(simulator.without(solution.parameters, lost), free)
+    The comparison counts an effect beside errors of the form of all others, which the tire does not have: in it, one
+    may improve a force and make another one worse, or hold the others in a worse optimum.
+    """
+    while (judged := [name for name in explanation.effects if name in doubtful]) and not problem.stop():
+        weighted = balanced(problem, solution)
+        after = Screen(weighted, weighted.at(solution.parameters, solution.free))
+        model = problem.simulator.symbolic_model
+        coefficients = {name: _coefficients(name, explanation, model, solution) for name in explanation.effects}
+        absent = unproven(after, {name: coefficients[name] for name in judged})
+        if not absent:
+            break
+        explanation = replace(explanation, forms=tuple(form for form in explanation.forms if form[0] not in absent))
+        lost = {name for effect in absent for name in coefficients[effect]}
+        lost -= {name for effect in explanation.effects for name in coefficients[effect]}
+        free = tuple(name for name in solution.free if name not in lost)
+        problem, solution = problem.fitted(problem.simulator.without(solution.parameters, lost), free)
+    return problem, solution, explanation
 
 
 def _coefficients(effect: str, explanation: Explanation, model: Model, solution: Solution) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -410,9 +410,23 @@ class _Contents:
     errors: int
 
 
-@lru_cache(maxsize=2)
+#: What the latest linearizations contain, and their number.
+_STORED, LATEST = dict[Linearization, _Contents](), 2
+
+
 def _contents(linear: Linearization) -> _Contents:
-    """Return what an explanation contains; it is stored for the latest linearizations only."""
+    """Return what an explanation contains; the oldest one that is stored is freed before another one is computed."""
+    if linear in _STORED:
+        contents = _STORED.pop(linear)
+    else:
+        if len(_STORED) == LATEST:
+            del _STORED[next(iter(_STORED))]
+        contents = _computed_contents(linear)
+    _STORED[linear] = contents
+    return contents
+
+
+def _computed_contents(linear: Linearization) -> _Contents:
     problem, weighted, groups = linear.problem, list[WeightedColumns](), list[Columns]()
     for group in linear.contained():  # one after another: weighted ones are stored without the zeros of other channels
         weighted.append(problem.weighted_columns(group.columns))
@@ -436,4 +450,4 @@ def _contents(linear: Linearization) -> _Contents:
 
 def forget_columns() -> None:
     """Free the memory of stored columns; they are computed again when they are needed."""
-    _contents.cache_clear()
+    _STORED.clear()

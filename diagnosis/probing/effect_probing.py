@@ -65,6 +65,15 @@ class Screen:
         """The number of blocks with data."""
         return len(self.edges) - 1
 
+    @cached_property
+    def change_without_block(self) -> FloatArray:
+        """The change of the residuals of each block if it is not used for the estimate, N and N m."""
+        change, inverse_noise = np.zeros_like(self.residual), self.problem.inverse_noise
+        for g, (first, last) in enumerate(pairwise(self.edges.tolist())):
+            shift = self.baseline.others[g] - self.baseline.estimate
+            change[:, first:last] -= self.tangent[:, first:last] @ shift
+        return np.divide(change, inverse_noise, out=np.zeros_like(change), where=inverse_noise > 0.0)
+
     def losses(self, edges: IntArray) -> FloatArray:
         """Return the squared misfit of each part between edges with the estimate from the others."""
         sums = block_sums(self.tangent, self.residual, edges)

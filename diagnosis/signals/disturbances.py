@@ -236,7 +236,7 @@ def load_error_responses(simulator: Simulator, parameters: FloatArray) -> FloatA
 @lru_cache(maxsize=2)
 def _with_load_errors(signals: Signals, size: float) -> tuple[Signals, ...]:
     """Return signals with an error of the load of a relative size behind each of `LAGS`."""
-    named = signals.everywhere.named()
+    named = dict(zip(signals.names, signals.inputs, strict=True))
     rate = rate_of(np.hypot(np.tan(named["alpha"]), named["kappa"]), signals.t)
     direction = np.tanh(rate / (TURNING * float(np.sqrt(np.mean(rate**2))) + 1e-12))
     wrong = []

@@ -138,9 +138,7 @@ def fit_errors(
     tires. `splits`: of the delivered tire. Returns: train, cv, holdout -> channel -> before, after, floor.
     """
     both, used, holdout = (residuals.before, residuals.after), residuals.used, residuals.signals.holdout
-    validated = [
-        residual + _change_without_block(screen) for residual, screen in zip(both, (before, after), strict=True)
-    ]
+    validated = [residual + screen.change_without_block for residual, screen in zip(both, (before, after), strict=True)]
     parts = {
         "train": (both, used & ~holdout),
         "cv": (validated, (after.problem.inverse_noise > 0.0) & used),
@@ -153,15 +151,6 @@ def fit_errors(
         }
         for part, (rows, mask) in parts.items()
     }
-
-
-def _change_without_block(screen: Screen) -> FloatArray:
-    """Return the change of the residuals of each block if it is not used for the estimate, N and N m."""
-    change, inverse_noise = np.zeros_like(screen.residual), screen.problem.inverse_noise
-    for g, (first, last) in enumerate(zip(screen.edges[:-1], screen.edges[1:], strict=True)):
-        shift = screen.baseline.others[g] - screen.baseline.estimate
-        change[:, first:last] -= screen.tangent[:, first:last] @ shift
-    return np.divide(change, inverse_noise, out=np.zeros_like(change), where=inverse_noise > 0.0)
 
 
 def _rms(residual: FloatArray, present: BoolArray) -> float:

@@ -11,9 +11,8 @@ from scipy.stats import norm
 
 import tirefmu
 from tirefmu.diagnosis import diagnose
-from tirefmu.diagnosis.explanations import OneOf, final_fits
+from tirefmu.diagnosis.explanations import Explanation, OneOf, final_fits, refined_core, with_proven
 from tirefmu.diagnosis.explanations.effect_evidence import STRETCHES, _stretches, effect_evidence, joint_z, unproven
-from tirefmu.diagnosis.explanations.final import refined_core
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.signals import Simulator
 from tirefmu.diagnosis.verdict import (
@@ -28,6 +27,7 @@ from tirefmu.diagnosis.verdict import (
     verdict_sentences,
 )
 from tirefmu.numerics.noise_floor import ErrorSplit
+from tirefmu.symbolic.detection import Form
 
 from .independent import kinds as independent
 from .recomputation import recomputed
@@ -255,6 +255,27 @@ def test_a_true_effect_has_evidence_and_an_absent_one_has_not(at_true_values, ti
     moved[lacking.simulator.index["PHY1"]] = 0.0
     expected = lacking.simulator.forces(tire.parameters()) - lacking.simulator.forces(moved)
     np.testing.assert_allclose(true.change, expected, atol=0.1 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("doubtful", [["camber_thrust", "plysteer"], ["plysteer"]])
+def test_a_doubtful_effect_with_which_the_tire_predicts_worse_is_left_out(at_true_values, tire, doubtful):
+    """Plysteer is missing, as improbable as it is; camber thrust is not, and holds the fit in a wrong place."""
+    problem, free = at_true_values.problem, (*at_true_values.solution.free, "PVY3")
+    lacking = problem.over(Simulator(tire.with_values(PHY1=0.0), problem.simulator.signals))
+    forms = [("plysteer", Form.each({"PHY1": 0.01})), ("camber_thrust", Form.each({"PVY3": 0.1}))]
+    wrong = tire.parameters()
+    wrong[lacking.simulator.index["PVY3"]] = 0.3
+    before = lacking.at(wrong, free)
+    _, solution, explanation = with_proven(lacking, before, Explanation(tuple(forms)), doubtful)
+    expected = {"plysteer", "camber_thrust"} - ({"camber_thrust"} & {*doubtful})
+    assert set(explanation.effects) == expected
+    assert ("PVY3" in solution.free) == ("camber_thrust" in expected)
+    used = problem.inverse_noise > 0.0
+    sizes = [np.mean(one.residual**2, axis=1, where=used) for one in (before, solution)]
+    assert (sizes[1] <= 1.001 * sizes[0]).all()
+    if len(expected) == 1:
+        assert solution.parameters[lacking.simulator.index["PVY3"]] == 0.0
+        assert sizes[1][1] < 0.9 * sizes[0][1]
 
 
 def test_refinements_of_the_core_are_fitted_if_the_tire_has_them(problem, tire):

@@ -11,6 +11,7 @@ from scipy.stats import multivariate_normal
 
 from tirefmu.diagnosis.diagnose import _start_model, with_library
 from tirefmu.diagnosis.explanations import (
+    OF_ALL_INPUTS,
     UNKNOWN,
     Addition,
     Budget,
@@ -21,6 +22,7 @@ from tirefmu.diagnosis.explanations import (
     Projected,
     Term,
     answer_of,
+    bench_errors,
     compare,
     compared,
     effect_discrepancy,
@@ -34,7 +36,6 @@ from tirefmu.diagnosis.explanations import (
     without_folds,
 )
 from tirefmu.diagnosis.explanations.compare import _simplest, reduced
-from tirefmu.diagnosis.explanations.discrepancy import OF_ALL_INPUTS, bench_errors
 from tirefmu.diagnosis.explanations.table import Table
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
 from tirefmu.diagnosis.signals import between_rows, signals_of

@@ -66,7 +66,7 @@ def given_lines(
     return GivenLines(model, routine, results, changing)
 
 
-@lru_cache(maxsize=8)  # a whole module is parsed
+@lru_cache(maxsize=2)  # a whole module is parsed
 def _lines(model: Model, routine: str) -> list[tuple[str, ast.expr]]:
     """Return name and expression of each line of a printed function."""
     tree = ast.parse(code_file(model, f"numpy/{model.name}.py").read_text(encoding="ascii"))

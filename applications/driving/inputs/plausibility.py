@@ -133,8 +133,8 @@ def exchanged_axles(grid: Grid, speed: FloatArray, car: Car) -> tuple[str, ...]:
     v, turn = speed[calm], _beyond(speed[calm], yaw_rate[calm])
     for axle, (left, right) in (("front", grid.rims[:2]), ("rear", grid.rims[2:])):
         gain, correlation = _slope(turn, _beyond(v, (right - left)[calm]))
-        known = left.any() and right.any()
-        if known and correlation < -MIN_CORRELATION and _within(-gain / car.values[f"track_{axle}"], LATERAL_GAIN):
+        logged = left.any() and right.any()
+        if logged and correlation < -MIN_CORRELATION and _within(-gain / car.values[f"track_{axle}"], LATERAL_GAIN):
             axles.append(axle)
     return tuple(axles)
 
