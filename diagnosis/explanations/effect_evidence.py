@@ -155,9 +155,13 @@ def harmful(after: Screen, effects: Mapping[str, Collection[str]]) -> list[str]:
     used = after.problem.inverse_noise > 0.0
 
     def gain(without: Screen) -> float:
-        fitted = without.solution.residual, after.solution.residual
-        left_out = [rest + fit.change_without_block for rest, fit in zip(fitted, (without, after), strict=True)]
-        return min(float(density_gains(*rests, used, used).sum()) for rests in (fitted, left_out))
+        fits = without, after
+        before, now = (fit.solution.residual for fit in fits)
+        apart, together = (fit.solution.residual + fit.change_without_block for fit in fits)
+        return min(
+            float(density_gains(first, second, used, used).sum())
+            for first, second in ((before, now), (apart, together))
+        )
 
     gains = {name: gain(without_effect(after, coefficients)) for name, coefficients in effects.items()}
     least = min(gains, key=lambda name: graded(gains[name]))
