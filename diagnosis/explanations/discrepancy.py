@@ -31,12 +31,6 @@ FAST_DRIFT_WAVES, FAST_DRIFT_PRIOR = 12, 2.0
 #: within 1 %. More is attributed to the tire. Convention.
 LOAD_ERROR_PRIOR = 0.005
 
-#: Prior standard deviation of the share of the second difference in a recorded input. Derived: the mean over a step of
-#: the lines between rows has this share.
-BEND = 1.0 / 8.0
-#: The number of errors of the bench that are not of a single input.
-OF_ALL_INPUTS = 2 + len(LAGS)
-
 #: Features of each channel, of the model and of each effect. Convention: computing time.
 FEATURES = 30
 #: Inputs of which the magnitude counts: a discrepancy is symmetric between left and right, driving and braking.
@@ -148,8 +142,8 @@ def _smooth_functions(columns: tuple[bytes, ...], number: int, seed: int) -> Flo
 def bench_errors(simulator: Simulator, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the responses of the forces to errors of the bench that depend on the tire, and their prior deviations.
 
-    Skew of the recording (first), distortion of fast changes by sampling and smoothing, errors of the load that follow
-    the direction of slip, and bends of single inputs: shapes (n_channels, n, k) and (k,), with k = 0 without time.
+    Skew of the recording (first), distortion of fast changes by sampling and smoothing, and errors of the load that
+    follow the direction of slip: shapes (n_channels, n, k) and (k,), with k = 0 without time.
     """
     signals = simulator.signals
     if not signals.timed:
@@ -158,23 +152,8 @@ def bench_errors(simulator: Simulator, parameters: FloatArray) -> tuple[FloatArr
     columns = time_derivatives(simulator, parameters) * [-1.0, 1.0]
     loads = load_error_responses(simulator, parameters)
     # A line between two rows is wrong by an eighth of the squared step times the second derivative.
-    bent = _between_rows(simulator, parameters)
-    deviations = [0.5 * MAX_SKEW, step**2 / 8.0, *(LOAD_ERROR_PRIOR for _ in LAGS), *(BEND for _ in bent.T)]
-    return np.concatenate([columns, loads, bent], axis=-1), np.array(deviations)
-
-
-def _between_rows(simulator: Simulator, parameters: FloatArray) -> FloatArray:
-    """Return the change of the forces if one input of the core is bent between the rows, shape (n_channels, n, k).
-
-    Each channel has a filter of its own, and a recording does not say when between two rows an input changes. An effect
-    of the past that is over within a step reads only that.
-    """
-    signals, at = simulator.signals, simulator.forces(parameters)
-    everywhere, changes = signals.everywhere.named(), list[FloatArray]()
-    for name in sorted(CORE_INPUTS):
-        bend = np.pad(np.diff(everywhere[name], 2), 1)[signals.rows]
-        changes.append(np.nan_to_num(simulator.forces(parameters, {name: bend}) - at))
-    return np.stack([change for change in changes if change.any()] or changes[:1], axis=-1)
+    deviations = [0.5 * MAX_SKEW, step**2 / 8.0, *(LOAD_ERROR_PRIOR for _ in LAGS)]
+    return np.concatenate([columns, loads], axis=-1), np.array(deviations)
 
 
 def input_noise_responses(simulator: Simulator, parameters: FloatArray) -> FloatArray:

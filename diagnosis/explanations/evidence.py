@@ -161,19 +161,14 @@ class NormalEquations:
         fit = float(mean @ np.linalg.solve(covariance, mean))
         return 0.5 * (fit + float(np.linalg.slogdet(covariance)[1] + np.sum(np.log(self.precision[chosen]))))
 
-    def estimate_without(self, column: int, absent: Sequence[int] | IndexArray) -> tuple[float, float]:
-        """Return the estimate of a column if some others are absent, and its standard deviation: where those are zero.
+    def estimate_of(self, column: int) -> tuple[float, float]:
+        """Return the estimate of a column, and its standard deviation.
 
-        >>> matrix = np.array([[4.0, 1.0], [1.0, 3.0]])
-        >>> both = NormalEquations(matrix, np.array([3.0, 2.0]), 9.0, np.ones(2), np.zeros(2))
-        >>> [round(value, 6) for value in both.estimate_without(0, [1])]
+        >>> both = NormalEquations(np.diag([4.0, 3.0]), np.array([3.0, 2.0]), 9.0, np.ones(2), np.zeros(2))
+        >>> [round(value, 6) for value in both.estimate_of(0)]
         [0.6, 0.447214]
         """
-        half, estimate = self._half_covariance([column, *absent]), self.solved()[0]
-        covariance = half.T @ half
-        along = np.linalg.solve(covariance[1:, 1:], covariance[1:, 0])
-        variance = float(covariance[0, 0] - covariance[0, 1:] @ along)
-        return float(estimate[column] - along @ estimate[absent]), float(np.sqrt(variance))
+        return float(self.solved()[0][column]), float(np.linalg.norm(self._half_covariance([column])))
 
     def with_target(self, target: FloatArray, power: float, unlimited: Collection[int]) -> NormalEquations:
         """Return the equations of another residual, for which some columns have no limits."""

@@ -19,7 +19,7 @@ from ..signals.simulation import Simulator
 from ..thresholds import EFFECT_ODDS, FORM_ERROR, MAX_SKEW, PAST_ERROR
 from ..unexplained.features import CORE_INPUTS
 from ..weighted_columns import WeightedColumns, joined
-from .discrepancy import OF_ALL_INPUTS, bench_errors, effect_discrepancy, envelope
+from .discrepancy import bench_errors, effect_discrepancy, envelope
 from .evidence import NormalEquations
 from .explanation import UNKNOWN, Explanation
 from .terms import FormErrors, form_errors, unknown_terms
@@ -121,12 +121,11 @@ class Linearization:
     def skew(self) -> float:
         """The time by which the inputs are recorded before the forces, s: of the simulator, and what is left of it.
 
-        Errors of single inputs, which no tire is fitted with, have no part of it. A rest of less than two standard
-        deviations is none.
+        A rest of less than two standard deviations is none.
         """
-        skew, first, number = self.simulator.signals.skew, self.skew_index, _contents(self).bench
-        if number:
-            rest, deviation = self._own_equations.estimate_without(first, range(first + OF_ALL_INPUTS, first + number))
+        skew = self.simulator.signals.skew
+        if _contents(self).bench:
+            rest, deviation = self._own_equations.estimate_of(self.skew_index)
             skew += rest if abs(rest) > 2.0 * deviation else 0.0
         return float(np.clip(skew, -MAX_SKEW, MAX_SKEW))
 

@@ -297,11 +297,11 @@ class Simulator:
             if length.max() > 0.0
         }
 
-    def forces(self, parameters: FloatArray, shifts: Mapping[str, float | FloatArray] | None = None) -> FloatArray:
+    def forces(self, parameters: FloatArray, shifts: Mapping[str, float] | None = None) -> FloatArray:
         """Return the forces of the measured channels, shape (n_channels, n).
 
-        `parameters`, shape (n_parameters,). `shifts`: added to inputs by name, as by a sensor with a zero error or
-        a delay.
+        `parameters`, shape (n_parameters,). `shifts`: offsets added to inputs by name, as by a sensor with a zero
+        error.
         """
         if not shifts:
             return self._forces(parameters.tobytes())

@@ -11,7 +11,6 @@ from scipy.stats import multivariate_normal
 
 from tirefmu.diagnosis.diagnose import _start_model, with_library
 from tirefmu.diagnosis.explanations import (
-    OF_ALL_INPUTS,
     UNKNOWN,
     Addition,
     Budget,
@@ -22,7 +21,6 @@ from tirefmu.diagnosis.explanations import (
     Projected,
     Term,
     answer_of,
-    bench_errors,
     compare,
     compared,
     effect_discrepancy,
@@ -291,21 +289,6 @@ def test_a_coefficient_at_its_bound_is_a_constant(at_true_values, tire):
         for one in (solution, replace(solution, parameters=at_bound))
     )
     assert len(outside.target) == len(inside.target) - 1
-
-
-def test_the_mean_of_an_input_over_a_step_is_an_error_of_the_bench(at_true_values):
-    """Forces at a slip angle whose channel has a filter: they are one deviation of one column away."""
-    simulator, parameters = at_true_values.problem.simulator, at_true_values.solution.parameters
-    t, alpha = simulator.signals.t, simulator.signals.everywhere.named()["alpha"]
-    columns, deviations = bench_errors(simulator, parameters)
-    assert len(deviations) == OF_ALL_INPUTS + 3  # the load, alpha and kappa
-    fine = np.linspace(-0.5, 0.5, 201) * float(np.median(np.diff(t)))
-    weights = np.r_[0.5, np.ones(199), 0.5] / 200.0
-    mean = np.array([weights @ np.interp(at + fine, t, alpha) for at in t[1:-1]])
-    change = np.pad(mean - alpha[1:-1], 1)[simulator.signals.rows]
-    moved = simulator.forces(parameters, {"alpha": change}) - simulator.forces(parameters)
-    column = columns[:, :, OF_ALL_INPUTS + 1] * deviations[OF_ALL_INPUTS + 1]
-    assert np.linalg.norm(column - moved) < 0.01 * np.linalg.norm(moved)
 
 
 def test_terms_in_the_inputs_of_the_explanation_are_errors_of_form(at_true_values, tire):
