@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from .discrepancy import effect_discrepancy, model_discrepancy, smooth_functions
     from .evidence import NormalEquations, Projected
     from .explanation import UNKNOWN, Explanation, Term
-    from .final import balanced, final_fits, refined_core, with_proven
+    from .final import balanced, coefficients_of, final_fits, refined_core, with_proven
     from .form import FORM, form_effect, form_of
     from .linearization import Addition, Linearization
     from .refit import refitted, shared_problem

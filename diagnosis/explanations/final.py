@@ -112,7 +112,7 @@ def final_fits(
     before, solution, whitened = _whitened(extended, solution, before)
     after = Screen(extended, solution)
     model = extended.simulator.symbolic_model
-    effects = {name: _coefficients(name, explanation, model, solution) for name in explanation.effects}
+    effects = {name: coefficients_of(name, explanation, model, solution) for name in explanation.effects}
     evidence = {name: effect_evidence(after, coefficients) for name, coefficients in effects.items()}
     added = [declared.name for part in unknown if part.added and part.effect for declared in part.effect.declarations]
     formula = effect_evidence(after, added) if added else None
@@ -145,7 +145,7 @@ def with_proven(
         weighted = balanced(problem, solution)
         after = Screen(weighted, weighted.at(solution.parameters, solution.free))
         model = problem.simulator.symbolic_model
-        coefficients = {name: _coefficients(name, explanation, model, solution) for name in explanation.effects}
+        coefficients = {name: coefficients_of(name, explanation, model, solution) for name in explanation.effects}
         judging = {name: coefficients[name] for name in judged}
         absent = unproven(after, judging) or harmful(after, judging)
         if not absent:
@@ -158,7 +158,7 @@ def with_proven(
     return problem, solution, explanation
 
 
-def _coefficients(effect: str, explanation: Explanation, model: Model, solution: Solution) -> tuple[str, ...]:
+def coefficients_of(effect: str, explanation: Explanation, model: Model, solution: Solution) -> tuple[str, ...]:
     """Return the free coefficients that belong to an effect, also those of its refinements.
 
     One of several effects of the model (PHYP2: camber thrust and turn slip) is that of the one it is free for.

@@ -11,7 +11,7 @@ from scipy.stats import norm
 
 import tirefmu
 from tirefmu.diagnosis import diagnose
-from tirefmu.diagnosis.explanations import Explanation, OneOf, final_fits, refined_core, with_proven
+from tirefmu.diagnosis.explanations import Explanation, OneOf, coefficients_of, final_fits, refined_core, with_proven
 from tirefmu.diagnosis.explanations.effect_evidence import STRETCHES, _stretches, effect_evidence, joint_z, unproven
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.signals import Simulator
@@ -28,6 +28,7 @@ from tirefmu.diagnosis.verdict import (
 )
 from tirefmu.numerics.noise_floor import ErrorSplit
 from tirefmu.symbolic.detection import Form
+from tirefmu.symbolic.models import MODELS
 
 from .independent import kinds as independent
 from .recomputation import recomputed
@@ -276,6 +277,16 @@ def test_a_doubtful_effect_with_which_the_tire_predicts_worse_is_left_out(at_tru
     if len(expected) == 1:
         assert solution.parameters[lacking.simulator.index["PVY3"]] == 0.0
         assert sizes[1][1] < 0.9 * sizes[0][1]
+
+
+def test_a_coefficient_of_two_effects_is_that_of_the_one_it_is_free_for():
+    """PHYP2 is camber thrust with turn slip, and nothing without: a tire without turn slip does not have it."""
+    forms = (("turn_slip", Form.each({"PHYP2": 0.15})), ("camber_thrust", Form.each({"PVY3": 0.1})))
+    solution = SimpleNamespace(free=("PHYP2", "PVY3", "PVY4"))
+    model = MODELS["mf61"]
+    assert {"PHYP2", "PVY4"} < model.owned("camber_thrust")
+    both = [coefficients_of(name, Explanation(forms), model, solution) for name in ("turn_slip", "camber_thrust")]
+    assert both == [("PHYP2",), ("PVY3", "PVY4")]
 
 
 def test_refinements_of_the_core_are_fitted_if_the_tire_has_them(problem, tire):
