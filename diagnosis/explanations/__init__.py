@@ -13,12 +13,11 @@ if TYPE_CHECKING:
     from .compare import compared
     from .discrepancy import effect_discrepancy, model_discrepancy, smooth_functions
     from .evidence import NormalEquations, Projected
-    from .explanation import UNKNOWN, Explanation, Term
+    from .explanation import UNKNOWN, Explanation, Term, unknown_terms
     from .final import balanced, coefficients_of, final_fits, refined_core, with_proven
     from .form import FORM, form_effect, form_of
     from .linearization import Addition, Linearization
     from .refit import refitted, shared_problem
     from .table import without_folds
-    from .terms import unknown_terms
 
 __getattr__, __dir__ = on_demand(__name__)

@@ -14,10 +14,9 @@ from ..thresholds import RIVALS
 from ..unexplained.formula_proposal import Dictionary
 from ..weighted_columns import joined
 from .evidence import NormalEquations, Projected
-from .explanation import UNKNOWN, Term
+from .explanation import UNKNOWN, Term, prior_deviation
 from .linearization import Addition, Linearization
 from .refit import Refitted, Shared, refitted
-from .terms import prior_deviation
 
 #: Number of terms of a formula. Convention: computing time.
 TERMS = 3
@@ -61,7 +60,7 @@ def in_place_of(part: str, linear: Linearization, additions: Sequence[Addition])
     recorded = problem.disturbances.of_recording()
     fixed = [recorded.columns, linear.simulator.jacobian(solution.parameters, others)]
     columns = joined([
-        *map(problem.weighted_columns, (*fixed, linear.response(part)[:, :, None])),
+        *map(problem.weighted_columns, (*fixed, linear.responses.of(part)[:, :, None])),
         *(addition.weighted_columns or problem.weighted_columns(addition.columns) for addition in additions),
     ])  # fmt: skip
     deviations = [

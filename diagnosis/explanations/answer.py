@@ -123,9 +123,8 @@ class Answer:
         ['d']
         """
         names, probabilities = list(effects), self.probabilities
-        unsure = [name for name in names if probabilities[name] < NAMED]
-        one_of = {name for alternatives in self.one_of(unsure) for name in alternatives.effects}
-        return [name for name in unsure if name not in one_of]
+        one_of = {name for alternatives in self.one_of(names) for name in alternatives.effects}
+        return [name for name in names if probabilities[name] < NAMED and name not in one_of]
 
     def _exactly_one(self, names: Collection[str]) -> float:
         chosen = set(names)

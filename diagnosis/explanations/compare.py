@@ -23,11 +23,10 @@ from .additions import Gain, best_formula, gains, in_place_of, projected, rivals
 from .answer import NAMED, UNSURE, Answer, answer_of
 from .budget import Budget, Ended
 from .evidence import inflation
-from .explanation import UNKNOWN, Explanation
+from .explanation import UNKNOWN, Explanation, form_errors
 from .linearization import Addition, Linearization, forget_columns
 from .refit import Refitted, Shared, refitted, shared_problem, some_rows, with_terms
 from .table import FAR, Parts, Table, fold_evidences
-from .terms import form_errors
 
 #: A move: yields the table after each refit, returns the last one.
 Move = Generator[Table, None, Table]
@@ -225,7 +224,7 @@ def _climbed(table: Table, linear: Linearization) -> Move:
     table = table.with_refit(refitted(table.shared, Explanation(), [table.absent], linear.simulator))
     yield table
     if linear.explanation.parts:
-        start, static = linear.solution.parameters, linear.static
+        start, static = linear.solution.parameters, linear.responses.static
         whole = refitted(table.shared, linear.explanation, [start], linear.simulator)
         table = table.with_refit(whole)
         yield table

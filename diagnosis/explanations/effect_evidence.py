@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -12,7 +12,7 @@ from scipy.special import chdtrc, ndtri
 from ...numerics.arrays import FloatArray, IntArray
 from ...numerics.block_regression import block_sums, error_of_sum, regression
 from ...numerics.ties import graded
-from ..least_squares import Solution, density_gains
+from ..least_squares import density_gains
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS
 
@@ -97,51 +97,32 @@ def effect_evidence(after: Screen, coefficients: Collection[str]) -> Evidence:
     )
 
 
-def certainty(gains: FloatArray, holdout_gains: FloatArray) -> float:
-    """Return the gain of all blocks that were left out, in standard errors.
-
-    `gains`, shape (n_blocks,): of blocks that were left out one after another. `holdout_gains`, shape (n,): of the
-    blocks of the hold-out set. Both as shares of the squared misfit on all blocks of their kind.
-
-    >>> alike, none = np.array([0.02, 0.06]), np.zeros(0)
-    >>> [round(certainty(*given), 6) for given in ((alike, none), (-alike, none), (alike, alike), (alike, -alike))]
-    [2.0, -2.0, 3.464102, 0.0]
-    """
-    both = np.concatenate([len(gains) * gains, len(holdout_gains) * holdout_gains])
-    return float(both.sum()) / max(error_of_sum(both), 1e-300)
-
-
 def unproven(after: Screen, effects: Mapping[str, Collection[str]]) -> list[str]:
-    """Return the effects that do not predict what was left out.
+    """Return the effects that do not predict left-out blocks better, by more than twice the standard error over blocks.
 
-    These are blocks of time, one after another, and the hold-out set, by more than twice the standard error.
-    One effect after another, the least certain one first: of two that are in each other's place, one remains. All other
+    One after another, the least certain one first: of two that are in each other's place, one remains. All other
     coefficients follow linearly.
 
-    `after`: of the model with all effects. `effects`: the coefficients that are free for each of those that are judged.
+    `after`: of the model with all effects. `effects`: the free coefficients of each of those that are judged.
     """
-    problem, solution, absent = after.problem, after.solution, list[str]()
-    jacobian = problem.simulator.jacobian(solution.parameters, solution.free)
-    tangent, at = np.concatenate([jacobian, problem.disturbances.columns], axis=-1), solution.residual
+    problem, parameters, free = after.problem, after.solution.parameters, after.solution.free
+    at, absent = problem.simulator.forces(parameters), list[str]()
 
-    def without(names: Collection[str]) -> tuple[FloatArray, Solution]:
+    def losses(names: Collection[str]) -> FloatArray:
         lost = {coefficient for name in names for coefficient in effects[name]}
-        removed = problem.simulator.without(solution.parameters, lost)
-        change = np.nan_to_num(problem.simulator.forces(solution.parameters) - problem.simulator.forces(removed))
-        remain = [i for i in range(tangent.shape[-1]) if i >= len(solution.free) or solution.free[i] not in lost]
-        sums = block_sums(after.tangent[:, :, remain], after.residual + problem.weighted(change), after.edges)
-        fit = regression(sums, after.prior_precision[remain], after.prior_gradient[remain])
-        return fit.loss, replace(solution, residual=at + change - tangent[:, :, remain] @ fit.estimate)
+        without = problem.simulator.forces(problem.simulator.without(parameters, lost))
+        remain = np.array([i for i in range(after.tangent.shape[-1]) if i >= len(free) or free[i] not in lost])
+        residual = after.residual + problem.weighted(np.nan_to_num(at - without))
+        sums = block_sums(after.tangent[:, :, remain], residual, after.edges)
+        return regression(sums, after.prior_precision[remain], after.prior_gradient[remain]).loss
 
-    before = without([])
+    before = after.baseline.loss
     while remaining := [name for name in effects if name not in absent]:
-        tried = {name: without([*absent, name]) for name in remaining}
-        rated = {
-            name: certainty((loss - before[0]) / before[0].sum(), problem.holdout_gains(rest, before[1]))
-            for name, (loss, rest) in tried.items()
-        }
-        least = min(remaining, key=lambda name: graded(rated[name]))
-        if rated[least] > CERTAIN:
+        tried = {name: losses([*absent, name]) for name in remaining}
+        gains = {name: loss - before for name, loss in tried.items()}
+        certainty = {name: float(gain.sum()) / max(error_of_sum(gain), 1e-300) for name, gain in gains.items()}
+        least = min(remaining, key=lambda name: graded(certainty[name]))
+        if certainty[least] > CERTAIN:
             break
         absent, before = [*absent, least], tried[least]
     return absent

@@ -113,7 +113,7 @@ def final_fits(
     after = Screen(extended, solution)
     model = extended.simulator.symbolic_model
     effects = {name: coefficients_of(name, explanation, model, solution) for name in explanation.effects}
-    evidence = {name: effect_evidence(after, coefficients) for name, coefficients in effects.items()}
+    evidence = {name: effect_evidence(after, _absent_without(name, explanation, model, solution)) for name in effects}
     added = [declared.name for part in unknown if part.added and part.effect for declared in part.effect.declarations]
     formula = effect_evidence(after, added) if added else None
     refinements = tuple((name, form) for name, form in refinements if name in explanation.effects)
@@ -145,13 +145,12 @@ def with_proven(
         weighted = balanced(problem, solution)
         after = Screen(weighted, weighted.at(solution.parameters, solution.free))
         model = problem.simulator.symbolic_model
-        coefficients = {name: coefficients_of(name, explanation, model, solution) for name in explanation.effects}
-        judging = {name: coefficients[name] for name in judged}
+        judging = {name: _absent_without(name, explanation, model, solution) for name in judged}
         absent = unproven(after, judging) or harmful(after, judging)
         if not absent:
             break
+        lost = {name for effect in absent for name in coefficients_of(effect, explanation, model, solution)}
         explanation = replace(explanation, forms=tuple(form for form in explanation.forms if form[0] not in absent))
-        lost = {name for effect in absent for name in coefficients[effect]}
         lost -= {name for _, form in explanation.forms for name in form.free}
         free = tuple(name for name in solution.free if name not in lost)
         problem, solution = problem.fitted(problem.simulator.without(solution.parameters, lost), free)
@@ -163,10 +162,16 @@ def coefficients_of(effect: str, explanation: Explanation, model: Model, solutio
 
     One of several effects of the model (PHYP2: camber thrust and turn slip) is that of the one it is free for.
     """
-    owned = model.owned(effect) if effect in model.effects else frozenset()
-    freed = {name for owner, form in explanation.forms if owner == effect for name in form.free}
-    others = {name for owner, form in explanation.forms if owner != effect for name in form.free}
-    return tuple(name for name in solution.free if name in freed or name in owned - others)
+    of_form = dict(explanation.forms)[effect].free
+    only = explanation.only_of(effect, model.owned(effect) if effect in model.effects else ())
+    return tuple(name for name in solution.free if name in only or name in of_form)
+
+
+def _absent_without(effect: str, explanation: Explanation, model: Model, solution: Solution) -> tuple[str, ...]:
+    """Return those that no other effect is free for either, or all if it shares all of them."""
+    both = coefficients_of(effect, explanation, model, solution)
+    shared = {name for other, form in explanation.forms if other != effect for name in form.free}
+    return tuple(name for name in both if name not in shared) or both
 
 
 def balanced(problem: LeastSquares, solution: Solution) -> LeastSquares:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -12,24 +12,21 @@ import numpy.typing as npt
 from ...numerics.arrays import FloatArray
 from ...symbolic.detection import Form
 from ..least_squares import LeastSquares, Solution
-from ..probing.candidates import CORE, Candidate, declared_candidate, is_testable, refinements_for
+from ..probing.candidates import CORE, Candidate, is_testable, refinements_for
 from ..probing.effect_probing import probed, unfitted
 from ..signals.disturbances import CROSS_TALK
 from ..signals.simulation import Simulator
-from ..thresholds import EFFECT_ODDS, FORM_ERROR, MAX_SKEW, PAST_ERROR
-from ..unexplained.features import CORE_INPUTS
+from ..thresholds import EFFECT_ODDS, MAX_SKEW
 from ..weighted_columns import WeightedColumns, joined
-from .discrepancy import bench_errors, effect_discrepancy, envelope
+from .discrepancy import bench_errors
 from .evidence import NormalEquations
-from .explanation import UNKNOWN, Explanation
-from .terms import FormErrors, form_errors, unknown_terms
+from .explanation import UNKNOWN, Explanation, FormErrors, form_errors, unknown_terms
+from .responses import Responses
 
 IntArray = npt.NDArray[np.intp]
 
 #: How the names of the terms in the disturbances begin; their numbers follow.
 TERM = "term_"
-#: Factor between the memories of an effect of the past. Convention.
-OTHER_MEMORY = 3.0
 #: The form of what is no effect.
 NO_FORM = Form((), ())
 
@@ -108,9 +105,9 @@ class Linearization:
         return self.problem.simulator
 
     @cached_property
-    def forces(self) -> FloatArray:
-        """Of the solution, shape (n_channels, n)."""
-        return self.simulator.forces(self.solution.parameters)
+    def responses(self) -> Responses:
+        """Of the forces to the effects of the explanation."""
+        return Responses(self.explanation, self.simulator, self.solution, self.candidates)
 
     @cached_property
     def skew_index(self) -> int:
@@ -177,7 +174,7 @@ class Linearization:
         """Return the logarithm of the evidence if an effect of the explanation is absent, in the linear problem."""
         base, lost = self._own_equations, [i for i, name in enumerate(_contents(self).owners) if name == effect]
         # The response is a part of the misfit then, and the lost columns have no value that could be limited.
-        response, cross = self.beside([Addition(effect, self.response(effect)[:, :, None], np.ones(1))])
+        response, cross = self.beside([Addition(effect, self.responses.of(effect)[:, :, None], np.ones(1))])
         distances = base.gradient[lost] ** 2 / base.precision[lost]
         power = base.power + 2.0 * cross[-1, 0] + response.matrix[0, 0] - float(np.sum(distances))
         rest = base.with_target(base.target + cross[:-1, 0], float(power), unlimited=lost)
@@ -207,102 +204,16 @@ class Linearization:
         yield Columns([""] * len(of_bench), bench, of_bench, skew / of_bench, unlimited(len(of_bench)))
         for name, form in self._refinements:
             yield Columns.of(name, *self._probes(form))
-        yield Columns.of("", self._baseline_errors())
+        yield Columns.of("", self.responses.errors_of_baseline())
         if (of_terms := self._response_of_terms()).any():
             depends_on = frozenset().union(*(term.depends_on for term in self.explanation.terms))
-            yield Columns.of("", FORM_ERROR * effect_discrepancy(of_terms, self._inputs(depends_on)))
-        for name, form in self.explanation.forms:
-            yield Columns.of(name, self._form_errors(name, form))
-
-    def _form_errors(self, effect: str, form: Form) -> FloatArray:
-        """Return errors of the form of an effect, N and N m, shape (n_channels, n, k), each of deviation 1.
-
-        Those of an effect with states are larger and depend on these. A tire has more than one memory: the effect of
-        the past with shorter and longer memories is an error, too. An effect of a path may turn elsewhere on it: its
-        errors are in proportion to its size there.
-        """
-        simulator, candidate = self.simulator, self.candidates[effect]
-        model = simulator.symbolic_model
-        response, inputs = self.response(effect), self._inputs(candidate.requires)
-        if self._follows_at_once(effect):
-            return FORM_ERROR * effect_discrepancy(response, inputs)
-        states = [state for added in model.added if added.name == effect for state in added.states]
-        if candidate.has_states:
-            rows = simulator.effective_inputs(self.solution.parameters)
-            acting = dict(zip(simulator.signals.names, rows, strict=True))
-            inputs |= {state.name: acting[state.name] for state in states}
-            inputs |= {f"lagged {name}": np.abs(acting[name]) for name in ("alpha", "kappa") if name in acting}
-        if any(state.follows_a_path for state in states):
-            response = envelope(response, simulator.signals)
-        smooth = effect_discrepancy(response, inputs)
-        # The contact moves on one carcass, as in a relaxation; a tire has several memories.
-        size = PAST_ERROR if candidate.has_states and not any(state.oscillates for state in states) else FORM_ERROR
-        return size * np.concatenate([smooth, self._other_pasts(effect, form)], axis=-1)
-
-    def _baseline_errors(self) -> FloatArray:
-        """Return errors of the forms of the baseline model's effects, N and N m, shape (n_channels, n, k).
-
-        Those of effects of the core inputs alone are in the discrepancy of the model. Each column is the sum of the
-        errors of all effects, by independent random functions: the covariance is that of a sum of independent Gaussian
-        processes.
-        """
-        model, index = self.simulator.symbolic_model, self.simulator.index
-        errors = np.zeros((*self.forces.shape, 0))
-        for number, effect in enumerate(sorted(self.simulator.tire.has)):
-            absent, declared = self.solution.parameters.copy(), declared_candidate(effect, model)
-            if declared is None or CORE_INPUTS.issuperset(declared.requires):
-                continue
-            for name in model.owned(effect) & index.keys():
-                if (neutral := model.coefficients[name].neutral) is not None:
-                    absent[index[name]] = neutral
-            response = np.nan_to_num(self.forces - self.simulator.forces(absent))
-            of_effect = effect_discrepancy(response, self._inputs(declared.requires), seed=number + 1)
-            errors = of_effect + errors if errors.size else of_effect
-        return FORM_ERROR * errors
-
-    def _inputs(self, others: Collection[str]) -> dict[str, FloatArray]:
-        """Return the inputs of an error of form at the compared rows: those of the core, and others."""
-        named = self.simulator.signals.named()
-        return {name: named[name] for name in sorted(CORE_INPUTS.union(others).intersection(named))}
-
-    def _other_pasts(self, effect: str, form: Form) -> FloatArray:
-        """Return the change of the forces by an effect with shorter and longer memories, N and N m."""
-        simulator, solution, absent = self.simulator, self.solution, self._without(effect)
-        memories, pasts = form.grid or (() if form.scalable else form.free), []
-        for name in memories:
-            for times in (1.0 / OTHER_MEMORY, OTHER_MEMORY):
-                parameters = solution.parameters.copy()
-                parameters[simulator.index[name]] *= times
-                pasts.append(np.nan_to_num(simulator.forces(parameters) - absent))
-        return np.stack(pasts, axis=-1) if pasts else np.zeros((*self.forces.shape, 0))
-
-    @property
-    def static(self) -> Explanation:
-        """The effects of the explanation that follow their inputs at once, without turn slip, which is a rate."""
-        forms = [(name, form) for name, form in self.explanation.forms if self._follows_at_once(name)]
-        return Explanation(tuple(form for form in forms if "phit" not in self.candidates[form[0]].requires))
-
-    def _follows_at_once(self, effect: str) -> bool:
-        relaxing = self.simulator.symbolic_model.relaxing_effects
-        return not self.candidates[effect].has_states and effect not in relaxing
-
-    def response(self, effect: str) -> FloatArray:
-        """Return the change of the forces by an effect of the explanation, shape (n_channels, n)."""
-        return np.asarray(np.nan_to_num(self.forces - self._without(effect)))
-
-    def _without(self, effect: str) -> FloatArray:
-        """Return the forces without an effect of the explanation, shape (n_channels, n)."""
-        simulator, absent = self.simulator, self.solution.parameters.copy()
-        others = {name for other, form in self.explanation.forms if other != effect for name in form.free}
-        freed = dict(self.explanation.forms)[effect].free
-        owned = {*freed, *simulator.symbolic_model.owned(effect)} & simulator.index.keys() - others
-        indices = [simulator.index[name] for name in owned]
-        absent[indices] = simulator.tire.parameters()[indices]
-        return simulator.forces(absent)
+            yield Columns.of("", self.responses.errors_at_once(of_terms, depends_on))
+        for name, _ in self.explanation.forms:
+            yield Columns.of(name, self.responses.errors_of(name))
 
     def _response_of_terms(self) -> FloatArray:
         """Return the change of the forces by the terms of the explanation, shape (n_channels, n)."""
-        response, named = np.zeros_like(self.forces), self.problem.disturbances.names
+        response, named = np.zeros_like(self.responses.forces), self.problem.disturbances.names
         for i, term in enumerate(self.explanation.terms):
             response += term.column * self.solution.disturbance[named.index(f"{TERM}{i}")]
         return response
@@ -345,7 +256,7 @@ class Linearization:
         columns, deviations = [], []
         for probe in form.probes:
             moved = self.simulator.forces(probed(self.simulator, self.solution, form, probe))
-            columns.append(np.nan_to_num(moved - self.forces))
+            columns.append(np.nan_to_num(moved - self.responses.forces))
             fitted = [name for name in probe if name in form.free]
             spread = self.problem.prior(fitted)[1] / np.abs([probe[name] for name in fitted])
             deviations.append(float(np.min(spread)) if form.scalable else 1.0)

@@ -103,7 +103,7 @@ class Table:
         Errors of the form of these are smooth functions of their inputs. Every explanation contains them, whether the
         effects were found or the baseline model has them.
         """
-        static = set(self.leader.linear.static.parts)
+        static = set(self.leader.linear.responses.static.parts)
         others = [refit for parts, refit in self.refits.items() if static.issuperset(parts)]
         return min(map(self._better_than, others))
 
@@ -135,7 +135,7 @@ class Table:
 
     def condensed(self) -> Table:
         """Return the table without what only more comparisons would need, and refits that have little probability."""
-        divided, static = self.divided(), set(self.leader.linear.static.parts)
+        divided, static = self.divided(), set(self.leader.linear.responses.static.parts)
         best, leader = max(divided.values()) + 2.0 * REFIT_MARGIN, self.leader.explanation.parts
         kept = {
             parts: refit

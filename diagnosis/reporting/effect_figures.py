@@ -45,9 +45,12 @@ def gain_figure(diagnosis: Diagnosis) -> Figure | None:
 
     None if the improved tire has none of the identified effects: those with a probability of one half, and of a class.
     """
-    in_class = {name for alternatives in diagnosis.one_of for name in alternatives.effects}
-    missing = [finding for finding in diagnosis.found if finding.probability >= 0.5 or finding.effect in in_class]
-    drawn = [finding for finding in missing if finding.effect in diagnosis.tire.has]
+    doubtful = diagnosis.answer.doubtful(finding.effect for finding in diagnosis.found)
+    drawn = [
+        finding
+        for finding in diagnosis.found
+        if finding.effect in diagnosis.tire.has and finding.effect not in doubtful
+    ]
     panels = [_gain_panel(diagnosis, finding) for finding in drawn]
     text = (
         "measured minus computed, positive in the direction in which the effect acts, mean of rows with similar input "

@@ -438,7 +438,7 @@ def table_of(evidences, static):
         explanations = [
             Explanation(tuple((name, Form((), ())) for name in some)) for some in (names, static & {*names})
         ]
-        linear = SimpleNamespace(static=explanations[1])
+        linear = SimpleNamespace(responses=SimpleNamespace(static=explanations[1]))
         return SimpleNamespace(explanation=explanations[0], evidence=evidence, score=evidence, linear=linear)
 
     refits = {names: refit(names, evidence) for names, evidence in evidences.items()}
@@ -603,7 +603,7 @@ def test_the_evidence_without_an_effect_does_not_depend_on_its_size(at_true_valu
         linear = Linearization(Explanation((("camber_stiffness", form),)), problem, at, candidates)
         values.append(linear.evidence_without("camber_stiffness"))
     assert values[0] == pytest.approx(without, rel=1e-9)
-    power = float(np.sum(problem.weighted(linear.response("camber_stiffness")) ** 2))
+    power = float(np.sum(problem.weighted(linear.responses.of("camber_stiffness")) ** 2))
     assert values[1] == pytest.approx(without, abs=1e-3 * power)
 
 
