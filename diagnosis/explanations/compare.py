@@ -288,7 +288,8 @@ def extended(table: Table, refit: Refitted) -> Move:
             continue
         evidence, prior = before + totals[name], more.log_prior
         score = evidence + prior
-        table = table.with_linear(more.parts, evidence, prior)
+        if UNKNOWN in more.parts or UNKNOWN not in refit.explanation.parts:  # otherwise the evidence has its terms
+            table = table.with_linear(more.parts, evidence, prior)
         if score > max(table.scores.values()) + REFIT_MARGIN:
             table = table.with_refit(_with_effect(table, refit, more, _best(scored[name])))
             yield table

@@ -33,11 +33,13 @@ from tirefmu.diagnosis.explanations import (
     unknown_terms,
     without_folds,
 )
+from tirefmu.diagnosis.explanations.additions import Gain
 from tirefmu.diagnosis.explanations.compare import _simplest, reduced
 from tirefmu.diagnosis.explanations.table import Table
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
 from tirefmu.diagnosis.signals import between_rows, signals_of
 from tirefmu.diagnosis.thresholds import EFFECT_ODDS, INEXACT_SHARE
+from tirefmu.diagnosis.unexplained.features import Feature, Location
 from tirefmu.measurements import recording_from
 from tirefmu.symbolic.detection import Form
 
@@ -385,8 +387,8 @@ def test_a_coefficient_of_two_effects_belongs_to_both(sideways):
 
 
 def test_an_effect_takes_the_place_of_its_special_case():
-    relaxation = SimpleNamespace(requires=frozenset({"alpha"}), contains="")
-    with_load = SimpleNamespace(requires=frozenset({"alpha", "Fz"}), contains="lateral")
+    relaxation = SimpleNamespace(reads=frozenset({"alpha"}), contains="")
+    with_load = SimpleNamespace(reads=frozenset({"alpha", "Fz"}), contains="lateral")
     candidates = {"lateral": relaxation, "with_load": with_load, "other": relaxation}
     problem = SimpleNamespace(simulator=SimpleNamespace(symbolic_model=SimpleNamespace(added=(), relaxing_effects=())))
     table = SimpleNamespace(shared=SimpleNamespace(candidates=candidates, problem=problem))
@@ -402,6 +404,26 @@ def test_an_effect_takes_the_place_of_its_special_case():
         start = compared_before.without(SimpleNamespace(explanation=relaxing, linear=linear), other)
         assert start.tolist() == expected  # no coefficient of an effect that is absent remains
     assert Linearization(more, problem, None, candidates).lacking == []
+
+
+def test_what_a_formula_explains_is_no_evidence_of_an_effect_in_its_place(monkeypatch):
+    """An effect of which the formula is an error of form takes its place: its own evidence comes from other tables."""
+    place = Location("friction", "factor", ("mu_y",), ("PDY1",))
+    term = Term(place, Feature("p", frozenset({"p"}), np.ones(1)), np.ones((1, 1)), 1.0)
+    candidates = {name: SimpleNamespace(reads=frozenset({name}), contains="") for name in ("p", "T")}
+    problem = SimpleNamespace(simulator=SimpleNamespace(symbolic_model=SimpleNamespace(added=(), relaxing_effects=())))
+    refit = SimpleNamespace(explanation=Explanation((), (term,)), evidence=50.0, linear=None)
+    recorded = []
+    table = SimpleNamespace(
+        shared=SimpleNamespace(candidates=candidates, problem=problem), scores={(UNKNOWN,): 100.0}, refits={},
+        report=lambda sentence: None, possible=lambda linear: (table, [None]),
+        with_linear=lambda parts, evidence, prior: recorded.append(parts) or table,
+    )  # fmt: skip
+    added = {name: [Gain(1.0, Addition(name, np.zeros((1, 1, 1)), np.ones(1)), np.zeros(1))] for name in candidates}
+    monkeypatch.setattr(compare, "projected", lambda linear, additions: None)
+    monkeypatch.setattr(compare, "gains", lambda columns, additions: added)
+    list(compare.extended(table, refit))
+    assert recorded == [("T", UNKNOWN)]
 
 
 def test_noise_alone_has_neither_an_effect_nor_a_formula():
@@ -467,7 +489,7 @@ def test_two_similar_effects_begin_with_half_of_each_and_their_memories(monkeypa
     history = refit("history", [1.0, 0.4, 0.05, 0.0, 2.0], 5.0)
     heat = refit("heat", [1.2, 0.0, 0.02, 0.3, 8.0], 4.0)
     refits = {("history",): history, ("heat",): heat}
-    requires = dict.fromkeys(forms, SimpleNamespace(requires=frozenset({"alpha"}), contains=""))
+    requires = dict.fromkeys(forms, SimpleNamespace(reads=frozenset({"alpha"}), contains=""))
     model = SimpleNamespace(added=(), relaxing_effects=())
     problem = SimpleNamespace(simulator=SimpleNamespace(symbolic_model=model))
     shared = SimpleNamespace(candidates=requires, problem=problem)
