@@ -200,14 +200,12 @@ def test_no_effect_is_in_two_classes():
 
 
 def test_the_simplest_of_equal_effects_is_delivered():
-    """Fewest states first; an explanation that is much less probable than the leader is not taken."""
-
-    sets = {("history", "lag"): (0.0, 5), ("lag", "temperature"): (-0.3, 6), ("lag", "pressure"): (-4.0, 2)}
-    table = compared_table(sets)
-    answer = answer_of(
-        {parts: score for parts, (score, _) in sets.items()}, ["history", "lag", "temperature", "pressure"]
-    )
-    assert _simplest(table, answer).explanation.effects == ("lag", "temperature")
+    """Fewest states, then most probable; an explanation that is much less probable than the leader is not taken."""
+    sets = {("history", "lag"): 0.0, ("lag", "temperature"): -0.6, ("lag", "pressure"): -0.3}
+    table, names = compared_table(sets), ["history", "lag", "temperature", "pressure"]
+    assert _simplest(table, answer_of(sets, names)).explanation.effects == ("lag", "pressure")
+    far = {**sets, ("lag", "temperature"): -4.0, ("lag", "pressure"): -4.0}
+    assert _simplest(table, answer_of(far, names)) is table.leader
     alone = answer_of({("history", "lag"): 0.0}, ["history", "lag", "temperature"])
     assert _simplest(table, alone) is table.leader
 
@@ -217,20 +215,26 @@ def test_the_simplest_of_equal_effects_is_delivered():
 )
 def test_what_only_weak_evidence_adds_is_not_delivered_unless_it_is_called_missing(lead, cautious, delivered):
     """Evidence of less than ten to one is weak: a logarithm of 2.3."""
-    table = compared_table({("a", "b"): (0.0, 2), ("a",): (-lead, 1), (): (-90.0, 0)})
+    table = compared_table({("a", "b"): 0.0, ("a",): -lead, (): -90.0})
     answer = answer_of({("a", "b"): np.log(cautious), ("a",): np.log(1.0 - cautious)}, ["a", "b"])
     assert _simplest(table, answer).explanation.effects == delivered
 
 
+def test_what_is_called_missing_is_delivered():
+    """Probabilities are more cautious than scores: they may prefer an effect that the leader lacks."""
+    table = compared_table({("a", "b"): 0.0, ("c",): -8.0, ("c", "d"): -9.0})
+    answer = answer_of({("a", "b"): 0.0, ("c",): 2.0, ("c", "d"): -2.0}, list("abcd"))
+    assert _simplest(table, answer).explanation.effects == ("c",)
+
+
 def compared_table(sets):
-    """Of refits by their effects: score and number of free coefficients; the first one leads."""
+    """Of refits by their effects with their scores; the first one leads."""
 
-    def refit(effects, score, free):
+    def refit(effects, score):
         explanation = Explanation(tuple((name, Form((), ())) for name in effects))
-        linear = SimpleNamespace(solution=SimpleNamespace(free=tuple(range(free))))
-        return SimpleNamespace(explanation=explanation, linear=linear, score=score)
+        return SimpleNamespace(explanation=explanation, score=score)
 
-    refits = {parts: refit(parts, score, free) for parts, (score, free) in sets.items()}
+    refits = {parts: refit(parts, score) for parts, score in sets.items()}
     model = SimpleNamespace(added=[SimpleNamespace(name="history", states=("s",))])
     shared = SimpleNamespace(problem=SimpleNamespace(simulator=SimpleNamespace(symbolic_model=model)))
     return SimpleNamespace(refits=refits, leader=next(iter(refits.values())), shared=shared)
