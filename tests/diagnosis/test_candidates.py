@@ -79,6 +79,14 @@ def test_forms_contain_the_coefficients_of_the_model():
     assert brush["load_stiffness"].forms[0].probes == ({"NSTIFF": 0.125},)  # of a neutral value of 1
 
 
+def test_errors_of_a_form_depend_on_what_lines_of_the_effect_read():
+    offered = candidates_for(started("mf61"))
+    assert {"phit", "gamma", "V"} <= offered["turn_slip"].reads  # the spin of the wheel, also by its inclination
+    assert offered["pressure_friction"].reads & {"gamma", "T", "phit"} == set()
+    assert {"t"} <= offered["heat_friction"].reads
+    assert offered["heat_friction"].reads & {"gamma", "p"} == set()  # a state reads forces, which read everything
+
+
 def test_special_cases_of_present_effects_are_no_candidates():
     assert {"relax_lat", "relax_load"} <= candidates_for(started()).keys()
     lag = candidates_for(started(has=["relax_lat"]))
