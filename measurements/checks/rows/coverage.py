@@ -123,6 +123,35 @@ def coverage_notes(recording: Recording) -> list[str]:
     return notes + _clock_notes(recording)
 
 
+def outputs_without_slip(recording: Recording) -> tuple[str, ...]:
+    """Return the measured outputs whose slips stay at zero or are missing: offsets, conicity and rolling resistance only.
+
+    Parameters
+    ----------
+    recording : Recording
+        In any signs.
+
+    Returns
+    -------
+    tuple of str
+        In the contract's order.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> rows = pd.DataFrame({"alpha": np.linspace(-0.2, 0.2, 500), "Fz": 900.0, "Fx": -20.0, "Fy": 0.0})
+    >>> outputs_without_slip(Recording(rows, "iso", "a.csv"))
+    ('Fx',)
+    """
+    table = recording.table
+    moved = {
+        name
+        for name in {slip for slips in _CAUSES.values() for slip in slips} & set(table)
+        if np.nanmax(np.abs(table[name]), initial=0.0) > level_tolerance(table[name], name)
+    }
+    return tuple(name for name in recording.measured() if name in _CAUSES and moved.isdisjoint(_CAUSES[name]))
+
+
 def _varies(channel: Coverage | None) -> bool:
     if channel is None:
         return False
