@@ -22,6 +22,7 @@ MAX_BYTES, MAX_LINES, LONGEST_LINE = 10_000_000, 50_000, 200_000
 #: The longest text of a number, characters. The exact decimals of the smallest doubles have 1,077.
 LONGEST_NUMBER = 1500
 
+_END_OF_FILE = "\x1a"  # Ctrl-Z, which programs of DOS write at the end
 _LINE_END = re.compile(r"\r\n|\n|\r")
 _SECTION = re.compile(r"\[([^\[\]]*)\](.*)")
 _KEY = re.compile(r"[A-Za-z]\w*", re.ASCII)
@@ -75,7 +76,7 @@ def parse_lines(text: str, path: Path) -> list[Entry | Row]:
     """
     lines: list[Entry | Row] = []
     section, in_table = "", False
-    raw_lines = _LINE_END.split(text)
+    raw_lines = _LINE_END.split(text.removesuffix(_END_OF_FILE))
     if len(raw_lines) > MAX_LINES:
         raise TirError(f"{path}: more than {MAX_LINES} lines: not a .tir file")
     for number, raw in enumerate(raw_lines, start=1):

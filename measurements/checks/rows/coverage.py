@@ -150,7 +150,7 @@ def outputs_without_curve(recording: Recording) -> tuple[str, ...]:
 
 
 def outputs_without_slip(recording: Recording) -> tuple[str, ...]:
-    """Return the measured outputs whose slips stay at zero or are missing: offsets, conicity and rolling resistance only.
+    """Return the measured outputs whose slips stay at zero or are missing: they are offsets and resistance only.
 
     Parameters
     ----------
