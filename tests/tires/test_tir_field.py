@@ -434,4 +434,11 @@ def test_coefficients_of_another_model_are_named(tmp_path, capsys):
 
 
 def test_the_end_of_file_of_dos_ends_the_file(tmp_path):
-    assert read_tir(written(tmp_path / "t.tir", small(CORE) + "\x1a")).values["PDY1"] == 1.0
+    for end in ("\x1a", "\r\n\x1a\x1a\0\0"):
+        assert read_tir(written(tmp_path / "t.tir", small(CORE) + end)).values["PDY1"] == 1.0
+
+
+def test_a_file_of_bytes_is_not_read_as_text(tmp_path):
+    (tmp_path / "t.tir").write_bytes(b"PK\x03\x04\0\0[\xff\0]")
+    with pytest.raises(TirError, match=r"t\.tir: not a text: not a \.tir file"):
+        read_tir(tmp_path / "t.tir")

@@ -22,7 +22,7 @@ MAX_BYTES, MAX_LINES, LONGEST_LINE = 10_000_000, 50_000, 200_000
 #: The longest text of a number, characters. The exact decimals of the smallest doubles have 1,077.
 LONGEST_NUMBER = 1500
 
-_END_OF_FILE = "\x1a"  # Ctrl-Z, which programs of DOS write at the end
+_PADDING = "\x1a\0"  # Ctrl-Z and zeros, which programs of DOS write at the end
 _LINE_END = re.compile(r"\r\n|\n|\r")
 _SECTION = re.compile(r"\[([^\[\]]*)\](.*)")
 _KEY = re.compile(r"[A-Za-z]\w*", re.ASCII)
@@ -62,7 +62,9 @@ def read_lines(path: Path) -> list[Entry | Row]:
     """
     with reading(path, TirError):
         content = read_bounded(path, MAX_BYTES)
-    text = _decoded(content)
+    text = _decoded(content).rstrip(_PADDING)
+    if "\0" in text:
+        raise TirError(f"{path}: not a text: not a .tir file")
     if text.lstrip().startswith("{"):
         raise TirError(f"{path}: a JSON file, as of TMeasy: not a .tir file")
     return parse_lines(text, path)
@@ -76,7 +78,7 @@ def parse_lines(text: str, path: Path) -> list[Entry | Row]:
     """
     lines: list[Entry | Row] = []
     section, in_table = "", False
-    raw_lines = _LINE_END.split(text.removesuffix(_END_OF_FILE))
+    raw_lines = _LINE_END.split(text)
     if len(raw_lines) > MAX_LINES:
         raise TirError(f"{path}: more than {MAX_LINES} lines: not a .tir file")
     for number, raw in enumerate(raw_lines, start=1):
