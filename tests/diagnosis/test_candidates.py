@@ -10,8 +10,7 @@ import pytest
 
 import tirefmu.symbolic.effects as effects
 from tirefmu.diagnosis.diagnose import with_library
-from tirefmu.diagnosis.probing import candidates_for, refinements_for
-from tirefmu.diagnosis.probing.baseline_fit import baseline_coefficients
+from tirefmu.diagnosis.probing import baseline_coefficients, candidates_for, refinements_for
 from tirefmu.diagnosis.probing.effect_probing import probed
 from tirefmu.diagnosis.signals import FORMULA_SIGNS, signals_of
 from tirefmu.symbolic.added import folder, library, packaged_library, read_effect
