@@ -16,6 +16,7 @@ from ..symbolic import DEFAULT_MODEL
 from ..symbolic.added import AddedEffect
 from ..symbolic.models import model_named, whole_library
 from ..tires import TireLike, tire_from
+from ..tires.property_file.names import in_written_order, not_measured_lines
 from ..tires.tire import Tire
 from .explanations.budget import Budget
 from .explanations.compare import compared
@@ -171,7 +172,18 @@ def _start_model(
         for values in (named, dimensions([recording], None)[0])
     )
     values = nominal_values(declared, recording.with_signs(FORMULA_SIGNS).table, given, sizes, [])
-    return Tire(model, values, effects=tuple(effects), signs=FORMULA_SIGNS)
+    start = Tire(model, values, effects=tuple(effects), signs=FORMULA_SIGNS)
+    return replace(start, other_entries=_not_measured(start, recording))
+
+
+def _not_measured(start: Tire, recording: Recording) -> tuple[tuple[str, str, str], ...]:
+    """Return the entries of the tire file on outputs that were not measured, with their coefficients."""
+    measured = set(recording.measured())
+    absent = [output for output in start.outputs if output not in measured]
+    sentence = f"{', '.join(absent)} {'is' if len(absent) == 1 else 'are'} not determined: not measured"
+    declared = start.symbolic_model.coefficients.items()
+    names = [name for name, one in declared if one.fitted and measured.isdisjoint(one.channels)]
+    return in_written_order(not_measured_lines([sentence], names), start.symbolic_model) if absent else ()
 
 
 def with_library(tire: Tire, user_defined: tuple[AddedEffect, ...] = ()) -> Tire:

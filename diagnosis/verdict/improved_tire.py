@@ -27,11 +27,11 @@ def tire_of(problem: LeastSquares, solution: Solution, added: Collection[str]) -
     values = {name: value for name, value in start.values.items() if name in of_used or name not in of_all}
     tire = replace(start, effects=tuple(present), added=used, values=values)
     index, factors = problem.simulator.index, tire.rescaled
-    values = {
-        name: float(solution.parameters[index[name]]) / factors.get(name, 1.0)
-        for name in tire.symbolic_model.coefficients
-    }
     inputs = problem.simulator.signals.named()
     varied = [name for name in RANGES if name in inputs and np.ptp(inputs[name]) > 0.0]
     ranges = {name: (float(inputs[name].min()), float(inputs[name].max())) for name in varied}
+    values = {
+        name: float(solution.parameters[index[name]]) / factors.get(name, 1.0)
+        for name in tire.symbolic_model.coefficients.keys() - {end for name in varied for end in RANGES[name]}
+    }
     return replace(tire, values=values, ranges=ranges)

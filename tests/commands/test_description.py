@@ -8,6 +8,8 @@ from dataclasses import replace
 
 import pytest
 
+from tirefmu.commands.cli import main
+from tirefmu.symbolic.added import library
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire, published
 from tirefmu.tires.description import describe
@@ -32,6 +34,16 @@ def doubts(tire):
     for doubt in implausible(tire):
         found[doubt.name] = f"{found.get(doubt.name, '')} {doubt.reason}".strip()
     return found
+
+
+def test_the_states_of_effects_are_no_inputs_with_a_nominal_value(tmp_path, capsys):
+    names = [name for name, effect in library().items() if effect.states]
+    tire = replace(generic(), effects=names)
+    assert len(tire.states) > 3
+    assert describe(tire)["nominal"].keys() == set(tire.inputs) - set(tire.states)
+    tire.save(tmp_path / "memory.tir")
+    assert main(["info", str(tmp_path / "memory.tir")]) == 0
+    assert tire.states[0] not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("model", MODELS)

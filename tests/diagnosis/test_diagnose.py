@@ -30,6 +30,7 @@ from tirefmu.drawing import picture as drawn
 from tirefmu.drawing.figure import Figure, Panel
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.added import library
+from tirefmu.tires.property_file.names import unmeasured_outputs
 
 from ..declared_flags import declared_flags, flags
 from ..hostile import EACH_PAGE, Skeleton, is_plain
@@ -100,6 +101,17 @@ def test_the_probabilities_are_those_of_the_explanations(thrust, tmp_path):
     assert all(0.0 <= value <= 1.0 for value in probabilities.values())
     page = report_page(diagnosis, Recording(case.table, case.signs, "plain"))
     assert page.index("explanation of the recording") < page.index("<h2")
+
+
+def test_the_tires_state_what_was_measured(thrust):
+    case, diagnosis = thrust
+    for tire in (diagnosis.base_tire, diagnosis.tire):
+        assert unmeasured_outputs(tire) == set(tire.outputs) - {"Fx", "Fy", "Mz"}
+        assert set(tire.ranges) <= set(case.table)
+        for name, (low, high) in tire.ranges.items():
+            spread = np.ptp(case.table[name])
+            assert max(abs(case.table[name])) + 0.01 * spread >= max(abs(low), abs(high)), name
+            assert high - low >= 0.9 * spread, name
 
 
 @pytest.mark.slow
