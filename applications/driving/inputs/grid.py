@@ -61,9 +61,9 @@ class Grid:
     - `steer_slopes`, shape (4, n): its derivatives by delay and lag, at both ends.
     - `rims`, shape (4, n): spin times rolling radius of each of `CORNERS`, m/s; 0 if not logged. `rim_slopes`, shape
       (4, n): their derivatives by the delay of the wheel speeds.
-    - `behind`, shape (12, n): what lags add to longitudinal and lateral acceleration, m/s^2, and its derivatives by the
-      lags; what relaxation adds to the slip angle of each wheel, rad, and its derivatives by the relative length
-      (`with_lags`).
+    - `behind`, shape (16, n): what lags add to longitudinal and lateral acceleration, m/s^2, and its derivatives by the
+      lags; what relaxation adds to the slip angle of each wheel, rad, its derivatives by the relative length, and what
+      it adds to the longitudinal slip of each wheel (`with_lags`).
     - `used`: delay and lag of the steering, delay of the wheel speeds, lag of pitch and of roll, s, and the relative
       relaxation lengths of both axles with which these were computed.
     """
@@ -192,7 +192,7 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
     row = MEASURED.index("ax")
     change = np.gradient(means[row]) if len(chosen) > 1 else 0.0 * means[row]
     noise[row] = np.hypot(noise[row], EDGE_ERROR * np.nan_to_num(change))
-    empty = np.zeros((12, len(chosen)))
+    empty = np.zeros((16, len(chosen)))
     grid = Grid(step, middle[chosen], left, left + 1, means, noise, empty[:2], empty[:4], empty[:4], empty[:4], empty)
     return with_delays(grid, log, car, car.values)
 
