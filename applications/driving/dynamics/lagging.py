@@ -97,14 +97,14 @@ def _measured_slips(grid: Grid, V: FloatArray, car: Car, entries: Mapping[str, f
         for axle in AXLES
         for side in (1, -1)
     ]
-    logged = grid.rims.any(axis=1)
-    slips = np.where(logged[:, None], grid.rims * np.array(scales)[:, None] / V - 1.0, 0.0)
+    logged = np.any(grid.rims != 0.0, axis=1, keepdims=True)
+    slips = np.where(logged, grid.rims * np.array(scales)[:, None] / V - 1.0, 0.0)
     other = np.arange(len(slips)) ^ 1
-    return np.where(logged[:, None], slips, slips[other])
+    return np.where(logged, slips, slips[other])
 
 
 def behind_lags(inputs: FloatArray, constants: FloatArray, step: float) -> FloatArray:
-    """Return what first-order lags add to inputs at even times, shape (n_constants, n).
+    """Return what first-order lags add to inputs at even times, means over a step, shape (n_constants, n).
 
     `constants`: time constants, s, which go through the inputs once or more. The inputs are splines; they begin as if
     their first slope had lasted.
@@ -122,4 +122,7 @@ def behind_lags(inputs: FloatArray, constants: FloatArray, step: float) -> Float
     result[:, 0] = rest[:, 0]
     for k in range(len(fine) - 1):
         result[:, k + 1] = kept[:, k] * result[:, k] + steady[:, k]
-    return np.asarray((result - values)[:, ::PARTS])
+    inside = np.pad(result - values, ((0, 0), (PARTS // 2, PARTS // 2)), mode="edge")
+    ends = (inside[:, :-PARTS] + inside[:, PARTS:]) / 2
+    between = sum(inside[:, part : part - PARTS] for part in range(1, PARTS))
+    return np.asarray((ends + between)[:, ::PARTS] / PARTS)
