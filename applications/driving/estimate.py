@@ -183,7 +183,7 @@ def _estimated(
 
     def acting(grid: Grid, states: FloatArray, z: FloatArray, held: AddedForces) -> AddedForces:
         beyond = values_of(interval, grid, states, z[:n], interval_data(grid))[:, -n_balance:]
-        return held.and_columns(discrepancy_columns(grid, states, unknowns.car_values(car, z), beyond, size))
+        return held.and_columns(*discrepancy_columns(grid, states, unknowns.car_values(car, z), beyond, size))
 
     held = forces(grid, start, z)
     added = acting(grid, start, z, held)
@@ -197,7 +197,7 @@ def _estimated(
     for round_ in range(NEAR_ROUNDS if near else ROUNDS):
         fresh = stalled or longest < NEAR or round_ % SLOPE_ROUNDS == 0
         if fresh:  # it changes slowly
-            slope = _volume_slope(grid, interval, at, added.tires(z))
+            slope = _volume_slope(grid, interval, at, added, z)
         change, change_z = at.factor.step(z + slope, z, of_tires | arrived | together)
         widening = np.clip(at.excess(), -LONGEST_STEP, LONGEST_STEP)
         widening = np.clip(widening, np.log(floor / at.deviations), np.log(ceiling / at.deviations))
@@ -366,17 +366,19 @@ def _solved(
     return _Point(states, deviations, weights, linear, factor, criterion, grid)
 
 
-def _volume_slope(grid: Grid, interval: Interval, at: _Point, z: FloatArray) -> FloatArray:
+def _volume_slope(grid: Grid, interval: Interval, at: _Point, added: AddedForces, z: FloatArray) -> FloatArray:
     """Return the derivatives by all unknowns of what the integral over the states adds to the cost (Laplace).
 
-    `z`: the unknowns of tires and car. Without it, forces that depend on estimated slip angles have too low a
-    stiffness.
+    Without it, forces that depend on estimated slip angles have too low a stiffness. It counts for every unknown in
+    proportion to which they change: for the factors alone, these would grow, and the discrepancy would fall.
     """
-    pairs = at.posterior.pairs
-    n = pairs.shape[1]
+    pairs, of_tires = at.posterior.pairs, added.tires(z)
+    n, last = pairs.shape[1], pairs.shape[1] + len(of_tires)
     shares = (at.linear.jacobian[:, :, :n] @ pairs) * (at.weights / at.deviations)[:, :, None]
     more = shares.transpose(0, 2, 1).reshape(len(shares), -1)
-    slopes = evaluated(interval.volume_chunk, grid, at.states, z, interval_data(grid), more).jacobian[:, 0]
+    slopes = evaluated(interval.volume_chunk, grid, at.states, of_tires, interval_data(grid), more).jacobian[:, 0]
     result = -at.factor.at_nodes(slopes[:, :n, None])[:, 0] @ at.factor.solved_border
-    result[: len(z)] += slopes[:, n:].sum(axis=0)
+    result[: len(of_tires)] += slopes[:, n:last].sum(axis=0)
+    by_relative = np.einsum("ki,kij->j", slopes[:, last:], added.relative)
+    result[len(z) - len(by_relative) :] += by_relative
     return np.asarray(result)

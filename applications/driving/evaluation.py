@@ -70,7 +70,8 @@ def evaluated(
     `states`: of the nodes, shape (n_nodes, n_states), or of both ends of the intervals, shape (2, n, n_states).
     `more`, shape (n, n_more): its last argument. `further`: number of unknowns after z, on which it does not depend.
     """
-    n, m, width = len(grid.t), function.size1_out(0), 2 * states.shape[-1] + len(z)
+    n, m = len(grid.t), function.size1_out(0)
+    width = function.size1_out(1) // m
     linear = Linear(np.empty((n, m)), np.zeros((n, m, width + further)))
     for rows, (values, by) in _chunks(function, grid, states, z, data, (m, m * width), more):
         linear.values[rows] = values

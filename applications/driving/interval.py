@@ -65,7 +65,7 @@ RADII = ("radius_front", "radius_rear")
 
 @dataclass(frozen=True)
 class Relaxation:
-    """Lateral relaxation lengths of a tire: `lengths`, m, at `loads`, N, which grow with a power of the factor LKY.
+    """Relaxation lengths of a tire: `lengths`, m, at `loads`, N, which grow with a power of the factor LKY, or LKX.
 
     A tire on a carcass of given stiffness has a length in proportion to its cornering stiffness.
     """
@@ -89,14 +89,15 @@ class Interval:
       (`evaluation.interval_data`), and unknowns followed by the delay and the lags in the data. They give
       the residuals or `OUTPUTS`, and their Jacobian by left node, right node, unknowns.
     - `value_chunk`: of the same arguments, the residuals alone.
-    - `relaxations`: of the tire of each axle.
-    - `volume_chunk`: of the same and a matrix for the Jacobian of the residuals by both nodes: the derivatives of their
-      product minus the logarithm of the density that the balance gives the next motion.
+    - `relaxations`: of the tire of each axle, in the directions "x" and "y".
+    - `volume_chunk`: of the same and a matrix for the Jacobian of the residuals by both nodes: their product minus the
+      logarithm of the density that the balance gives the next motion, and its derivatives, the last two by the
+      logarithms of the side forces of the tires of both axles.
     """
 
     states: tuple[str, ...]
     residuals: tuple[str, ...]
-    relaxations: Mapping[str, Relaxation]
+    relaxations: Mapping[tuple[str, str], Relaxation]
     value_chunk: Any
     residual_chunk: Any
     output_chunk: Any
@@ -114,7 +115,7 @@ def interval_of(
     pose = "heading" in sampled
     states, n = MOTION + POSE * pose, len(MEASURED)
     left, right = ca.SX.sym("left", len(states)), ca.SX.sym("right", len(states))
-    data, z = ca.SX.sym("data", 2 * n + 26), ca.SX.sym("z", len(unknowns))
+    data, z = ca.SX.sym("data", 2 * n + 30), ca.SX.sym("z", len(unknowns))
     used = ca.SX.sym("used", 7)
     p = _entries(car, unknowns, z)
     middle, rate = ca.vertsplit((left + right) / 2), ca.vertsplit((right - left) / step)
@@ -129,8 +130,8 @@ def interval_of(
     for axle, row in factors.items():
         row |= {name: row[lateral] * p[f"{entry}_{axle}"] for name, (lateral, entry) in ALONG.items()}
     slopes = [slip_stiffness(tires[axle]) * factors[axle]["LKX"] for axle in AXLES]
-    relaxations = {axle: relaxation_of(tires[axle]) for axle in AXLES}
-    stretch = [p["relaxation"] * factors[axle]["LKY"] ** relaxations[axle].power for axle in AXLES]
+    relaxations = {(axle, direction): relaxation_of(tires[axle], direction) for axle in AXLES for direction in "xy"}
+    stretch = [p["relaxation"] * factors[axle]["LKY"] ** relaxations[axle, "y"].power for axle in AXLES]
     wheels = _wheels(motion, lag, turned, turning, p)
     wheels |= {f"gamma_{corner}": gamma for corner in CORNERS}
     for i, corner in enumerate(CORNERS):
@@ -140,16 +141,22 @@ def interval_of(
     late = {corner: p["wheel_delay"] * wheels[f"V_dot_{corner}"] for corner in CORNERS}
     scales = {axle: p[name] / car.values[name] if spins else 1.0 for axle, name in zip(AXLES, RADII, strict=True)}
     spun = data[2 * n + 6 : 2 * n + 10] + (p["wheel_delay"] - used[2]) * data[2 * n + 10 : 2 * n + 14]
-    rims = {corner: spun[i] * scales[AXLES[i // 2]] for i, corner in enumerate(CORNERS)}
+    sides = [(1 + p[f"unequal_{axle}"] / 2, 1 - p[f"unequal_{axle}"] / 2) for axle in AXLES]
+    rims = {corner: spun[i] * scales[AXLES[i // 2]] * sides[i // 2][i % 2] for i, corner in enumerate(CORNERS)}
     kappa = _kappa_of_spins(rims, wheels, spins) if spins else slips
-    forces = {axle: _forces(tires[axle], axle, wheels, kappa[i], factors[axle]) for i, axle in enumerate(AXLES)}
+    acting = [[kappa[i][side] + behind[12 + 2 * i + side] for side in (0, 1)] for i in (0, 1)]
+    forces = {axle: _forces(tires[axle], axle, wheels, acting[i], factors[axle]) for i, axle in enumerate(AXLES)}
     body = [p[entry] for entry in BODY.values()]
     Fx = []
     for i, axle in enumerate(AXLES):
         stiffness = [slopes[i] * wheels[f"Fz_{axle[0]}{side}"] for side in "lr"]
-        apart = _apart(pulls[i], kappa[i], forces[axle][0][:2], stiffness) if len(spins) == len(CORNERS) else 0.0
+        faster = (data[2 * n + 10 + 2 * i] - data[2 * n + 11 + 2 * i]) * scales[axle]
+        spinning_up = -p["wheel_inertia"] * p["mass"] * faster / 2
+        given = pulls[i], spinning_up, acting[i], forces[axle][0][:2], stiffness
+        apart = _apart(*given) if len(spins) == len(CORNERS) else 0.0
         Fx += [pulls[i] / 2 + apart, pulls[i] / 2 - apart]
-    order = [*Fx, *(forces[axle][1][side] for axle in AXLES for side in (0, 1))]
+    share = ca.SX.sym("share", len(AXLES))
+    order = [*Fx, *(share[i] * forces[axle][1][side] for i, axle in enumerate(AXLES) for side in (0, 1))]
     balance = dict(zip(_RESULTS, two_track.balance(*motion, *turned, *body, *order, xp=ARRAYS), strict=True))
     measured = _readings(p, middle, rate, lag, pose)
     for i, axle in enumerate(AXLES):
@@ -162,17 +169,20 @@ def interval_of(
     required_forces = [balance[f"e_{axle}"] / ca.cos(turned[i]) / 2 for i, axle in enumerate(AXLES)]
     outputs = ca.vertcat(*_outputs(wheels, forces, kappa, required_forces), *Fx[::2], *Fx[1::2])
     arguments = [left, right, data, ca.vertcat(z, used)]
-    chunks = [ca.Function("interval", arguments, [residual], {"cse": True}).map(CHUNK)]
+
+    def chunk(name: str, arguments: list[Any], results: list[Any]) -> Any:
+        whole = [ca.substitute(ca.densify(result), share, 1.0) for result in results]
+        return ca.Function(name, arguments, whole, {"cse": True}).map(CHUNK)
+
+    chunks = [chunk("interval", arguments, [residual])]
     for results in (residual, outputs):
-        by = ca.densify(ca.jacobian(results, ca.vertcat(left, right, z)))
-        chunks.append(ca.Function("interval", arguments, [results, ca.vec(by)], {"cse": True}).map(CHUNK))
-    point, next_motion = ca.vertcat(left, right, z), right[1:3]
+        chunks.append(chunk("interval", arguments, [results, ca.vec(ca.jacobian(results, ca.vertcat(left, right, z)))]))
     by_nodes = ca.densify(ca.jacobian(residual, ca.vertcat(left, right)))
     shares = ca.SX.sym("shares", by_nodes.numel())
-    density = ca.log(ca.fabs(ca.det(ca.jacobian(residual[-len(BALANCE) :], next_motion))))
+    density = ca.log(ca.fabs(ca.det(ca.jacobian(residual[-len(BALANCE) :], right[1:3]))))
     volume = ca.dot(ca.vec(by_nodes), shares) - density
-    by = ca.densify(ca.gradient(volume, point))
-    chunks.append(ca.Function("volume", [*arguments, shares], [volume, by], {"cse": True}).map(CHUNK))
+    by = ca.gradient(volume, ca.vertcat(left, right, z, share))
+    chunks.append(chunk("volume", [*arguments, shares], [volume, by]))
     return Interval(states, tuple(parts), relaxations, *chunks)
 
 
@@ -203,15 +213,15 @@ def _wheels(
     return wheels | {f"V_dot_{corner}": rates[i] for i, corner in enumerate(CORNERS)}
 
 
-def relaxation_of(tire: Tire) -> Relaxation:
-    """Return the lateral relaxation of a tire: lengths of 0 for a tire without."""
+def relaxation_of(tire: Tire, direction: str) -> Relaxation:
+    """Return the relaxation of a tire in a direction, "x" or "y": lengths of 0 for a tire without."""
     loads = tire.nominal("Fz") * np.linspace(0.1, 2.5, 25)
-    quantity = tire.symbolic_model.quantity("relaxation_y")
+    quantity = tire.symbolic_model.quantity(f"relaxation_{direction}")
     if not tire.lags or not quantity:
         return Relaxation(loads, np.zeros_like(loads), 0.0)
     import pandas as pd
 
-    rows, name, stiffer = pd.DataFrame({"alpha": 0.0, "Fz": loads}), "LKY", 1.1
+    rows, name, stiffer = pd.DataFrame({"kappa": 0.0, "alpha": 0.0, "Fz": loads}), f"LK{direction.upper()}", 1.1
     pair = tire, tire.with_values(**{name: stiffer * tire.values[name]})
     lengths, grown = (tire.evaluate(rows, steady=True)[quantity].to_numpy(np.float64) for tire in pair)
     power = np.log(np.sum(grown) / np.sum(lengths)) / np.log(stiffer) if lengths.any() else 0.0
@@ -289,11 +299,12 @@ def _kappa_of_spins(rims: Mapping[str, Any], wheels: Mapping[str, Any], spins: t
     return [[slips[a if a in spins else b] for a, b in (pair, pair[::-1])] for pair in pairs]
 
 
-def _apart(pull: Any, kappa: list[Any], Fx: list[Any], stiffness: list[Any]) -> Any:
+def _apart(pull: Any, unequal: Any, kappa: list[Any], Fx: list[Any], stiffness: list[Any]) -> Any:
     """Return half the difference of the longitudinal forces of the wheels of an axle, which add to a given one.
 
-    Torques are equal (brakes, a differential), but a wheel near its limit cannot transmit its half. The tires say so at
-    the measured slips, whose errors are independent. Both statements have the weights of their variances.
+    Torques are equal (brakes, a differential), so that forces differ by `unequal`, half of what the inertia of the
+    wheels takes; but a wheel near its limit cannot transmit its half. The tires say so at the measured slips, whose
+    errors are independent. Both statements have the weights of their variances.
     """
     squares = [  # of the secants, which of a small slip are those of a linear tire
         (force**2 + (slope * SMALL_SLIP) ** 2) / (slip**2 + SMALL_SLIP**2)
@@ -302,7 +313,7 @@ def _apart(pull: Any, kappa: list[Any], Fx: list[Any], stiffness: list[Any]) -> 
     both = squares[0] + squares[1] + 1e-9
     difference = (Fx[0] - Fx[1] + (squares[0] - squares[1]) / both * (pull - Fx[0] - Fx[1])) / 2
     of_torques, of_slips = (UNEQUAL * pull) ** 2, squares[0] * squares[1] / both * SLIP_NOISE**2 + 1e-9
-    return difference * of_torques / (of_torques + of_slips)
+    return unequal + (difference - unequal) * of_torques / (of_torques + of_slips)
 
 
 def slip_stiffness(tire: Tire) -> float:
@@ -356,7 +367,8 @@ class AddedForces:
 
     `offset`, shape (n, 2). `columns`, shape (n, 2, n_last): by the last unknowns, of which `further` are none of tires
     and car; their prior is the standard normal distribution. `slopes`, shape (n, 2, 3): by `MOTION` in the middle of an
-    interval. `correction`, shape (n, n_residuals): added to all residuals.
+    interval. `correction`, shape (n, n_residuals): added to all residuals. `relative`, shape (n, 2, n_relative): the
+    last columns over the side forces of the tires, as far as they are in proportion to these.
     """
 
     offset: FloatArray
@@ -364,15 +376,16 @@ class AddedForces:
     slopes: FloatArray
     further: int = 0
     correction: FloatArray | float = 0.0
+    relative: FloatArray | float = 0.0
 
     def tires(self, z: FloatArray) -> FloatArray:
         """Return the unknowns of tires and car."""
         return z[: len(z) - self.further]
 
-    def and_columns(self, columns: FloatArray) -> AddedForces:
+    def and_columns(self, columns: FloatArray, relative: FloatArray) -> AddedForces:
         """Return these forces and those of further unknowns."""
         both = np.concatenate([self.columns, columns], axis=2)
-        return replace(self, columns=both, further=self.further + columns.shape[2])
+        return replace(self, columns=both, further=self.further + columns.shape[2], relative=relative)
 
     def act(self, linear: Linear, z: FloatArray, left: FloatArray, right: FloatArray) -> None:
         """Add these forces to the residuals of tires and car, per static load."""

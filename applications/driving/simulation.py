@@ -156,7 +156,8 @@ def _stretch(
 ) -> FloatArray:
     """Return the relaxation lengths of the wheels of vehicles over those of their tires, shape (4, 1) or (4, n)."""
     lengths = [
-        p["relaxation"] * factors.get(axle, {}).get("LKY", 1.0) ** relaxation_of(tires[axle]).power for axle in AXLES
+        p["relaxation"] * factors.get(axle, {}).get("LKY", 1.0) ** relaxation_of(tires[axle], "y").power
+        for axle in AXLES
     ]
     return np.array(lengths).repeat(2, axis=0)
 

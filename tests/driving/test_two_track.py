@@ -60,12 +60,14 @@ def test_the_roll_that_an_accelerometer_feels_lags_as_the_load_does():
 def test_a_wheel_at_its_limit_transmits_less_than_the_other_one():
     stiffness = 30000.0, 90000.0
     # Both wheels are linear, and their slips say that the forces differ by 300 N: brakes are more equal than that.
-    assert abs(_apart(2000.0, [0.0283, 0.0128], [850.0, 1150.0], stiffness)) < 0.5 * 150.0
+    assert abs(_apart(2000.0, 0.0, [0.0283, 0.0128], [850.0, 1150.0], stiffness)) < 0.5 * 150.0
     # The unloaded wheel spins at its limit: the other one has the rest of the pull, whatever its own slip says.
-    apart = _apart(4800.0, [0.11, 0.03], [1900.0, 2600.0], stiffness)
+    apart = _apart(4800.0, 0.0, [0.11, 0.03], [1900.0, 2600.0], stiffness)
     assert -500.0 < apart < -0.6 * 500.0
-    assert _apart(4800.0, [0.03, 0.11], [2600.0, 1900.0], stiffness[::-1]) == pytest.approx(-apart)
-    assert _apart(0.0, [0.001, -0.001], [30.0, -90.0], stiffness) == pytest.approx(0.0, abs=1e-6)
+    assert _apart(4800.0, 0.0, [0.03, 0.11], [2600.0, 1900.0], stiffness[::-1]) == pytest.approx(-apart)
+    assert _apart(0.0, 0.0, [0.001, -0.001], [30.0, -90.0], stiffness) == pytest.approx(0.0, abs=1e-6)
+    # A wheel that is released from near its limit spins up: the road turns it, and no torque is unequal.
+    assert _apart(0.0, -80.0, [0.001, -0.001], [30.0, -90.0], stiffness) == pytest.approx(-80.0, abs=1.0)
 
 
 def test_slips_and_loads_are_those_of_the_independent_program():

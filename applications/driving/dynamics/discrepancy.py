@@ -42,12 +42,12 @@ SMALLEST, LARGEST = USUAL, 0.01
 
 def discrepancy_columns(
     grid: Grid, states: FloatArray, entries: Mapping[str, float], beyond: FloatArray, size: float
-) -> FloatArray:
+) -> tuple[FloatArray, FloatArray]:
     """Return the side forces of both axles per static load for a coefficient of 1, shape (n, 2, n_columns).
 
-    Coefficients are standardized. `beyond`, shape (n, 2): side force that the motion requires beyond the tires', per
-    static load. The columns follow from the tires' part: in proportion to all that the motion requires, they would
-    shrink the noise of accelerations.
+    Second: the same over the side forces of the tires, 0 for late ones. Coefficients are standardized. `beyond`, shape
+    (n, 2): side force that the motion requires beyond the tires', per static load. The columns follow from the tires'
+    part: in proportion to all that the motion requires, they would shrink the noise of accelerations.
     """
     left, right = states[grid.left], states[grid.right]
     vx, vy, yaw_rate = (left + right)[:, :3].T / 2
@@ -57,7 +57,7 @@ def discrepancy_columns(
     speed, time = vx / vx.mean() - 1.0, 2.0 * (grid.t - grid.t[0]) / max(np.ptp(grid.t), grid.step) - 1.0
     slower = np.sqrt(entries["wheelbase"] / USUAL_WHEELBASE)  # similar cars
     inner = np.pad(grid.segment[2:] == grid.segment[:-2], 1)
-    columns = []
+    columns, relative = [], []
     for axle, arm in enumerate((entries["cg_to_rear"], -entries["cg_to_front"])):
         force = (ay + radius / arm * turning) / GRAVITY - beyond[:, axle]
         share = np.abs(force) / max(np.abs(force).max(), 1e-9)
@@ -65,12 +65,15 @@ def discrepancy_columns(
         bend = np.where(inner, slower * np.gradient(rate, grid.step), 0.0)
         along = ax / (ACCELERATION * GRAVITY)
         driving, braking = np.maximum(along, 0.0), np.minimum(along, 0.0)
-        curve = [FORM * force * share**power for power in range(N_FORM)]
-        changes = (driving, braking, driving * share, braking * share, speed, time)
-        late = [TIME * rate, TIME * rate * share**2, INERTIA * bend]
-        shapes = [*curve, *(size * shape for shape in (*(force * change for change in changes), *late))]
-        columns += [np.where(np.arange(2) == axle, shape[:, None], 0.0) for shape in shapes]
-    return np.stack(columns, axis=2)
+        curve = [FORM * share**power for power in range(N_FORM)]
+        changes = [size * shape for shape in (driving, braking, driving * share, braking * share, speed, time)]
+        late = [size * shape for shape in (TIME * rate, TIME * rate * share**2, INERTIA * bend)]
+        at_axle = (np.arange(2) == axle)[:, None]
+        proportional = np.stack([*curve, *changes, *(0.0 * shape for shape in late)], axis=1)[:, None] * at_axle
+        delayed = np.stack([*(0.0 * shape for shape in (*curve, *changes)), *late], axis=1)[:, None] * at_axle
+        relative.append(proportional)
+        columns.append(proportional * force[:, None, None] + delayed)
+    return np.concatenate(columns, axis=2), np.concatenate(relative, axis=2)
 
 
 def size_of(size: float, deviations: FloatArray, variances: FloatArray) -> float:

@@ -56,27 +56,55 @@ def with_lags(grid: Grid, interval: Interval, states: FloatArray, car: Car, entr
     middle, rate = _motion(grid, states)
     acceleration = np.stack([rate[0] - middle[1] * middle[2], rate[1] + middle[0] * middle[2]])
     slip, V, Fz, _ = wheel_motion(grid, states, car, entries)
-    laws = [interval.relaxations[axle] for axle in AXLES]
-    lateral = np.concatenate([law.at(Fz[2 * i : 2 * i + 2]) for i, law in enumerate(laws)]) / V
-    stretch = [
-        entries["relaxation"] * entries[f"LKY_{axle}"] ** law.power for axle, law in zip(AXLES, laws, strict=True)
-    ]
+    stiffer = {axle: entries[f"LKY_{axle}"] for axle in AXLES}
+    stretch = _stretch(interval, "y", entries, stiffer)
+    along = _stretch(
+        interval, "x", entries, {axle: k * entries[f"slip_stiffness_{axle}"] for axle, k in stiffer.items()}
+    )
+    lateral, longitudinal = (
+        np.concatenate([interval.relaxations[axle, of].at(Fz[2 * i : 2 * i + 2]) for i, axle in enumerate(AXLES)]) / V
+        for of in "yx"
+    )
     constants = np.array([entries["pitch_lag"], entries["roll_lag"], *np.repeat(stretch, 2)])[:, None]
     times = constants * np.concatenate([np.ones_like(acceleration), lateral])
     inputs = np.concatenate([acceleration, slip])
-    behind, changed = (np.empty_like(inputs) for _ in "12")
+    kappa, late = _measured_slips(grid, V, car, entries), np.repeat(along, 2)[:, None] * longitudinal
+    behind, changed, of_kappa = np.empty_like(inputs), np.empty_like(inputs), np.empty_like(kappa)
     for number in np.unique(grid.segment):
         rows = grid.segment == number
         both = np.concatenate([times[:, rows], (1 + CHANGE) * times[:, rows]])
         behind[:, rows], changed[:, rows] = np.split(behind_lags(inputs[:, rows], both, grid.step), 2)
+        of_kappa[:, rows] = behind_lags(kappa[:, rows], late[:, rows], grid.step)
     by_time = (changed - behind) / np.maximum(CHANGE * constants, 1e-9)
-    parts = behind[:2], by_time[:2], behind[2:], by_time[2:]
+    parts = behind[:2], by_time[:2], behind[2:], by_time[2:], of_kappa
     used = (*grid.used[:3], entries["pitch_lag"], entries["roll_lag"], *stretch)
     return replace(grid, behind=np.concatenate(parts), used=used)
 
 
+def _stretch(
+    interval: Interval, direction: str, entries: Mapping[str, float], factors: Mapping[str, float]
+) -> list[float]:
+    """Return the relaxation lengths of each axle in a direction over those of its tire file."""
+    return [entries["relaxation"] * factors[axle] ** interval.relaxations[axle, direction].power for axle in AXLES]
+
+
+def _measured_slips(grid: Grid, V: FloatArray, car: Car, entries: Mapping[str, float]) -> FloatArray:
+    """Return the longitudinal slip of each wheel, shape (4, n): of the other one of its axle if it is not logged."""
+    scales = [
+        entries[f"radius_{axle}"]
+        / max(car.values[f"radius_{axle}"], 1e-9)
+        * (1 + side * entries[f"unequal_{axle}"] / 2)
+        for axle in AXLES
+        for side in (1, -1)
+    ]
+    logged = np.any(grid.rims != 0.0, axis=1, keepdims=True)
+    slips = np.where(logged, grid.rims * np.array(scales)[:, None] / V - 1.0, 0.0)
+    other = np.arange(len(slips)) ^ 1
+    return np.where(logged, slips, slips[other])
+
+
 def behind_lags(inputs: FloatArray, constants: FloatArray, step: float) -> FloatArray:
-    """Return what first-order lags add to inputs at even times, shape (n_constants, n).
+    """Return what first-order lags add to inputs at even times, means over a step, shape (n_constants, n).
 
     `constants`: time constants, s, which go through the inputs once or more. The inputs are splines; they begin as if
     their first slope had lasted.
@@ -94,4 +122,7 @@ def behind_lags(inputs: FloatArray, constants: FloatArray, step: float) -> Float
     result[:, 0] = rest[:, 0]
     for k in range(len(fine) - 1):
         result[:, k + 1] = kept[:, k] * result[:, k] + steady[:, k]
-    return np.asarray((result - values)[:, ::PARTS])
+    inside = np.pad(result - values, ((0, 0), (PARTS // 2, PARTS // 2)), mode="edge")
+    ends = (inside[:, :-PARTS] + inside[:, PARTS:]) / 2
+    between = sum(inside[:, part : part - PARTS] for part in range(1, PARTS))
+    return np.asarray((ends + between)[:, ::PARTS] / PARTS)

@@ -36,8 +36,9 @@ class Entry:
 
 # The default uncertainties are judgement: a scale under the wheels knows a mass within 1 %, a car with driver and fuel
 # within 3 %; a yaw inertia from a formula is right within 10 %; a consumer IMU has the offsets below after warm-up, and
-# gains within 0.5 %. Roll and pitch of cars reach two thirds of their value in 30 to 80 ms. A floor or wear changes a
-# tire in all directions, but not alike.
+# gains within 0.5 %. Roll and pitch of cars reach two thirds of their value in 30 to 80 ms. A wheel of a car of 1000 kg
+# has 0.5 to 1 kg m^2; rolling radii, or the readings of their speeds, differ by 0.2 %. A floor or wear changes a tire
+# in all directions, but not alike.
 _ENTRIES = (
     Entry("body", "wheelbase", "distance of the axles", "m", 2.4, None, 0.002, "relative", 0.05, 20.0),
     Entry("body", "mass", "mass with driver and fuel", "kg", 1100.0, None, 0.03, "relative", 0.1, 1e5),
@@ -73,6 +74,13 @@ _ENTRIES = (
     Entry("wheels", "radius_front", "rolling radius of the front wheels, for wheel speeds", "m", 0.3, 0.0, 0.005,
           "relative", 0.0, 3.0),
     Entry("wheels", "radius_rear", "rolling radius of the rear wheels", "m", 0.3, 0.0, 0.005, "relative", 0.0, 3.0),
+    *(
+        Entry("wheels", f"unequal_{axle}", f"rolling radius of the left {axle} wheel over that of the right, minus 1",
+              "1", 0.0, 0.0, 0.003, "absolute", -0.1, 0.1)
+        for axle in ("front", "rear")
+    ),
+    Entry("wheels", "wheel_inertia", "moment of inertia of a wheel over its radius squared and the mass of the car",
+          "1", 0.008, 0.008, 0.4, "relative", 0.0, 1.0),
     Entry("wheels", "relaxation", "lateral relaxation lengths over those of the tire files", "1", 1.0, 1.0, 0.2,
           "relative", 0.0, 10.0),
     *(
@@ -166,7 +174,7 @@ def car_schema() -> dict[str, Any]:
     sections["steering"]["properties"]["map"] = {"type": "array", "items": pair, "minItems": 2}
     sections["wheels"]["properties"]["driven"] = {"enum": list(LAYOUTS)}
     sections["columns"] = {"type": "object", "additionalProperties": {"type": "string"}}
-    return document("car", "1.2", "Car of a drive", object_schema(sections, ["body"]))
+    return document("car", "1.3", "Car of a drive", object_schema(sections, ["body"]))
 
 
 def _number(entry: Entry) -> list[dict[str, Any]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
@@ -22,8 +23,8 @@ IntArray = npt.NDArray[np.intp]
 #: is below a share for the steering, which excites the motion, and for the accelerations together. A slalom of 0.45 Hz
 #: has 0.7 % at 0.1 s; braking within 0.1 s has more.
 STEPS, STEP_ERROR = (0.1, 0.05, 0.025), 0.01
-#: Length of an interval at which accelerations no longer count, s: a jump (a released brake) is resolved by none.
-FASTEST = 0.05
+#: Samples of the accelerations in an interval that they make shorter, at least.
+FEWEST_SAMPLES = 2.0
 #: The slowest part of a drive is not used: a share of the speed that 5 % exceed, and m/s.
 SLOW_SHARE, SLOWEST = 0.1, 0.3
 #: Longitudinal slip beyond which a wheel locks or spins: its inertia and its forces are not those of the model.
@@ -61,9 +62,9 @@ class Grid:
     - `steer_slopes`, shape (4, n): its derivatives by delay and lag, at both ends.
     - `rims`, shape (4, n): spin times rolling radius of each of `CORNERS`, m/s; 0 if not logged. `rim_slopes`, shape
       (4, n): their derivatives by the delay of the wheel speeds.
-    - `behind`, shape (12, n): what lags add to longitudinal and lateral acceleration, m/s^2, and its derivatives by the
-      lags; what relaxation adds to the slip angle of each wheel, rad, and its derivatives by the relative length
-      (`with_lags`).
+    - `behind`, shape (16, n): what lags add to longitudinal and lateral acceleration, m/s^2, and its derivatives by the
+      lags; what relaxation adds to the slip angle of each wheel, rad, its derivatives by the relative length, and what
+      it adds to the longitudinal slip of each wheel (`with_lags`).
     - `used`: delay and lag of the steering, delay of the wheel speeds, lag of pitch and of roll, s, and the relative
       relaxation lengths of both axles with which these were computed.
     """
@@ -192,7 +193,7 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
     row = MEASURED.index("ax")
     change = np.gradient(means[row]) if len(chosen) > 1 else 0.0 * means[row]
     noise[row] = np.hypot(noise[row], EDGE_ERROR * np.nan_to_num(change))
-    empty = np.zeros((12, len(chosen)))
+    empty = np.zeros((16, len(chosen)))
     grid = Grid(step, middle[chosen], left, left + 1, means, noise, empty[:2], empty[:4], empty[:4], empty[:4], empty)
     return with_delays(grid, log, car, car.values)
 
@@ -227,11 +228,12 @@ def _step(log: Log, car: Car) -> float:
     t, angle = _wheel_angle(log, car)
     lagged = [(t, _lagged(t, angle, car.values["lag"]))]
     accelerations = [log.channels[name] for name in ("ax", "ay") if name in log.channels]
-    for step in STEPS:
-        judged = (lagged, accelerations) if step > FASTEST and accelerations else (lagged,)
+    apart = max((float(np.median(np.diff(times))) for times, _ in accelerations), default=np.inf)
+    for step, shorter in itertools.pairwise(STEPS):
+        judged = (lagged, accelerations) if shorter >= FEWEST_SAMPLES * apart else (lagged,)
         if sum(_bend(some, step) for some in judged) < (12 * STEP_ERROR) ** 2:
-            break
-    return step
+            return step
+    return STEPS[-1]
 
 
 def _bend(channels: list[tuple[FloatArray, FloatArray]], step: float) -> float:

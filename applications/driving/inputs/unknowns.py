@@ -37,7 +37,8 @@ NEEDS: dict[str, tuple[str, ...]] = {
     "reference_y": ("speed", "heading"), "heading_offset": ("beta", "heading"),
     "motion_delay": ("speed", "beta", "vy", "x"), "misalignment": ("ay", "ax"), "ay_gain": ("ay",),
     "yaw_rate_gain": ("yaw_rate",), "wheel_delay": ("omega",), "radius_front": ("omega",), "radius_rear": ("omega",),
-    "grip_front": ("omega",), "grip_rear": ("omega",),
+    "grip_front": ("omega",), "grip_rear": ("omega",), "wheel_inertia": ("omega",),
+    "unequal_front": ("omega",), "unequal_rear": ("omega",),
 }  # fmt: skip
 
 
