@@ -121,6 +121,7 @@ def score(suite: Suite, kind: str, number: int, case: Case, result: Diagnosis, s
     before, after = (squared_error(tire, case, result) for tire in (result.base_tire, result.tire))
     covered, intervals = _covered(case, result) if kind in ("single", "double", "triple") else (0, 0)
     named = {*found, *result.confounded_with.get(found[0], ())} if found else set()
+    named = named.union(*(one.effects for one in result.one_of if found[0] in one.effects))
     depends = result.unknown[0].depends_on if result.unknown else ()
     true = suite.unknown.get(case.unknown, frozenset())
     variables_right = bool(set(hidden) & set(NAMED.values()) & set(found)) or (

@@ -115,16 +115,16 @@ def _simplest(table: Table, answer: Answer) -> Refitted:
     """Return the leader without what only weak evidence adds, with the simplest of effects of which one is missing.
 
     Evidence of less than ten to one is weak, and so is that of which of several effects it is. The simplest one has the
-    fewest states, then the fewest coefficients. Effects that are called missing remain.
+    fewest states; of these it is the most probable one, as the evidence counts coefficients.
     """
     leader, model = _with_fewest_parts(table, answer), table.shared.problem.simulator.symbolic_model
     probability = dict.fromkeys(table.refits, 0.0)
     probability |= {explanation.parts: explanation.probability for explanation in answer.explanations}
     states = {effect.name: len(effect.states) for effect in model.added}
 
-    def size(refit: Refitted) -> tuple[int, int, float]:
+    def size(refit: Refitted) -> tuple[int, float]:
         number = sum(states.get(name, 0) for name in refit.explanation.effects)
-        return number, len(refit.linear.solution.free), -graded(probability[refit.explanation.parts])
+        return number, -graded(probability[refit.explanation.parts])
 
     for alternatives in answer.one_of(leader.explanation.effects):
         rest = set(leader.explanation.parts).difference(alternatives.effects)
@@ -141,15 +141,18 @@ def _simplest(table: Table, answer: Answer) -> Refitted:
 
 
 def _with_fewest_parts(table: Table, answer: Answer) -> Refitted:
-    most, doubtful = set(table.leader.explanation.parts), answer.doubtful(table.leader.explanation.effects)
-    unknown = {UNKNOWN} if answer.probabilities[UNKNOWN] < NAMED else set()
-    least = most.difference(doubtful, unknown)
+    """Return the best refit with all that is called missing, without other parts that only weak evidence adds."""
+    named = {part for part, probability in answer.probabilities.items() if probability >= NAMED}
+    able = [refit for parts, refit in table.refits.items() if named.issubset(parts)]
+    leader = max(able, key=lambda refit: graded(refit.score), default=table.leader)
+    most, doubtful = set(leader.explanation.parts), answer.doubtful(leader.explanation.effects)
+    least = most.difference(doubtful, {UNKNOWN} - named)
     equal = [
         refit
         for parts, refit in table.refits.items()
-        if least <= set(parts) <= most and refit.score > table.leader.score + np.log(UNSURE)
+        if least <= set(parts) <= most and refit.score > leader.score + np.log(UNSURE)
     ]
-    return min(equal, key=lambda refit: (len(refit.explanation.parts), -graded(refit.score)), default=table.leader)
+    return min(equal, key=lambda refit: (len(refit.explanation.parts), -graded(refit.score)), default=leader)
 
 
 def _tables(
@@ -288,7 +291,8 @@ def extended(table: Table, refit: Refitted) -> Move:
             continue
         evidence, prior = before + totals[name], more.log_prior
         score = evidence + prior
-        table = table.with_linear(more.parts, evidence, prior)
+        if more.terms == refit.explanation.terms:  # the evidence has those that would be errors of form, too
+            table = table.with_linear(more.parts, evidence, prior)
         if score > max(table.scores.values()) + REFIT_MARGIN:
             table = table.with_refit(_with_effect(table, refit, more, _best(scored[name])))
             yield table

@@ -135,7 +135,7 @@ class FormErrors:
 
 def form_errors(explanation: Explanation, candidates: Mapping[str, Candidate], model: Model) -> FormErrors:
     """Return which terms are errors of the form of an explanation."""
-    inputs = CORE_INPUTS.union(*(candidates[name].requires for name in explanation.effects))
+    inputs = CORE_INPUTS.union(*(candidates[name].reads for name in explanation.effects))
     acted = {
         act.on
         for effect in model.added

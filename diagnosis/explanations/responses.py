@@ -10,7 +10,7 @@ import numpy as np
 
 from ...numerics.arrays import FloatArray
 from ..least_squares import Solution
-from ..probing.candidates import Candidate, declared_candidate
+from ..probing.candidates import Candidate, declared_candidate, varies
 from ..signals.simulation import Simulator
 from ..thresholds import FORM_ERROR, PAST_ERROR
 from ..unexplained.features import CORE_INPUTS
@@ -68,8 +68,8 @@ class Responses:
         model = simulator.symbolic_model
         response = self.of(effect)
         if self._follows_at_once(effect):
-            return self.errors_at_once(response, candidate.requires)
-        inputs = self._inputs(candidate.requires)
+            return self.errors_at_once(response, candidate.reads)
+        inputs = self._inputs(candidate.reads)
         states = [state for added in model.added if added.name == effect for state in added.states]
         if candidate.has_states:
             rows = simulator.effective_inputs(self.solution.parameters)
@@ -104,14 +104,16 @@ class Responses:
                 if (neutral := model.coefficients[name].neutral) is not None:
                     absent[index[name]] = neutral
             response = np.nan_to_num(self.forces - self.simulator.forces(absent))
-            of_effect = effect_discrepancy(response, self._inputs(declared.requires), seed=number + 1)
+            of_effect = effect_discrepancy(response, self._inputs(declared.reads), seed=number + 1)
             errors = of_effect + errors if errors.size else of_effect
         return FORM_ERROR * errors
 
     def _inputs(self, others: Collection[str]) -> dict[str, FloatArray]:
-        """Return the inputs of an error of form at the compared rows: those of the core, and others."""
-        named = self.simulator.signals.named()
-        return {name: named[name] for name in sorted(CORE_INPUTS.union(others).intersection(named))}
+        """Return the inputs of an error of form at the compared rows: those of the core, and others that vary."""
+        signals, tire = self.simulator.signals, self.simulator.tire
+        varying = {name for name in others if varies(signals, tire, name)}
+        named = signals.named()
+        return {name: named[name] for name in sorted(CORE_INPUTS.union(varying).intersection(named))}
 
     def _other_pasts(self, effect: str) -> FloatArray:
         """Return the change of the forces by an effect with shorter and longer memories, N and N m."""

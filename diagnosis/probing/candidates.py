@@ -32,6 +32,7 @@ class Candidate:
 
     - `forms`: from the simplest to the most general.
     - `requires`: inputs that must all vary, and outputs that must be measured.
+    - `reads`: what it requires, and the inputs that lines of its own read: errors of its form depend on these.
     - `channels`: outputs that the effect changes.
     - `contains`: an effect that is a special case of this one, or ''.
     - `has_states`: whether it depends on the past by states of its own, or on the rate of an input.
@@ -44,6 +45,7 @@ class Candidate:
     contains: str = ""
     has_states: bool = False
     rate: float = 0.0
+    reads: frozenset[str] = frozenset()
 
 
 def candidates_for(tire: Tire) -> dict[str, Candidate]:
@@ -78,7 +80,9 @@ def declared_candidate(name: str, model: Model, present: frozenset[str] = frozen
         if key in model.owned(name) and declaration.neutral is not None
     ]
     channels = tuple(dict.fromkeys(channel for declaration in owned for channel in declaration.channels))
-    return Candidate((_by_bounds(owned),), detection.requires if detection else (), channels) if owned else None
+    requires = detection.requires if detection else ()
+    reads = model.read_by(name).union(requires)
+    return Candidate((_by_bounds(owned),), requires, channels, reads=reads) if owned else None
 
 
 def _undeclared(name: str, model: Model) -> Candidate | None:
@@ -92,7 +96,8 @@ def _undeclared(name: str, model: Model) -> Candidate | None:
 def _candidate(name: str, model: Model, detection: Detection, forms: tuple[Form, ...]) -> Candidate:
     stateful = any(effect.states for effect in model.added if effect.name == name)
     channels = detection.channels or OUTPUTS
-    return Candidate(forms, detection.requires, channels, detection.contains, stateful, detection.rate)
+    reads = model.read_by(name).union(detection.requires)
+    return Candidate(forms, detection.requires, channels, detection.contains, stateful, detection.rate, reads)
 
 
 def _by_bounds(declarations: Sequence[Coefficient]) -> Form:

@@ -355,6 +355,21 @@ class Model(ModelDeclaration):
     def _lines_of(self, state: str) -> tuple[str, ...]:
         return tuple(f"{state}_{ending}" for ending in LINES)
 
+    @lru_cache(maxsize=256)  # noqa: B019  (models live as long as the program)
+    def read_by(self, effect: str) -> frozenset[str]:
+        """Return the inputs behind what an effect adds to the core: the spin of turn slip reads the inclination.
+
+        Examples
+        --------
+        >>> from tirefmu.symbolic.models import model_named
+        >>> "gamma" in model_named("mf61").read_by("turn_slip"), "gamma" in model_named("mf61").read_by("plysteer")
+        (True, False)
+        """
+        present, outputs = self.known_effects([effect]), self._outputs.union(self.results)
+        added = self.structure.reached(outputs, present) - self.structure.reached(outputs, ())
+        inputs = {quantity.name for quantity in self.inputs} - self.states.keys()
+        return (added | self.structure.reached(added, present)) & inputs
+
     def live(self, effects: Collection[str] | None = None) -> frozenset[str]:
         """Return the coefficients that reach an output with these effects; the ranges of inputs always do."""
         return self._live(frozenset(self.effects if effects is None else effects))

@@ -16,9 +16,11 @@ from tirefmu.diagnosis.explanations import (
     Budget,
     Ended,
     Explanation,
+    Gain,
     Linearization,
     NormalEquations,
     Projected,
+    Table,
     Term,
     answer_of,
     compare,
@@ -34,10 +36,10 @@ from tirefmu.diagnosis.explanations import (
     without_folds,
 )
 from tirefmu.diagnosis.explanations.compare import _simplest, reduced
-from tirefmu.diagnosis.explanations.table import Table
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
 from tirefmu.diagnosis.signals import between_rows, signals_of
 from tirefmu.diagnosis.thresholds import EFFECT_ODDS, INEXACT_SHARE
+from tirefmu.diagnosis.unexplained.features import Feature, Location
 from tirefmu.measurements import recording_from
 from tirefmu.symbolic.detection import Form
 
@@ -198,14 +200,12 @@ def test_no_effect_is_in_two_classes():
 
 
 def test_the_simplest_of_equal_effects_is_delivered():
-    """Fewest states first; an explanation that is much less probable than the leader is not taken."""
-
-    sets = {("history", "lag"): (0.0, 5), ("lag", "temperature"): (-0.3, 6), ("lag", "pressure"): (-4.0, 2)}
-    table = compared_table(sets)
-    answer = answer_of(
-        {parts: score for parts, (score, _) in sets.items()}, ["history", "lag", "temperature", "pressure"]
-    )
-    assert _simplest(table, answer).explanation.effects == ("lag", "temperature")
+    """Fewest states, then most probable; an explanation that is much less probable than the leader is not taken."""
+    sets = {("history", "lag"): 0.0, ("lag", "temperature"): -0.6, ("lag", "pressure"): -0.3}
+    table, names = compared_table(sets), ["history", "lag", "temperature", "pressure"]
+    assert _simplest(table, answer_of(sets, names)).explanation.effects == ("lag", "pressure")
+    far = {**sets, ("lag", "temperature"): -4.0, ("lag", "pressure"): -4.0}
+    assert _simplest(table, answer_of(far, names)) is table.leader
     alone = answer_of({("history", "lag"): 0.0}, ["history", "lag", "temperature"])
     assert _simplest(table, alone) is table.leader
 
@@ -215,20 +215,26 @@ def test_the_simplest_of_equal_effects_is_delivered():
 )
 def test_what_only_weak_evidence_adds_is_not_delivered_unless_it_is_called_missing(lead, cautious, delivered):
     """Evidence of less than ten to one is weak: a logarithm of 2.3."""
-    table = compared_table({("a", "b"): (0.0, 2), ("a",): (-lead, 1), (): (-90.0, 0)})
+    table = compared_table({("a", "b"): 0.0, ("a",): -lead, (): -90.0})
     answer = answer_of({("a", "b"): np.log(cautious), ("a",): np.log(1.0 - cautious)}, ["a", "b"])
     assert _simplest(table, answer).explanation.effects == delivered
 
 
+def test_what_is_called_missing_is_delivered():
+    """Probabilities are more cautious than scores: they may prefer an effect that the leader lacks."""
+    table = compared_table({("a", "b"): 0.0, ("c",): -8.0, ("c", "d"): -9.0})
+    answer = answer_of({("a", "b"): 0.0, ("c",): 2.0, ("c", "d"): -2.0}, list("abcd"))
+    assert _simplest(table, answer).explanation.effects == ("c",)
+
+
 def compared_table(sets):
-    """Of refits by their effects: score and number of free coefficients; the first one leads."""
+    """Of refits by their effects with their scores; the first one leads."""
 
-    def refit(effects, score, free):
+    def refit(effects, score):
         explanation = Explanation(tuple((name, Form((), ())) for name in effects))
-        linear = SimpleNamespace(solution=SimpleNamespace(free=tuple(range(free))))
-        return SimpleNamespace(explanation=explanation, linear=linear, score=score)
+        return SimpleNamespace(explanation=explanation, score=score)
 
-    refits = {parts: refit(parts, score, free) for parts, (score, free) in sets.items()}
+    refits = {parts: refit(parts, score) for parts, score in sets.items()}
     model = SimpleNamespace(added=[SimpleNamespace(name="history", states=("s",))])
     shared = SimpleNamespace(problem=SimpleNamespace(simulator=SimpleNamespace(symbolic_model=model)))
     return SimpleNamespace(refits=refits, leader=next(iter(refits.values())), shared=shared)
@@ -385,8 +391,8 @@ def test_a_coefficient_of_two_effects_belongs_to_both(sideways):
 
 
 def test_an_effect_takes_the_place_of_its_special_case():
-    relaxation = SimpleNamespace(requires=frozenset({"alpha"}), contains="")
-    with_load = SimpleNamespace(requires=frozenset({"alpha", "Fz"}), contains="lateral")
+    relaxation = SimpleNamespace(reads=frozenset({"alpha"}), contains="")
+    with_load = SimpleNamespace(reads=frozenset({"alpha", "Fz"}), contains="lateral")
     candidates = {"lateral": relaxation, "with_load": with_load, "other": relaxation}
     problem = SimpleNamespace(simulator=SimpleNamespace(symbolic_model=SimpleNamespace(added=(), relaxing_effects=())))
     table = SimpleNamespace(shared=SimpleNamespace(candidates=candidates, problem=problem))
@@ -402,6 +408,26 @@ def test_an_effect_takes_the_place_of_its_special_case():
         start = compared_before.without(SimpleNamespace(explanation=relaxing, linear=linear), other)
         assert start.tolist() == expected  # no coefficient of an effect that is absent remains
     assert Linearization(more, problem, None, candidates).lacking == []
+
+
+def test_what_a_formula_explains_is_no_evidence_of_an_effect_in_its_place(monkeypatch):
+    """An effect of which the formula is an error of form takes its place: its own evidence comes from other tables."""
+    place = Location("friction", "factor", ("mu_y",), ("PDY1",))
+    term = Term(place, Feature("p", frozenset({"p"}), np.ones(1)), np.ones((1, 1)), 1.0)
+    candidates = {name: SimpleNamespace(reads=frozenset({name}), contains="") for name in ("p", "T")}
+    problem = SimpleNamespace(simulator=SimpleNamespace(symbolic_model=SimpleNamespace(added=(), relaxing_effects=())))
+    refit = SimpleNamespace(explanation=Explanation((), (term,)), evidence=50.0, linear=None)
+    recorded = []
+    table = SimpleNamespace(
+        shared=SimpleNamespace(candidates=candidates, problem=problem), scores={(UNKNOWN,): 100.0}, refits={},
+        report=lambda sentence: None, possible=lambda linear: (table, [None]),
+        with_linear=lambda parts, evidence, prior: recorded.append(parts) or table,
+    )  # fmt: skip
+    added = {name: [Gain(1.0, Addition(name, np.zeros((1, 1, 1)), np.ones(1)), np.zeros(1))] for name in candidates}
+    monkeypatch.setattr(compare, "projected", lambda linear, additions: None)
+    monkeypatch.setattr(compare, "gains", lambda columns, additions: added)
+    list(compare.extended(table, refit))
+    assert recorded == [("T", UNKNOWN)]
 
 
 def test_noise_alone_has_neither_an_effect_nor_a_formula():
@@ -467,7 +493,7 @@ def test_two_similar_effects_begin_with_half_of_each_and_their_memories(monkeypa
     history = refit("history", [1.0, 0.4, 0.05, 0.0, 2.0], 5.0)
     heat = refit("heat", [1.2, 0.0, 0.02, 0.3, 8.0], 4.0)
     refits = {("history",): history, ("heat",): heat}
-    requires = dict.fromkeys(forms, SimpleNamespace(requires=frozenset({"alpha"}), contains=""))
+    requires = dict.fromkeys(forms, SimpleNamespace(reads=frozenset({"alpha"}), contains=""))
     model = SimpleNamespace(added=(), relaxing_effects=())
     problem = SimpleNamespace(simulator=SimpleNamespace(symbolic_model=model))
     shared = SimpleNamespace(candidates=requires, problem=problem)
