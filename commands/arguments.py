@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from difflib import get_close_matches
@@ -214,9 +215,19 @@ def check_output_paths(*files: Path | None, folder: Path | None = None) -> None:
             raise TirefmuError(f"{path}: is a folder, not a file")
         if path.absolute() in (other.absolute() for other in _outputs()):
             raise TirefmuError(f"{path}: is the name of two results")
+        _check_permission(path)
         _outputs().append(path)
     if folder is not None and folder.exists() and not folder.is_dir():
         raise TirefmuError(f"{folder}: is a file, not a folder")
+    if folder is not None:
+        _check_permission(folder)
+
+
+def _check_permission(path: Path) -> None:
+    """Raise if a path, or the nearest folder above it that exists, cannot be written."""
+    nearest = next(place for place in (path.absolute(), *path.absolute().parents) if place.exists())
+    if not os.access(nearest, os.W_OK):
+        raise TirefmuError(f"{path}: cannot be written (no permission)")
 
 
 def json_is_printed() -> bool:

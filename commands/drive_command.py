@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..boundary.errors import writing
+from ..boundary.errors import TirefmuError, writing
 from ..boundary.json_schema import write_toml
 from .arguments import FILE, check_input_paths, check_output_paths, command_line, common, texts_by_channel, write_json
 from .command import command
@@ -71,6 +71,8 @@ def drive(
 def _template(example: Path, quiet: bool) -> int:
     """Write the example of a car file."""
     check_output_paths(example)
+    if example.exists():
+        raise TirefmuError(f"{example} exists: its numbers would be lost; give another file")
     from ..applications.driving.inputs.car_entries import car_schema, example_text
     from .terminal import Terminal
 

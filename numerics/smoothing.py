@@ -16,6 +16,8 @@ from .arrays import FloatArray
 
 #: Half widths of the windows, in rows.
 HALF_WIDTHS = (2, 3, 4, 6, 9, 13, 18)
+#: Fewest rows that are smoothed: two windows of the noise. A window is at most half of the rows wide.
+FEW_ROWS = 22
 #: Rows of the local parabola from which the noise is estimated.
 WINDOW = 11
 #: Rows of a narrower parabola. A channel is sampled too coarsely to be smoothed if the noise about the wide parabola
@@ -53,7 +55,7 @@ def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
     (True, True)
     """
     n = len(values)
-    if n < 4 * HALF_WIDTHS[-1] or np.ptp(values) == 0.0:
+    if n < FEW_ROWS or np.ptp(values) == 0.0:
         return values, 0.0
     deviation, correlation = noise_of(values)
     if deviation == 0.0 or deviation > COARSE * noise_of(values, NARROW_WINDOW)[0]:
@@ -61,7 +63,7 @@ def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
     values = without_spikes(values, deviation)
     lower, upper = values - 3.0 * deviation, values + 3.0 * deviation  # a row next to a step is not changed
     best, widening = values.copy(), np.ones(n, dtype=bool)
-    for half in HALF_WIDTHS:
+    for half in (half for half in HALF_WIDTHS if 4 * half <= n):
         width = 2 * half + 1
         line = parabolas(values, width)
         spread = deviation * np.sqrt(_variance_factor(width, correlation))

@@ -234,6 +234,20 @@ def test_no_command_writes_over_what_it_reads_or_wrote(command, call, published_
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
+@pytest.mark.parametrize(
+    "call",
+    ["diagnose run.csv --tire my.tir -o new/answer", "fit run.csv -o new.tir", "fit run.csv -o t.tir --json old"],
+)
+def test_a_result_that_cannot_be_written_is_refused_before_the_work(command, call, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("run.csv", "my.tir", "old"):
+        Path(name).write_text("not read", encoding="utf-8")
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) not in (tmp_path, tmp_path / "old"))
+    outcome = command(*call.split())
+    assert outcome.status == 2
+    assert outcome.err.endswith(": cannot be written (no permission)\n")
+
+
 def test_info_reports_what_is_in_a_tire(command, published_tir):
     outcome = command("info", published_tir)
     assert outcome.status == 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -28,6 +29,9 @@ def test_the_example_is_a_car_and_follows_the_schema(tmp_path, monkeypatch):
     assert car.uncertainties["mass"] == pytest.approx(33.0)
     schema = json.loads((tmp_path / "tirefmu-car.schema.json").read_text(encoding="utf-8"))
     assert schema == car_schema()
+    Path("car.toml").write_text("[body]\nmass = 900.0\n", encoding="utf-8")
+    assert main(["drive", "--example", "--quiet"]) == 2  # the numbers of the user remain
+    assert "900" in Path("car.toml").read_text(encoding="utf-8")
 
 
 def test_axle_masses_give_mass_and_position():
