@@ -182,7 +182,7 @@ def _not_measured(start: Tire, recording: Recording) -> tuple[tuple[str, str, st
     absent = [output for output in start.outputs if output not in measured]
     sentence = f"{', '.join(absent)} {'is' if len(absent) == 1 else 'are'} not determined: not measured"
     declared = start.symbolic_model.coefficients.items()
-    names = [name for name, one in declared if one.fitted and measured.isdisjoint(one.channels)]
+    names = [name for name, entry in declared if entry.fitted and measured.isdisjoint(entry.channels)]
     return in_written_order(not_measured_lines([sentence], names), start.symbolic_model) if absent else ()
 
 

@@ -59,7 +59,7 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
         "signs": tire.signs,
         "side": tire.side,
         "about": dict(tire.about),
-        "nominal": {each.name: tire.nominal(each.name) for each in model.inputs if each.name not in model.states},
+        "nominal": {name: tire.nominal(name) for name in tire.inputs if name not in model.states},
         "ranges": {name: list(bounds) for name, bounds in tire.ranges.items()},
         "effects": [name for name in model.effects if name in tire.has and name not in idle],
         "effects_at_neutral": idle,

@@ -63,7 +63,8 @@ def form_of(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, So
     columns = model_discrepancy(signals, problem.simulator.forces(solution.parameters))
     names = tuple(f"{FORM}{i}" for i in range(columns.shape[-1]))
     smooth = weighted.extended(names, columns, np.full(len(names), max(DISCREPANCIES)))
-    gains = _gains(signals, *(_without_block(each, solution) for each in (weighted, smooth)), used, used)
+    before, after = (_without_block(tried, solution) for tried in (weighted, smooth))
+    gains = _gains(signals, before, after, used, used)
     if not gains.sum() > 2.0 * error_of_sum(gains):
         return None
     leading, channels = tire.symbolic_model.leading, signals.channels

@@ -17,8 +17,15 @@ from scipy.stats import chi2
 import tirefmu
 from tests.json_schemas import check_file, objections
 from tirefmu.applications.driving import estimate, simulation
-from tirefmu.applications.driving.dynamics import SIZED, USUAL, behind_lags, size_of
-from tirefmu.applications.driving.dynamics.lagging import _measured_slips, wheel_motion, with_lags
+from tirefmu.applications.driving.dynamics import (
+    SIZED,
+    USUAL,
+    behind_lags,
+    measured_slips,
+    size_of,
+    wheel_motion,
+    with_lags,
+)
 from tirefmu.applications.driving.effects import Missing, effect_columns, factor_values, motion_of
 from tirefmu.applications.driving.estimate import estimated
 from tirefmu.applications.driving.evaluation import curvature_of
@@ -179,7 +186,7 @@ def test_longitudinal_slips_lag_by_the_relaxation_length_and_differ_by_the_radii
     law = Relaxation(loads, np.full(2, length), 0.0)
     interval = SimpleNamespace(relaxations={(axle, of): law for axle in ("front", "rear") for of in "xy"})
     added, V = with_lags(grid, interval, states, car, entries).behind[12:], wheel_motion(grid, states, car, entries)[1]
-    slips, equal = (_measured_slips(grid, V, car, {**entries, "unequal_rear": size}) for size in (0.004, 0.0))
+    slips, equal = (measured_slips(grid, V, car, {**entries, "unequal_rear": size}) for size in (0.004, 0.0))
     np.testing.assert_allclose(slips[2:] - equal[2:], np.array([[0.002], [-0.002]]) * (1.0 + equal[2:]), atol=1e-5)
     rate = np.gradient(slips + added, grid.step, axis=1)
     lacking = added + length / V * rate  # a first-order lag, but for what the grid does not resolve

@@ -68,7 +68,7 @@ def with_lags(grid: Grid, interval: Interval, states: FloatArray, car: Car, entr
     constants = np.array([entries["pitch_lag"], entries["roll_lag"], *np.repeat(stretch, 2)])[:, None]
     times = constants * np.concatenate([np.ones_like(acceleration), lateral])
     inputs = np.concatenate([acceleration, slip])
-    kappa, late = _measured_slips(grid, V, car, entries), np.repeat(along, 2)[:, None] * longitudinal
+    kappa, late = measured_slips(grid, V, car, entries), np.repeat(along, 2)[:, None] * longitudinal
     behind, changed, of_kappa = np.empty_like(inputs), np.empty_like(inputs), np.empty_like(kappa)
     for number in np.unique(grid.segment):
         rows = grid.segment == number
@@ -88,7 +88,7 @@ def _stretch(
     return [entries["relaxation"] * factors[axle] ** interval.relaxations[axle, direction].power for axle in AXLES]
 
 
-def _measured_slips(grid: Grid, V: FloatArray, car: Car, entries: Mapping[str, float]) -> FloatArray:
+def measured_slips(grid: Grid, V: FloatArray, car: Car, entries: Mapping[str, float]) -> FloatArray:
     """Return the longitudinal slip of each wheel, shape (4, n): of the other one of its axle if it is not logged."""
     scales = [
         entries[f"radius_{axle}"]
