@@ -20,11 +20,10 @@ from ...numerics.block_regression import error_of_sum
 from ...symbolic.added import AddedEffect, effect_from
 from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution, density_gains
-from ..probing.effect_probing import Screen
 from ..signals.signals import Signals
-from ..thresholds import DISCREPANCIES
+from ..thresholds import DISCREPANCIES, FOLDS
 from .discrepancy import model_discrepancy
-from .evidence import likelihood_power
+from .evidence import folds_of, likelihood_power
 
 #: The name of the effect, and how the names of its shares of bumps begin.
 FORM, PREFIX = "form", "FORM_"
@@ -48,8 +47,8 @@ def form_of(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, So
     None if nothing is to be corrected, or the hold-out set not predicted better. The errors are the change of the
     residual, shape (n_channels, n).
 
-    It is fitted if a smooth function of slips and load, to which all coefficients are adapted, predicts left-out blocks
-    of time better, by more than twice the standard error over blocks.
+    It is fitted if a smooth function of slips and load predicts left-out blocks of time better, by more than twice the
+    standard error over blocks.
 
     For the fit, the noise of a channel is its residual, and the likelihood is raised to the power of the comparison.
     """
@@ -59,16 +58,12 @@ def form_of(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, So
         return None
     power = likelihood_power(int(used.any(axis=0).sum()))
     weights = problem.inverse_noise * (np.sqrt(power) / np.where(size > 0.0, size, 1.0))[:, None]
-    weighted = replace(problem, inverse_noise=weights)
-    columns = model_discrepancy(signals, problem.simulator.forces(solution.parameters))
-    names = tuple(f"{FORM}{i}" for i in range(columns.shape[-1]))
-    smooth = weighted.extended(names, columns, np.full(len(names), max(DISCREPANCIES)))
-    before, after = (_without_block(tried, solution) for tried in (weighted, smooth))
-    gains = _gains(signals, before, after, used, used)
+    gains = _gains(signals, solution, _smoothed(problem, solution, weights), used, used)
     if not gains.sum() > 2.0 * error_of_sum(gains):
         return None
     leading, channels = tire.symbolic_model.leading, signals.channels
     roles = tuple(role for role, (channel, *_) in CORRECTED.items() if channel in channels and leading(role))
+    weighted = replace(problem, inverse_noise=weights)
     try:
         wider, parameters = weighted.with_effect(form_effect(roles), solution, geometry)
     except EffectError:  # an effect of this name, or a quantity that cannot be acted on
@@ -76,21 +71,34 @@ def form_of(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, So
     free = tuple(sorted((*solution.free, *_coefficients(roles)), key=wider.simulator.names.index))
     wider, best = wider.fitted(parameters, free)
     held = signals.present & signals.holdout
-    if not _gains(signals, solution.residual, best.residual, used, held).sum() > 0.0:
+    if not _gains(signals, solution, best.residual, used, held).sum() > 0.0:
         return None
     errors = np.where(signals.present, solution.residual - best.residual, 0.0)
     return replace(wider, inverse_noise=problem.inverse_noise), best, errors
 
 
-def _without_block(problem: LeastSquares, solution: Solution) -> FloatArray:
-    """Return what is left of each block of time after a fit to the others in which all coefficients follow linearly."""
-    screen = Screen(problem, problem.at(solution.parameters, solution.free))
-    return np.asarray(screen.solution.residual + screen.change_without_block)
+def _smoothed(problem: LeastSquares, solution: Solution, weights: FloatArray) -> FloatArray:
+    """Return the residual without the posterior mean of the discrepancy of the model: a form without its equations.
+
+    The mean at a block of time is that of the recording without a fold of blocks, the block among them.
+    """
+    signals = problem.simulator.signals
+    columns = model_discrepancy(signals, problem.simulator.forces(solution.parameters))
+    fold, rest = folds_of(signals), solution.residual.copy()
+    rows = (weights[:, :, None] * columns, weights * solution.residual)
+    parts = [[part[:, fold == k] for part in rows] for k in range(FOLDS)]
+    matrices = np.array([np.einsum("cni,cnj->ij", x, x, optimize=True) for x, _ in parts])
+    targets = np.array([np.einsum("cni,cn->i", x, y, optimize=True) for x, y in parts])
+    prior = np.eye(columns.shape[-1]) / max(DISCREPANCIES) ** 2
+    for k in range(FOLDS):
+        mean = np.linalg.solve(matrices.sum(axis=0) - matrices[k] + prior, targets.sum(axis=0) - targets[k])
+        rest[:, fold == k] -= columns[:, fold == k] @ mean
+    return rest
 
 
-def _gains(signals: Signals, before: FloatArray, after: FloatArray, fitted: BoolArray, judged: BoolArray) -> FloatArray:
-    """Return the gains of density (`density_gains`) of one residual over another one in each block of time."""
-    gains = density_gains(before, after, fitted, judged).sum(axis=0)
+def _gains(signals: Signals, before: Solution, after: FloatArray, fitted: BoolArray, judged: BoolArray) -> FloatArray:
+    """Return the gains of density (`density_gains`) of another residual than a solution's in each block of time."""
+    gains = density_gains(before.residual, after, fitted, judged).sum(axis=0)
     blocks = signals.block[judged.any(axis=0)]
     return np.array([np.sum(gains, where=signals.block == block) for block in np.unique(blocks)])
 
