@@ -20,6 +20,7 @@ from ...numerics.block_regression import error_of_sum
 from ...symbolic.added import AddedEffect, effect_from
 from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution, density_gains
+from ..probing.effect_probing import Screen
 from ..signals.signals import Signals
 from ..thresholds import DISCREPANCIES, FOLDS
 from .discrepancy import model_discrepancy
@@ -44,11 +45,10 @@ CORRECTED = {
 def form_of(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, Solution, FloatArray] | None:
     """Return the fit of a model with a correction of the form, and what it errs by without, N and N m.
 
-    None if nothing is to be corrected, or the hold-out set not predicted better. The errors are the change of the
-    residual, shape (n_channels, n).
+    None if left-out blocks of time are not predicted better, by more than twice the standard error over blocks, or the
+    hold-out set is not. The errors are the change of the residual, shape (n_channels, n).
 
-    It is fitted if a smooth function of slips and load predicts left-out blocks of time better, by more than twice the
-    standard error over blocks.
+    It is fitted if a smooth function of slips and load beside fixed coefficients predicts left-out blocks better.
 
     For the fit, the noise of a channel is its residual, and the likelihood is raised to the power of the comparison.
     """
@@ -58,8 +58,8 @@ def form_of(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, So
         return None
     power = likelihood_power(int(used.any(axis=0).sum()))
     weights = problem.inverse_noise * (np.sqrt(power) / np.where(size > 0.0, size, 1.0))[:, None]
-    gains = _gains(signals, solution, _smoothed(problem, solution, weights), used, used)
-    if not gains.sum() > 2.0 * error_of_sum(gains):
+    gains = _gains(signals, solution.residual, _smoothed(problem, solution, weights), used, used)
+    if not gains.sum() > 0.0:
         return None
     leading, channels = tire.symbolic_model.leading, signals.channels
     roles = tuple(role for role, (channel, *_) in CORRECTED.items() if channel in channels and leading(role))
@@ -70,8 +70,10 @@ def form_of(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, So
         return None
     free = tuple(sorted((*solution.free, *_coefficients(roles)), key=wider.simulator.names.index))
     wider, best = wider.fitted(parameters, free)
-    held = signals.present & signals.holdout
-    if not _gains(signals, solution, best.residual, used, held).sum() > 0.0:
+    apart, together = _without_block(weighted, solution), _without_block(wider, best)
+    gains, held = _gains(signals, apart, together, used, used), signals.present & signals.holdout
+    of_holdout = _gains(signals, solution.residual, best.residual, used, held)
+    if not (gains.sum() > 2.0 * error_of_sum(gains) and of_holdout.sum() > 0.0):
         return None
     errors = np.where(signals.present, solution.residual - best.residual, 0.0)
     return replace(wider, inverse_noise=problem.inverse_noise), best, errors
@@ -96,9 +98,15 @@ def _smoothed(problem: LeastSquares, solution: Solution, weights: FloatArray) ->
     return rest
 
 
-def _gains(signals: Signals, before: Solution, after: FloatArray, fitted: BoolArray, judged: BoolArray) -> FloatArray:
-    """Return the gains of density (`density_gains`) of another residual than a solution's in each block of time."""
-    gains = density_gains(before.residual, after, fitted, judged).sum(axis=0)
+def _without_block(problem: LeastSquares, solution: Solution) -> FloatArray:
+    """Return what is left of each block of time after a fit to the others in which all coefficients follow linearly."""
+    screen = Screen(problem, problem.at(solution.parameters, solution.free))
+    return np.asarray(screen.solution.residual + screen.change_without_block)
+
+
+def _gains(signals: Signals, before: FloatArray, after: FloatArray, fitted: BoolArray, judged: BoolArray) -> FloatArray:
+    """Return the gains of density (`density_gains`) of one residual over another one in each block of time."""
+    gains = density_gains(before, after, fitted, judged).sum(axis=0)
     blocks = signals.block[judged.any(axis=0)]
     return np.array([np.sum(gains, where=signals.block == block) for block in np.unique(blocks)])
 
