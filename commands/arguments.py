@@ -176,12 +176,23 @@ def tables_read(command: Callable[..., Any]) -> Callable[..., Any]:
 def check_input_paths(*paths: Path | None) -> None:
     """Raise for a missing file, before the packages are loaded that read files.
 
-    A path without an extension may be the name of a published tire. None is a path that was not given.
+    A path without an extension may be the name of a published tire. None is a path that was not given. Raises also if
+    the command would write over one of them: the recording may be the only one.
     """
+    written = [path for path in _outputs() if path.exists()]
     for path in paths:
+        if path and path.exists() and any(path.samefile(output) for output in written):
+            raise TirefmuError(f"{path}: is an input of this command: give its result another name")
         if path and path.suffix and not path.exists():
             near = get_close_matches(path.name, _neighbors(path), n=1)
             raise TirefmuError(f"{path}: no such file{f': did you mean {near[0]}?' if near else ''}")
+
+
+def _outputs() -> list[Path]:
+    """Return the files that the running command has named as its results so far."""
+    context = click.get_current_context(silent=True)
+    outputs: list[Path] = [] if context is None else context.meta.setdefault(f"{__name__}.outputs", [])
+    return outputs
 
 
 def _neighbors(path: Path) -> list[str]:
@@ -201,8 +212,17 @@ def check_output_paths(*files: Path | None, folder: Path | None = None) -> None:
             raise TirefmuError(f"{path}: no folder {path.parent}")
         if path.is_dir():
             raise TirefmuError(f"{path}: is a folder, not a file")
+        if path.absolute() in (other.absolute() for other in _outputs()):
+            raise TirefmuError(f"{path}: is the name of two results")
+        _outputs().append(path)
     if folder is not None and folder.exists() and not folder.is_dir():
         raise TirefmuError(f"{folder}: is a file, not a folder")
+
+
+def json_is_printed() -> bool:
+    """Return whether the running command writes its result as JSON to standard output."""
+    context = click.get_current_context(silent=True)
+    return context is not None and str(context.params.get("json_file")) == "-"
 
 
 def write_json(path: Path | None, content: dict[str, Any]) -> None:

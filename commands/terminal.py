@@ -19,6 +19,7 @@ from ..boundary.terminal_table import plain_table
 from ..drawing.labels import drawn_unit, drawn_value
 from ..tires import Tire
 from . import progress
+from .arguments import json_is_printed
 
 if TYPE_CHECKING:
     from ..fitting import FitResult
@@ -54,6 +55,8 @@ def wrapped(text: str) -> list[str]:
 class Terminal:
     r"""Standard output for results, standard error for progress; both silent when quiet.
 
+    With ``--json -`` standard output has the JSON only, and the text goes to standard error.
+
     Text may come from a file: markup and emoji codes are printed literally, and characters that are not printable as
     escape sequences, so that a line remains one line.
 
@@ -65,7 +68,7 @@ class Terminal:
     def __init__(self, quiet: bool = False) -> None:
         width = min(get_terminal_size().columns, LINE) if sys.stdout.isatty() else LINE
         console = partial(Console, quiet=quiet, highlight=False, markup=False, emoji=False)
-        self._out = console(soft_wrap=True, width=width)
+        self._out = console(soft_wrap=True, width=width, stderr=json_is_printed())
         self._status = console(stderr=True, soft_wrap=True)
         # Each shows progress until the end of its with block.
         self.working = partial(progress.showing, self._status)

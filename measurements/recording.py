@@ -156,8 +156,15 @@ class Recording:
         check_names(map(str, self.table.columns), self.source, OUTPUTS)
         measured = tuple(name for name in OUTPUTS if name in self.table and self.table[name].notna().any())
         if not measured:
-            raise DataError(f"{self.source}: no measured output ({', '.join(OUTPUTS)})")
+            raise DataError(f"{self.source}: no measured output ({', '.join(OUTPUTS)}){self._where_outputs_may_be()}")
         return measured
+
+    def _where_outputs_may_be(self) -> str:
+        """Return what a message about absent outputs adds: columns without a value, or those that were not read."""
+        if empty := [name for name in OUTPUTS if name in self.table]:
+            return f": {', '.join(empty)} {'has' if len(empty) == 1 else 'have'} no value"
+        ignored = self.about.get("ignored", "")
+        return f"; not read: {excerpt(ignored)} (--columns Fy=NAME takes one)" if ignored else ""
 
     @once
     def segments(self) -> list[slice]:

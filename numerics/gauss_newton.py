@@ -207,8 +207,8 @@ def restore(
 
 def _moved(x: FloatArray, step: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:
     """Return x after a step, exactly on each bound from which it is apart by rounding errors."""
-    moved = np.clip(x + step, lower, upper)
-    apart = ROUNDING * np.maximum(np.abs(x), np.abs(step))
+    moved, span = np.clip(x + step, lower, upper), upper - lower
+    apart = ROUNDING * np.max([np.abs(x), np.abs(step), np.where(np.isfinite(span), span, 0.0)], axis=0)
     return np.where(moved - lower <= apart, lower, np.where(upper - moved <= apart, upper, moved))
 
 

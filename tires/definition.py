@@ -68,6 +68,8 @@ class TireDefinition:
         for name in INDISPENSABLE:
             if name not in given:
                 raise TireError(f"a tire needs {name} ({declarations[name].description}, {declarations[name].unit})")
+            if not _number(name, given[name]) > 0.0:
+                raise TireError(f"{name} = {given[name]:g}: a positive value expected")
         absent = self.symbolic_model.owned(*sorted(self.symbolic_model.effects.keys() - present))
         defaults = _defaults(self.symbolic_model)
         values = dict(defaults) if self.signs == "adapted-sae" else _mirrored(declarations, defaults)

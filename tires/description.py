@@ -47,12 +47,7 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
         if declaration.neutral is not None and plain.values[name] == declaration.neutral
     ]
     idle = idle_effects(tire)
-    stored = tire.other_entries
-    entries = [
-        {"section": section, "key": key, "value": value}
-        for section, key, value in stored
-        if key and section not in _OURS
-    ]
+    stored, entries = tire.other_entries, _entries(tire)
     unknown = [entry for entry in entries if unit_of(entry["key"]) is None]
     missing = {name: tire.values[name] for name in not_given(tire)}
     near = {entry["key"]: near_miss(entry["key"], declared) for entry in unknown[:MAX_SEARCHED]}
@@ -75,7 +70,7 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
         "assumed": {name: value for name, value in missing.items() if _is_property(declared[name], value)},
         "unknown": [{**entry, "near": near.get(entry["key"])} for entry in unknown],
         "unused": [e for e in entries if unit_of(e["key"]) is not None],
-        "ignored": [e for e in entries if _is_influential(e["key"], e["value"])],
+        "ignored": ignored_coefficients(tire),
         "tables": list(dict.fromkeys(section for section, key, _ in stored if not key)),
         "notes": list(notes),
         "characteristics": _characteristics(tire),
@@ -85,6 +80,20 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
         ],
         "values": dict(tire.values),
     }
+
+
+def ignored_coefficients(tire: TireDefinition) -> list[dict[str, str]]:
+    """Return the entries of the file of a tire that are coefficients of other models and not zero."""
+    return [entry for entry in _entries(tire) if _is_influential(entry["key"], entry["value"])]
+
+
+def _entries(tire: TireDefinition) -> list[dict[str, str]]:
+    """Return the entries of the file of a tire that its model does not read, without those of tirefmu."""
+    return [
+        {"section": section, "key": key, "value": value}
+        for section, key, value in tire.other_entries
+        if key and section not in _OURS
+    ]
 
 
 def _characteristics(tire: Tire) -> list[dict[str, float]]:

@@ -34,8 +34,10 @@ IntArray = npt.NDArray[np.intp]
 
 #: Standard deviation of the force balance over load: first guess, lower limit (the error of the integration).
 START_DEVIATION, MIN_DEVIATION = 0.02, 5e-4
-#: Upper limit of the noise of a sensor over that of the fast changes in its log. A larger residual is not noise.
-LARGEST_NOISE = 1.5
+#: Upper limit of the noise of a sensor over that of the fast changes in its log. A larger residual is not noise, but
+#: for channels whose errors are slower: a motion capture or a satellite errs for longer than a sample, and so does a
+#: rate that is the slope of a smoothed speed.
+LARGEST_NOISE, SLOWER = 1.5, ("x", "y", "heading", "speed_rate")
 #: Degrees of freedom of Student's distribution of the residuals: what a model does not resolve, the release of a brake
 #: or a wheel that is about to lock, comes in bursts.
 FREEDOM = 4.0
@@ -167,6 +169,7 @@ def _estimated(
     n_balance, n = len(BALANCE), len(unknowns)
     z, floor = np.zeros(n), np.ones(len(interval.residuals))
     ceiling = LARGEST_NOISE * floor
+    ceiling[np.isin(interval.residuals, SLOWER)] = np.inf
     floor[-n_balance:], ceiling[-n_balance:] = MIN_DEVIATION, np.inf
     deviations = np.concatenate([floor[:-n_balance], np.full(n_balance, START_DEVIATION)])
     size, rest = USUAL, np.zeros(0)

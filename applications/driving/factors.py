@@ -23,6 +23,9 @@ WIDTH = 1.96
 #: A factor is determined if the standard deviation of its logarithm is at most this, and a friction factor only if the
 #: side force exceeds `PEAK_SHARE` of the peak (at a factor one standard deviation higher) for this time, s.
 MAX_SPREAD, PEAK_TIME = 0.1, 0.5
+#: Share of the largest side force to one side that an axle must reach to the other one. Turns to one side do not
+#: separate a tire from an asymmetry of steering, road or sensors, so that ISO 4138 asks for both. Judgement: half.
+OTHER_SIDE = 0.5
 #: Slip angles at which a peak is sought, rad.
 _SLIPS = np.linspace(-0.6, 0.6, 241)
 
@@ -65,11 +68,14 @@ def factors_of(
     deviation = np.sqrt(np.diag(estimate.covariance))
     result: dict[str, dict[str, Factor]] = {axle: {} for axle in AXLES}
     for axle in AXLES:
+        one_sided = _is_one_sided(estimate, axle, step)
         for name in FACTORS:
             i = unknowns.factor(axle, name)
             center, spread = unknowns.spread[i] * estimate.z[i], unknowns.spread[i] * deviation[i]
             low, value, high = (float(np.exp(center + k * WIDTH * spread)) for k in (-1, 0, 1))
             reason = "" if spread <= MAX_SPREAD else "the drive has too little information on it"
+            if not reason and one_sided:
+                reason = "the car turns to one side only: an asymmetry looks alike"
             if not reason and name == "LMUY":
                 share = used_share(estimate, axle, tires[axle], float(np.exp(center + spread)))
                 reason = lacking_peak("Fy", _exceeded(share, step))
@@ -77,8 +83,15 @@ def factors_of(
     return result
 
 
+def _is_one_sided(estimate: Estimate, axle: str, step: float) -> bool:
+    """Return whether an axle has much larger side forces to one side than to the other one."""
+    Fy, Fz = (estimate.outputs.values[:, OUTPUTS.index(f"{name}_{axle}")] for name in ("Fy", "Fz"))
+    less, more = sorted(_exceeded(side * Fy / Fz, step) for side in (-1.0, 1.0))
+    return less < OTHER_SIDE * more
+
+
 def _exceeded(share: FloatArray, step: float) -> float:
-    """Return the share of the peak that is exceeded for `PEAK_TIME`."""
+    """Return what a share of a force is above for `PEAK_TIME`."""
     rows = max(round(PEAK_TIME / step), 1)
     return float(np.sort(share)[-rows]) if len(share) >= rows else 0.0
 

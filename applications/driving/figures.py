@@ -16,7 +16,7 @@ from .inputs.car_entries import ENTRIES
 from .inputs.unknowns import AXLES
 from .interval import OUTPUTS
 from .result import Drive
-from .simulation import estimated_motion
+from .simulation import estimated_motion, horizon
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -50,7 +50,10 @@ def _histories(answer: Drive) -> Figure:
             Series("line", grid.t[some], answer.after.motion[some, i], AFTER, "simulated, after"),
         )
         panels.append((Panel("time (s)", label, series, x_axis="time", width=12.0, height=2.6),))
-    text = "The simulation starts every 2 s from the estimated state. Steering and speed are those of the log."
+    text = (
+        f"The simulation starts every {horizon(answer.car):.2g} s from the estimated state. "
+        "Steering and speed are those of the log."
+    )
     return Figure("motion", "Motion over time", tuple(panels), text)
 
 
@@ -174,7 +177,7 @@ def write_drive(answer: Drive, path: str | Path, *, command: str = "") -> None:
     content: dict[str, Any] = answer.to_json()
     page = page_text(
         "tirefmu.applications.driving", {"short": _short}, answer=content, entries=ENTRIES, simulated=SIMULATED,
-        figures=drive_figures(answer),
+        horizon=horizon(answer.car), figures=drive_figures(answer),
         origin=[("log", answer.log.source), ("car", answer.car.source), ("command", command or "tirefmu.drive")],
     )  # fmt: skip
     try:

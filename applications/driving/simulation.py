@@ -24,7 +24,7 @@ from ...tires.code.interface import all_plain
 from ...tires.code.modules import numpy_routine, two_track
 from .effects import Motion, motion_of
 from .estimate import Estimate
-from .inputs.car import Car, loads_of
+from .inputs.car import USUAL_WHEELBASE, Car, loads_of
 from .inputs.grid import MEASURED, Grid
 from .inputs.unknowns import AXLES, Unknowns
 from .interval import BODY, OUTPUTS, SUSPENSION, relaxation_of
@@ -32,7 +32,8 @@ from .interval import BODY, OUTPUTS, SUSPENSION, relaxation_of
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 
-#: Length of a piece, s; longest Heun step, s, and in the shorter time constant of lateral speed and yaw rate.
+#: Length of a piece of a usual car, s; longest Heun step, s, and in the shorter time constant of lateral speed and yaw
+#: rate.
 HORIZON, MAX_STEP, MAX_SHARE = 2.0, 0.01, 0.5
 #: kappa, alpha, gamma, Fz, V and states of effects, shape (4, n) each, and the length of the step that follows with
 #: these inputs, s (0: none); the answer is Fx and Fy, shape (2, 4, n).
@@ -52,9 +53,14 @@ class VehicleSimulation:
     fmus: bool = False
 
 
-def pieces_of(grid: Grid) -> IntArray:
+def horizon(car: Car) -> float:
+    """Return the length of a piece, s: similar cars have periods in proportion to the root of their length."""
+    return float(HORIZON * np.sqrt(car.values["wheelbase"] / USUAL_WHEELBASE))
+
+
+def pieces_of(grid: Grid, car: Car) -> IntArray:
     """Return the first interval of each piece."""
-    length = round(HORIZON / grid.step)
+    length = round(horizon(car) / grid.step)
     first = np.arange(0, len(grid.t) - length + 1, length)
     return np.asarray(first[grid.segment[first] == grid.segment[first + length - 1]], dtype=np.intp)
 
@@ -65,15 +71,15 @@ def simulated(
 ) -> VehicleSimulation:  # fmt: skip
     """Simulate a car on its tires. `z`: deviations of the entries of the car. `fmus`: the tires are four FMUs."""
     motion = np.full((len(grid.t), 3), np.nan)
-    if len(pieces_of(grid)):
+    if len(pieces_of(grid, car)):
         pieces = simulated_pieces(grid, estimate, unknowns, car, tires, z=z[:, None], fmus=fmus)
-        motion[rows_of(grid)] = pieces[0]
+        motion[rows_of(grid, car)] = pieces[0]
     return VehicleSimulation(motion, errors_of(motion, grid, estimate, unknowns, car), fmus)
 
 
-def rows_of(grid: Grid) -> IntArray:
+def rows_of(grid: Grid, car: Car) -> IntArray:
     """Return the intervals of each piece, shape (n_pieces, n)."""
-    return pieces_of(grid)[:, None] + np.arange(round(HORIZON / grid.step))
+    return pieces_of(grid, car)[:, None] + np.arange(round(horizon(car) / grid.step))
 
 
 def simulated_pieces(
@@ -85,8 +91,8 @@ def simulated_pieces(
     `z`: deviations of the entries of one car, shape (n_z, 1), or of each car for each piece, shape (n_z, n_cars
     n_pieces). `factors`: likewise, by axle and name, on the factors of the tires.
     """
-    n_cars = max(z.shape[1] // len(pieces_of(grid)), 1)
-    rows = np.tile(rows_of(grid), (n_cars, 1))
+    n_cars = max(z.shape[1] // len(pieces_of(grid, car)), 1)
+    rows = np.tile(rows_of(grid, car), (n_cars, 1))
     motion = np.empty((*rows.shape, 3))
     some = [unknowns.car_values(car, column) for column in z.T]
     p = {name: np.array([entries[name] for entries in some]) for name in some[0]}

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...boundary.errors import UnknownName, path_from
-from ...boundary.escaping import quoted, visible
+from ...boundary.escaping import excerpt, quoted, visible
 from ...boundary.named_options import named
 from ...tires import Tire
+from ...tires.description import ignored_coefficients
 from ...tires.implausible import Doubt, implausible
 from ...tires.property_file.reading import read_tir_with_notes
 from .dialects import HOSTS, Dialect, Host
@@ -106,7 +107,10 @@ def lint(path: str | Path, host: str | None = None) -> list[LintMessage]:
         doubts = [LintMessage("note", 0, str(doubt)) for doubt in _doubts(read.tire)]
         return [*host_messages(path, host), *doubts]
     doubts = [LintMessage("error" if doubt.serious else "note", 0, str(doubt)) for doubt in _doubts(read.tire)]
-    notes = [LintMessage("note", 0, note) for note in read.notes]
+    notes = [LintMessage("error" if note in read.typical else "note", 0, note) for note in read.notes]
+    if ignored := ignored_coefficients(read.tire):
+        listed = ", ".join(f"{entry['key']} = {entry['value']}" for entry in ignored)
+        notes.append(LintMessage("note", 0, f"given but ignored by {read.tire.model}: {excerpt(listed)}"))
     numbers = [*_number_errors(read.tire), *_range_errors(read.tire, "note")]
     messages = [*numbers, *doubts, *notes, LintMessage("note", 0, _accepting(path))]
     return sorted(messages, key=lambda message: message.severity != "error")
@@ -296,7 +300,7 @@ def _number_errors(tire: Tire) -> list[LintMessage]:
     """Check values that every host uses as a divisor."""
     return [
         LintMessage("error", 0, f"{key} is {tire.values[key]:g}: a positive value expected")
-        for key in ("FNOMIN", "UNLOADED_RADIUS", "VERTICAL_STIFFNESS", "LONGVL", "NOMPRES")
+        for key in ("VERTICAL_STIFFNESS", "LONGVL", "NOMPRES")
         if key in tire.values and not tire.values[key] > 0
     ]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ...boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
-    from .additions import rivals_of
+    from .additions import Gain, rivals_of
     from .answer import OneOf, RankedExplanation, answer_of, percent
     from .budget import Budget, Ended
     from .compare import compared
@@ -18,6 +18,6 @@ if TYPE_CHECKING:
     from .form import FORM, form_effect, form_of
     from .linearization import Addition, Linearization
     from .refit import refitted, shared_problem
-    from .table import without_folds
+    from .table import Table, without_folds
 
 __getattr__, __dir__ = on_demand(__name__)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from ...boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
-    from .baseline_fit import fit_baseline, reweighted
+    from .baseline_fit import baseline_coefficients, fit_baseline, reweighted
     from .candidates import candidates_for, is_testable, refinements_for
     from .confounding import EXPLANATIONS, alias_columns, correlations, separating_measurement
 

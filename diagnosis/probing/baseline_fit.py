@@ -58,7 +58,8 @@ def baseline_coefficients(tire: Tire, signals: Signals) -> tuple[str, ...]:
         if candidate:
             free |= set(candidate.forms[0].free)
         elif effect in model.effects and effect not in model.relaxing_effects:
-            free |= {name for name in model.owned(effect) if declarations[name].neutral is not None}
+            owned = (name for name in model.owned(effect) if declarations[name].fitted)
+            free |= {name for name in owned if declarations[name].neutral is not None}
     free &= model.live(tire.has)
     return tuple(name for name in readable(tuple(declarations), signals, model) if name in free)
 

@@ -296,10 +296,10 @@ def _finding(outcome: DiagnosisOutcome, name: str, evidence: Evidence) -> FoundE
     problem, solution, names = fits.after.problem, fits.after.solution, fits.effects[name]
     quantile = float(stdtrit(fits.after.n_blocks - 1, 0.975))
     declarations, coefficients = fits.start.symbolic_model.coefficients, {}
-    for coefficient in names:
+    for coefficient, *bounds in zip(names, *np.stack(problem.bounds(names)).tolist(), strict=True):
         value = float(solution.parameters[problem.simulator.index[coefficient]])
         error = float(fits.errors[solution.free.index(coefficient)]) * quantile
-        coefficients[coefficient] = CoefficientInterval(value, value - error, value + error)
+        coefficients[coefficient] = CoefficientInterval.within(bounds, value, error)
     return FoundEffect(
         name,
         _shown(evidence, fits.after),

@@ -13,11 +13,20 @@ from ...numerics.arrays import FloatArray
 
 @dataclass(frozen=True)
 class CoefficientInterval:
-    """A coefficient's value and its 95 % confidence interval under coloured noise."""
+    """A coefficient's value and its 95 % confidence interval under coloured noise, within the coefficient's bounds."""
 
     value: float
     lower: float
     upper: float
+
+    @classmethod
+    def within(cls, bounds: Sequence[float], value: float, error: float) -> CoefficientInterval:
+        """Return the interval of a value with an error to both sides, without what is beyond its bounds.
+
+        >>> CoefficientInterval.within((0.0, 9.0), 0.5, 2.0)
+        CoefficientInterval(value=0.5, lower=0.0, upper=2.5)
+        """
+        return cls(value, max(value - error, bounds[0]), min(value + error, bounds[1]))
 
     def mirrored(self) -> CoefficientInterval:
         """Return the interval with the opposite sign."""

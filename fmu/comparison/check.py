@@ -15,6 +15,7 @@ from ...boundary.errors import DataError, FmuError, path_from
 from ...boundary.escaping import excerpt
 from ...boundary.named_options import named
 from ...measurements.checks.columns.check import check_columns
+from ...measurements.checks.rows.coverage import outputs_without_slip
 from ...measurements.recording import Recording
 from ...measurements.table_argument import TableLike, recording_from
 from ...tires import TABLE_INPUTS, TABLE_OUTPUTS, Tire
@@ -125,6 +126,7 @@ def check(
         recording=table[[*present, *measured]].assign(t=time),
         starts=tuple(segment.start for segment in segments),
         not_fitted=tuple(name for name in measured if tire is not None and name in unmeasured_outputs(tire)),
+        without_slip=outputs_without_slip(given),
     )
 
 

@@ -106,6 +106,7 @@ class Compared:
     recording: pd.DataFrame = field(default_factory=pd.DataFrame, repr=False)
     starts: tuple[int, ...] = ()
     not_fitted: tuple[str, ...] = ()
+    without_slip: tuple[str, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -133,12 +134,16 @@ class Compared:
     @property
     def of_tire(self) -> Statement:
         """Whether the tire describes this recording. It decides about `ok` by the tolerance only."""
-        judged = [channel for channel in self.channels if channel.name not in self.not_fitted]
-        described = [channel for channel in judged if channel.r2 >= GOOD_R2]
+        fitted = [channel for channel in self.channels if channel.name not in self.not_fitted]
+        described = [channel for channel in fitted if channel.r2 >= GOOD_R2]
+        judged = [channel for channel in fitted if channel in described or channel.name not in self.without_slip]
+        silent = [channel.name for channel in fitted if channel not in judged]
         poor = [channel for channel in judged if channel not in described]
         numbers = ", ".join(f"{channel.name} {channel.r2:.3g}" for channel in (*described, *poor))
-        if not judged:
+        if not fitted:
             grade, text = "limited", "the tire was not fitted to what this recording measures"
+        elif not judged:
+            grade, text = "limited", "this recording cannot show whether the tire describes it"
         elif not poor:
             grade, text = "good", "the tire describes this recording"
         elif described and all(channel.r2 > WRONG_R2 for channel in poor):
@@ -153,7 +158,8 @@ class Compared:
             names = ", ".join(channel.name for channel in self.beyond_tolerance)
             grade, text = "bad", f"{text}; the error of {names} exceeds {self.tolerance:.3g} of the largest value"
         text += f" (R2: {numbers})" if numbers else ""
-        text += f"; the tire was not fitted to {', '.join(self.not_fitted)}" if judged and self.not_fitted else ""
+        text += f"; without slip {', '.join(silent)} shows nothing" if silent else ""
+        text += f"; the tire was not fitted to {', '.join(self.not_fitted)}" if fitted and self.not_fitted else ""
         return Statement(grade, text)
 
     @property

@@ -38,6 +38,8 @@ class CheckResult(Compared):
         The first row of each segment.
     not_fitted : tuple of str
         Measured outputs that the data of the embedded tire did not show: they say nothing about it.
+    without_slip : tuple of str
+        Measured outputs whose slips stay at zero in the recording: a low R2 of theirs says nothing about the tire.
     """
 
     def _repr_html_(self) -> str:

@@ -366,9 +366,9 @@ class Model(ModelDeclaration):
         (True, False)
         """
         present, outputs = self.known_effects([effect]), self._outputs.union(self.results)
-        own = self.structure.reached(outputs, present) - self.structure.reached(outputs, ())
+        added = self.structure.reached(outputs, present) - self.structure.reached(outputs, ())
         inputs = {quantity.name for quantity in self.inputs} - self.states.keys()
-        return (own | self.structure.reached(own, present)) & inputs
+        return (added | self.structure.reached(added, present)) & inputs
 
     def live(self, effects: Collection[str] | None = None) -> frozenset[str]:
         """Return the coefficients that reach an output with these effects; the ranges of inputs always do."""

@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -201,6 +202,36 @@ def test_json_is_the_only_output_of_a_quiet_command(calls, capfd):
         out, err = capfd.readouterr()  # includes output that libraries write directly
         assert strict(out)["ok"] is True, call
         assert err == ""
+
+
+def test_json_is_the_only_standard_output(command, published_tir):
+    outcome = command("info", published_tir, "--json", "-")
+    assert strict(outcome.out)["model"] == "mf96"
+    assert "mu_y" in outcome.err
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "fit run.csv -o run.csv",
+        "fit run.csv -o new.tir --report ./run.csv",
+        "export my.tir -o my.tir",
+        "evaluate my.tir run.csv -o link.csv",
+        "inspect run.csv --table run.csv",
+        "convert my.tir --for adams -o new.tir --json my.tir",
+        "fit run.csv -o new.tir --json new.tir",
+    ],
+)
+def test_no_command_writes_over_what_it_reads_or_wrote(command, call, published_tir, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("run.csv").write_text("alpha,Fz,Fy\n0.1,900,-700\n", encoding="utf-8")
+    Path("link.csv").hardlink_to("run.csv")
+    Path("my.tir").write_bytes(published_tir.read_bytes())
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    outcome = command(*call.split())
+    assert (outcome.status, len(outcome.err.splitlines())) == (2, 1)
+    assert "is an input of this command" in outcome.err or "is the name of two results" in outcome.err
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
 def test_info_reports_what_is_in_a_tire(command, published_tir):

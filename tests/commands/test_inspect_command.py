@@ -54,9 +54,7 @@ def test_the_page_ends_with_its_provenance(inspected, bench_csv):
 
 
 def test_rows_are_selected_and_written(command, bench_csv, tmp_path):
-    outcome = command(
-        "inspect", bench_csv, "--where", "Fz in 700 +- 100 N", "--table", tmp_path / "rows.csv", "--json", "-"
-    )
+    outcome = command("inspect", bench_csv, "--where", "Fz in 700 +- 100 N", "--table", tmp_path / "rows.csv")
     assert outcome.status == 0
     rows = pd.read_csv(tmp_path / "rows.csv")
     assert rows["Fz"].between(600.0, 800.0).all()

@@ -71,7 +71,7 @@ def test_an_example_recording_is_that_of_the_tire_on_the_bench(command, tmp_path
     for seed, path in zip((1, 2), paths, strict=True):
         outcome = command("example", "-o", path, "--sample-rate", 2, "--seed", seed, "--json", "-")
         assert outcome.status == 0, outcome.err
-    reported = json.JSONDecoder().raw_decode(outcome.out)[0]
+    reported = json.loads(outcome.out)
     first, second = (read_recording(path) for path in paths)
     assert reported["rows"] == len(first) == len(second)
     assert first.signs == "iso"

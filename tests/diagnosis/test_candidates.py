@@ -10,13 +10,15 @@ import pytest
 
 import tirefmu.symbolic.effects as effects
 from tirefmu.diagnosis.diagnose import with_library
-from tirefmu.diagnosis.probing import candidates_for, refinements_for
+from tirefmu.diagnosis.probing import baseline_coefficients, candidates_for, refinements_for
 from tirefmu.diagnosis.probing.effect_probing import probed
-from tirefmu.diagnosis.signals import FORMULA_SIGNS
+from tirefmu.diagnosis.signals import FORMULA_SIGNS, signals_of
 from tirefmu.symbolic.added import folder, library, packaged_library, read_effect
 from tirefmu.symbolic.detection import Form
-from tirefmu.symbolic.models import model_named
+from tirefmu.symbolic.models import MODELS, model_named
 from tirefmu.tires import Tire
+
+from .conftest import sweeps
 
 NEW = """
 name = "wet_grip"
@@ -114,3 +116,12 @@ def test_a_probe_of_load_stiffness_preserves_the_nominal_stiffness(without_cambe
         assert after[simulator.index["PKY1"]] != before[simulator.index["PKY1"]]
         held = [simulator.at_nominal("stiffness_y", each) for each in (before, after)]
         np.testing.assert_allclose(held[1], held[0], rtol=1e-12)
+
+
+@pytest.mark.parametrize("model", [name for name, model in MODELS.items() if model.default_effects])
+def test_a_baseline_fit_has_no_coefficient_that_a_fit_does_not_free(model):
+    tire = started(model, has=model_named(model).default_effects)
+    table = sweeps(400).assign(**dict.fromkeys(("Fx", "Fy", "Mz", "Mx", "My"), 1.0))
+    free = baseline_coefficients(tire, signals_of(table, tire, "adapted-sae", smooth=False))
+    assert len(free) > 5
+    assert not [name for name in free if not tire.symbolic_model.coefficients[name].fitted]

@@ -16,9 +16,11 @@ from tirefmu.diagnosis.explanations import (
     Budget,
     Ended,
     Explanation,
+    Gain,
     Linearization,
     NormalEquations,
     Projected,
+    Table,
     Term,
     answer_of,
     compare,
@@ -33,9 +35,7 @@ from tirefmu.diagnosis.explanations import (
     unknown_terms,
     without_folds,
 )
-from tirefmu.diagnosis.explanations.additions import Gain
 from tirefmu.diagnosis.explanations.compare import _simplest, reduced
-from tirefmu.diagnosis.explanations.table import Table
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
 from tirefmu.diagnosis.signals import between_rows, signals_of
 from tirefmu.diagnosis.thresholds import EFFECT_ODDS, INEXACT_SHARE

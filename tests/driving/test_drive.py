@@ -20,10 +20,11 @@ from tirefmu.applications.driving import estimate, simulation
 from tirefmu.applications.driving.dynamics import SIZED, USUAL, behind_lags, size_of
 from tirefmu.applications.driving.effects import Missing, effect_columns, factor_values, motion_of
 from tirefmu.applications.driving.estimate import estimated
-from tirefmu.applications.driving.factors import scaled_tires, withheld
+from tirefmu.applications.driving.evaluation import curvature_of
+from tirefmu.applications.driving.factors import factors_of, scaled_tires, withheld
 from tirefmu.applications.driving.figures import write_drive
 from tirefmu.applications.driving.inputs.car import Car
-from tirefmu.applications.driving.interval import interval_of
+from tirefmu.applications.driving.interval import OUTPUTS, interval_of
 from tirefmu.applications.driving.rivals import (
     DriveExplanation,
     Rival,
@@ -159,6 +160,31 @@ def test_lag_and_compliance_are_estimated_with_the_rest(answer):
     entries = answer.to_json()["car"]["entries"]
     assert entries["roll_lag"]["uncertainty"] < entries["roll_lag"]["given_uncertainty"]
     assert {"steer_front", "steer_rear", "ay_gain", "yaw_rate_gain", "misalignment", "wheel_delay"} <= entries.keys()
+
+
+def test_nodes_that_alternate_have_no_curvature(answer):
+    """The midpoint rule lets the nodes of a stiff car alternate: a correction that followed them would diverge."""
+    grid = answer.grid
+    alternating = np.where(np.arange(grid.n_nodes)[:, None] % 2, 0.1, -0.1) * np.ones(3)
+    assert np.abs(curvature_of(grid, alternating)).max() < 1e-12
+    parabola = (grid.step * np.arange(grid.n_nodes)[:, None]) ** 2 * np.ones(3)
+    np.testing.assert_allclose(curvature_of(grid, parabola), 2.0 * grid.step**2, rtol=1e-6)
+
+
+def test_turns_to_one_side_determine_no_factor(answer):
+    """A ramp of the speed at one steering angle: an asymmetry of the car looks like a stiffness."""
+    outputs, right = answer.estimate.outputs, np.array([name.startswith("Fy") for name in OUTPUTS])
+    left_only = replace(outputs, values=np.where(right, np.abs(outputs.values), outputs.values))
+    estimate = replace(answer.estimate, outputs=left_only)
+    factors = factors_of(estimate, answer.unknowns, answer.tires, answer.grid.step, {})
+    reasons = {factor.reason for row in factors.values() for factor in row.values()}
+    assert len(reasons) == 1
+    assert "one side" in reasons.pop()
+
+
+def test_a_shorter_car_is_simulated_over_shorter_pieces(car):
+    short = replace(car, values={**car.values, "wheelbase": car.values["wheelbase"] / 16.0})
+    assert simulation.horizon(short) == pytest.approx(simulation.horizon(car) / 4.0)
 
 
 def test_new_tires_predict_the_parts_that_were_left_out(answer):

@@ -130,7 +130,7 @@ FAULTS = [
     ("PKX1 = ", "pkx1 = ", "'pkx1' is not in capital letters"),
     ("PKY2 = ", "PKY1 = 1.0 $ again\nPKY2 = ", "PKY1 is in line"),
     ("[SCALING_COEFFICIENTS]", f"$ {'x' * 200}\n[SCALING_COEFFICIENTS]", "characters: 200 at most"),
-    ("UNLOADED_RADIUS = ", "UNLOADED_RADIUS = 0 $ ", "UNLOADED_RADIUS is 0: a positive value expected"),
+    ("VERTICAL_STIFFNESS = ", "VERTICAL_STIFFNESS = -1 $ ", "VERTICAL_STIFFNESS is -1: a positive value expected"),
 ]
 
 

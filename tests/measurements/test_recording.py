@@ -63,6 +63,16 @@ def test_measured_outputs():
         Recording(pd.DataFrame({"FY": [1.0], "Fx": [np.nan]}), "iso", "a.csv").measured()
 
 
+def test_a_table_without_an_output_names_the_columns_that_may_be_one(tmp_path):
+    file = tmp_path / "a.csv"
+    file.write_text("alpha,Fz,Seitenkraft\n0.1,900,-700\n")
+    with pytest.raises(DataError, match=r"no measured output .*not read: .*Seitenkraft \(--columns Fy=NAME"):
+        recording_from(file).measured()
+    assert recording_from(file, columns={"Fy": "Seitenkraft"}).measured() == ("Fy",)
+    with pytest.raises(DataError, match="Fy has no value"):
+        Recording(pd.DataFrame({"Fz": [900.0], "Fy": [np.nan]}), "iso", "a.csv").measured()
+
+
 def test_the_row_of_a_bad_number_is_counted_from_one():
     for value, words in ((np.nan, "NaN"), (np.inf, "infinite")):
         table = pd.DataFrame({"alpha": [0.0, 0.1, value], "Fz": 500.0, "Fy": [0.0, 1.0, 2.0]})

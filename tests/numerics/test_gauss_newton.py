@@ -79,6 +79,15 @@ def test_the_minimum_within_bounds_is_that_of_scipy(damping, most):
 
 
 @pytest.mark.parametrize("damping", [LEVENBERG, MARQUARDT])
+@pytest.mark.parametrize("apart", [0.0, 1e-300, 3e-16, 7e-14, 1e-6])
+def test_a_value_ends_exactly_on_its_bound_zero(damping, apart):
+    """Also if it begins within rounding errors of it, where a step is as small as these."""
+    found = run(Decay(), [1.0, 0.5, -apart], damping, upper=np.array([9.0, 9.0, 0.0]))
+    assert found.converged
+    assert found.x[2] == 0.0
+
+
+@pytest.mark.parametrize("damping", [LEVENBERG, MARQUARDT])
 def test_an_active_constraint_holds_the_minimum(damping):
     found = run(Decay(), [1.0, 0.5, 0.0], damping, constraints=Curved())
     _, gradient, _ = Decay().derivatives(found.x)

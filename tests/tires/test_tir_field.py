@@ -18,6 +18,8 @@ from tirefmu.tires.property_file.names import not_given
 from tirefmu.tires.property_file.reading import read_tir_with_notes
 from tirefmu.tires.property_file.writing import tir_text
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*is the file complete:tirefmu.boundary.errors.TirefmuWarning")
+
 FILES = {"mf52": "MagicFormula52", "mf61": "MagicFormula61", "mf62": "MagicFormula62"}
 
 
@@ -202,7 +204,7 @@ def test_keys_belong_to_their_section(tmp_path):
     reading = read_tir_with_notes(written(tmp_path / "t.tir", small(lines)))
     assert (reading.tire.values["PCX1"], reading.tire.values["PDX1"]) == (1.5, 1.2)
     assert reading.tire.other_entries[0] == ("INERTIA", "MASS", "8.1")
-    assert "line 16: PDX1 = 1.1 is given again in line 17" in reading.notes
+    assert "line 16: PDX1 = 1.1 is given again in line 17, which counts" in reading.disputed
 
 
 @pytest.mark.parametrize(
@@ -314,6 +316,10 @@ def test_faults_in_the_sections_of_tirefmu_are_reported(lines, message, tmp_path
     assert message in str(caught.value)
 
 
+CORE = (
+    "[LONGITUDINAL_COEFFICIENTS]\nPCX1 = 1.6\nPDX1 = 1.2\nPKX1 = 22\n[LATERAL_COEFFICIENTS]\nPCY1 = 1.4\nPDY1 = 1\n"
+    "PKY1 = -15\n[ALIGNING_COEFFICIENTS]\nQBZ1 = 9\nQCZ1 = 1.1\nQDZ1 = 0.1\n"
+)
 OFFSETS = "[LATERAL_COEFFICIENTS]\nPHY1 = 0.004\nPVY1 = 0.03\n[ALIGNING_COEFFICIENTS]\nQDZ6 = 0.01\n"
 
 
@@ -367,7 +373,7 @@ def test_what_a_file_requests_and_tirefmu_does_not_do_is_stated(line, note, tmp_
     ],
 )
 def test_what_other_programs_read_otherwise_is_a_warning_of_every_reading(line, note, tmp_path, capsys):
-    path = written(tmp_path / "t.tir", small(OFFSETS, line))
+    path = written(tmp_path / "t.tir", small(CORE + OFFSETS, line))
     with pytest.warns(TirefmuWarning, match=re.escape(note)) as caught:
         read_tir(path)
     assert [warning.filename for warning in caught] == [__file__]
@@ -388,3 +394,51 @@ def test_what_agrees_is_not_stated(tmp_path):
 def test_a_number_without_one_meaning_is_noted(fittyp, tmp_path):
     notes = read_tir_with_notes(written(tmp_path / "t.tir", small("", f"FITTYP = {fittyp}"))).notes
     assert [note for note in notes if f"FITTYP {fittyp} is read as mf52" in note and "MFeval" in note]
+
+
+@pytest.mark.parametrize(
+    ("broken", "lacking"),
+    [
+        (lambda text: text.partition("[LATERAL")[0], "PCY1 = 1.3, PDY1 = 1.1, PKY1 = -20, QBZ1 = 10"),  # cut off
+        (lambda text: text.replace("PDY1 = 1\n", "PDY1 =\n"), "PDY1 = 1.1"),
+        (lambda text: text.replace("PKX1", "PKX9"), "PKX1 = 20"),
+    ],
+)
+def test_a_file_that_lacks_what_every_tire_has_is_not_sound(broken, lacking, tmp_path, capsys):
+    whole, part = (
+        written(tmp_path / name, text) for name, text in (("w.tir", small(CORE)), ("p.tir", broken(small(CORE))))
+    )
+    assert not any("complete" in note for note in read_tir_with_notes(whole).notes)
+    (note,) = read_tir_with_notes(part).typical
+    assert note.split("assumed: ")[1].startswith(lacking)
+    assert [main(["lint", str(path)]) for path in (whole, part)] == [0, 1]
+    assert main(["export", str(part), "--kind", "ssv", "-o", str(tmp_path / "p.ssv")]) == 0
+    assert "warning: " in capsys.readouterr().err
+    # A file of tirefmu that lists them as assumed does not repeat it.
+    write_tir(read_tir(part), tmp_path / "own.tir")
+    assert read_tir_with_notes(tmp_path / "own.tir").typical == ()
+
+
+@pytest.mark.parametrize("name", ["FNOMIN", "UNLOADED_RADIUS"])
+@pytest.mark.parametrize("value", ["0", "-0.3"])
+def test_no_tire_has_a_nominal_load_or_a_radius_of_zero(name, value, tmp_path):
+    text = re.sub(rf"{name} = \S+", f"{name} = {value}", small(CORE))
+    with pytest.raises(TirError, match=rf"t\.tir: {name} = {value}: a positive value expected"):
+        read_tir(written(tmp_path / "t.tir", text))
+
+
+def test_coefficients_of_another_model_are_named(tmp_path, capsys):
+    text = small(CORE + "[LATERAL_COEFFICIENTS]\nPKY6 = -0.9\n", "FITTYP = 6")
+    main(["lint", str(written(tmp_path / "t.tir", text))])
+    assert "given but ignored by mf52: PKY6 = -0.9" in " ".join(capsys.readouterr().out.split())
+
+
+def test_the_end_of_file_of_dos_ends_the_file(tmp_path):
+    for end in ("\x1a", "\r\n\x1a\x1a\0\0"):
+        assert read_tir(written(tmp_path / "t.tir", small(CORE) + end)).values["PDY1"] == 1.0
+
+
+def test_a_file_of_bytes_is_not_read_as_text(tmp_path):
+    (tmp_path / "t.tir").write_bytes(b"PK\x03\x04\0\0[\xff\0]")
+    with pytest.raises(TirError, match=r"t\.tir: not a text: not a \.tir file"):
+        read_tir(tmp_path / "t.tir")

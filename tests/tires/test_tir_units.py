@@ -14,6 +14,8 @@ from tirefmu.tires import read_tir, write_tir
 from tirefmu.tires.property_file.reading import read_tir_with_notes
 from tirefmu.tires.property_file.units import UNITS
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*is the file complete:tirefmu.boundary.errors.TirefmuWarning")
+
 #: Factors to SI, independent of the tested code.
 SI = {
     "LENGTH": {"meter": 1.0, "mm": 1e-3, "cm": 1e-2, "inch": 0.0254, "foot": 0.3048, "km": 1e3, "mile": 1609.344},

@@ -60,12 +60,14 @@ class TirReading:
 
     - `notes`: what the file does not state and how it was interpreted, a sentence each: units converted, keys that
       resemble coefficients, keys given twice, ...
-    - `disputed`: those of the notes about statements that other programs read or obey differently.
+    - `disputed`: those of the notes about statements that other programs read or obey differently, and `typical`.
+    - `typical`: those about coefficients without which no force can be computed, and which the file lacks.
     """
 
     tire: Tire
     notes: tuple[str, ...]
     disputed: tuple[str, ...] = ()
+    typical: tuple[str, ...] = ()
 
 
 def read_tir(path: str | Path, radius: float | None = None) -> Tire:
@@ -115,6 +117,7 @@ class _Reader:
         self.path, self.radius = path, radius
         self.notes: list[str] = []
         self.disputed: list[str] = []
+        self.repeated: list[str] = []
         self.given: dict[str, Entry] = {}
         lines = read_lines(path)
         self.rows = [line for line in lines if isinstance(line, Row)]
@@ -149,6 +152,7 @@ class _Reader:
         self._add_radius(values)
         self._refuse_crossed(values)
         effects = self._effects(stated, model) if "EFFECTS" in stated else self._effects_by_coefficients(values, model)
+        typical = self._typical_values(values, model)
         assumed = self._assume(values, model, model.default_effects if effects is None else effects)
         ranges = {**dict(self._ranges(model)), **dict(self._own_ranges())}
         about = [self._take("TIREFMU_ABOUT", key) for key in self._keys_of("TIREFMU_ABOUT")]
@@ -164,8 +168,8 @@ class _Reader:
         except TirefmuError as error:
             raise TirError(f"{self.path}: {error}") from error
         tire = self._without_side(tire)
-        disputed = (*self.disputed, *use_notes(tire))
-        return TirReading(tire, (*self.notes, *disputed, *transient_notes(tire)), disputed)
+        disputed = (*self.disputed, *self.repeated, *typical, *use_notes(tire))
+        return TirReading(tire, (*self.notes, *disputed, *transient_notes(tire)), disputed, tuple(typical))
 
     def _add_radius(self, values: dict[str, float]) -> None:
         """Add the radius that the caller gives to a file without one."""
@@ -188,7 +192,9 @@ class _Reader:
         self.unread[entry.section, entry.key] = entry
         if earlier and earlier.value != entry.value:
             value = excerpt(earlier.value)
-            self.notes.append(f"line {earlier.line}: {entry.key} = {value} is given again in line {entry.line}")
+            self.repeated.append(
+                f"line {earlier.line}: {entry.key} = {value} is given again in line {entry.line}, which counts"
+            )
 
     def _keys_of(self, section: str) -> list[str]:
         return [key for title, key in self.unread if title == section]
@@ -316,6 +322,19 @@ class _Reader:
             if name in idle or repr(values[name]) == repr(defaults.get(name, model.coefficients[name].default)):
                 del values[name]
         return assumed_lines(named & values.keys(), model)
+
+    def _typical_values(self, values: Mapping[str, float], model: Model) -> list[str]:
+        """Return a sentence if a file lacks coefficients that every tire of the model has."""
+        listed_as_assumed = {name for key in self._keys_of(ASSUMED) for name in listed(self.unread[ASSUMED, key].value)}
+        missing = {}
+        for name in model.baseline.coefficients:
+            declared = model.coefficients[name]
+            value = declared.default if declared.assumed is None else declared.assumed
+            if name not in values and name not in listed_as_assumed and value != 0.0:
+                missing[name] = f"{name} = {value:g}"
+        if not missing:
+            return []
+        return [f"is the file complete? it lacks what every tire has; assumed: {', '.join(missing.values())}"]
 
     def _named_as_assumed(self, model: Model) -> set[str]:
         """Return the coefficients that a file of tirefmu lists as not given."""

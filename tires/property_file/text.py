@@ -22,6 +22,7 @@ MAX_BYTES, MAX_LINES, LONGEST_LINE = 10_000_000, 50_000, 200_000
 #: The longest text of a number, characters. The exact decimals of the smallest doubles have 1,077.
 LONGEST_NUMBER = 1500
 
+_PADDING = "\x1a\0"  # Ctrl-Z and zeros, which programs of DOS write at the end
 _LINE_END = re.compile(r"\r\n|\n|\r")
 _SECTION = re.compile(r"\[([^\[\]]*)\](.*)")
 _KEY = re.compile(r"[A-Za-z]\w*", re.ASCII)
@@ -61,7 +62,9 @@ def read_lines(path: Path) -> list[Entry | Row]:
     """
     with reading(path, TirError):
         content = read_bounded(path, MAX_BYTES)
-    text = _decoded(content)
+    text = _decoded(content).rstrip(_PADDING)
+    if "\0" in text:
+        raise TirError(f"{path}: not a text: not a .tir file")
     if text.lstrip().startswith("{"):
         raise TirError(f"{path}: a JSON file, as of TMeasy: not a .tir file")
     return parse_lines(text, path)

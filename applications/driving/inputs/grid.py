@@ -159,11 +159,13 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
     if fast <= SLOWEST:
         raise DataError(f"{log.source}: the speed is {fast:.2g} m/s or less: the car does not move forward")
     usable = (v > max(SLOWEST, SLOW_SHARE * fast)) & (middle > start + MARGIN) & (middle < end - MARGIN)
-    for name in ("steer", "yaw_rate" if "yaw_rate" in channels else "heading"):
+    turning = "yaw_rate" if "yaw_rate" in channels else "heading"
+    for name in ("steer", turning):
         usable &= _near_samples(channels[name][0], middle)
     rims = _rims(log, car, middle, step)
     usable &= (np.abs(np.where(rims, rims, v) / v - 1.0) < LARGEST_SLIP).all(axis=0)
-    usable = _long_runs(usable, round(SHORTEST_CHAIN / step))
+    sampled = np.histogram(channels[turning][0], edges)[0] > 0
+    usable = _long_runs(usable, sampled, round(SHORTEST_CHAIN / step))
     if not usable.any():
         raise DataError(f"{log.source}: no {SHORTEST_CHAIN:g} s without a gap in which the car moves")
     chosen = np.flatnonzero(usable)
@@ -288,11 +290,14 @@ def _near_samples(t: FloatArray, middle: FloatArray) -> npt.NDArray[np.bool_]:
     return near
 
 
-def _long_runs(usable: npt.NDArray[np.bool_], shortest: int) -> npt.NDArray[np.bool_]:
+def _long_runs(usable: npt.NDArray[np.bool_], sampled: npt.NDArray[np.bool_], shortest: int) -> npt.NDArray[np.bool_]:
+    """Return the intervals of long runs of usable ones, which begin and end with a sampled one: no end is a guess."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], usable.astype(int), [0]])))
     kept = np.zeros_like(usable)
     for first, last in edges.reshape(-1, 2):
-        kept[first:last] = last - first >= shortest
+        inside = first + np.flatnonzero(sampled[first:last])
+        if len(inside) and np.ptp(inside) + 1 >= shortest:
+            kept[inside[0] : inside[-1] + 1] = True
     return kept
 
 

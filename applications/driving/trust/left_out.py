@@ -21,7 +21,7 @@ from ..estimate import Estimate
 from ..inputs.car import Car
 from ..inputs.grid import Grid
 from ..inputs.unknowns import AXLES, FACTORS, Unknowns
-from ..simulation import HORIZON, errors_of, estimated_motion, pieces_of, rows_of, simulated_pieces
+from ..simulation import errors_of, estimated_motion, horizon, pieces_of, rows_of, simulated_pieces
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -73,7 +73,7 @@ class Parts:
 
         `fixed`: the factors of each car that is simulated.
         """
-        rows, given = rows_of(self.grid), (self.grid, self.estimate, self.unknowns, self.car)
+        rows, given = rows_of(self.grid, self.car), (self.grid, self.estimate, self.unknowns, self.car)
         z = np.concatenate([self._z_without(some)[self.number] for some in fixed]).T
         factors = {
             axle: {
@@ -109,7 +109,7 @@ class Parts:
 
 def parts_of(grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> Parts | None:
     """Return a drive in parts, or None if it is too short for that."""
-    starts = pieces_of(grid)
+    starts = pieces_of(grid, car)
     n = min(PARTS, len(starts))
     if n < FEWEST:
         return None
@@ -169,10 +169,10 @@ def left_out(
     else:
         ((before, rms_before),) = base.errors(tires, [everything])
         (after, rms_after), *others = parts.errors(new, [(), *one_each])
-    starts = parts.grid.t[pieces_of(parts.grid)]
+    starts = parts.grid.t[pieces_of(parts.grid, parts.car)]
     spans = [starts[parts.number == i] for i in range(len(before))]
     rows = tuple(
-        (float(some[0]), float(some[-1] + HORIZON), float(np.sqrt(first)), float(np.sqrt(second)))
+        (float(some[0]), float(some[-1] + horizon(parts.car)), float(np.sqrt(first)), float(np.sqrt(second)))
         for some, first, second in zip(spans, before, after, strict=True)
     )
     better = frozenset(pair for pair, (without, _) in zip(pairs, others, strict=True) if is_better(without, after))

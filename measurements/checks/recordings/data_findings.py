@@ -8,7 +8,7 @@ from itertools import combinations
 from ...recording import Recording
 from ...thresholds import MAX_REPEATED_ROWS, SERIOUS_REPEATED_ROWS
 from ..columns.check import column_notes
-from ..rows.coverage import coverage_notes
+from ..rows.coverage import coverage_notes, outputs_without_curve
 from .clock_and_units import clock_and_units
 from .finding import DataFinding
 from .one_recording import findings_of, row_keys
@@ -44,7 +44,14 @@ def data_findings(recordings: Sequence[Recording]) -> list[DataFinding]:
         findings += [DataFinding("coverage", note) for note in coverage_notes(recording)]
         findings += findings_of(recording, alone=len(recordings) == 1)
         findings += clock_and_units(recording)
+    findings += _nothing_to_fit(recordings)
     return sorted(findings, key=lambda finding: not finding.serious)
+
+
+def _nothing_to_fit(recordings: Sequence[Recording]) -> Iterator[DataFinding]:
+    """Yield a finding if no output of any recording is measured over a varying slip."""
+    if recordings and all(set(r.measured()) <= set(outputs_without_curve(r)) for r in recordings):
+        yield DataFinding("nothing to fit", "no output is measured over a varying slip: nothing to fit", serious=True)
 
 
 def _repeated_files(recordings: Sequence[Recording]) -> Iterator[DataFinding]:

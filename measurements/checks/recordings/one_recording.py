@@ -41,6 +41,7 @@ def findings_of(recording: Recording, *, alone: bool) -> Iterator[DataFinding]:
     `alone`: whether it is the only recording; otherwise a suggested selection applies to its file only.
     """
     yield from _missing_slips(recording)
+    yield from _missing_load(recording)
     yield from _assumed_camber(recording)
     yield from _unread_channels(recording)
     yield from incomplete_rows(recording)
@@ -62,6 +63,12 @@ def _missing_slips(recording: Recording) -> Iterator[DataFinding]:
                 f"and every row counts as {slip} = 0",
                 serious=True,
             )
+
+
+def _missing_load(recording: Recording) -> Iterator[DataFinding]:
+    """Yield a finding without a column of the load."""
+    if "Fz" not in recording.table:
+        yield DataFinding("missing load", f"{recording.source}: NO COLUMN Fz (load): a fit requires it", serious=True)
 
 
 def _assumed_camber(recording: Recording) -> Iterator[DataFinding]:

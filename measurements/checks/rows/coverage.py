@@ -107,12 +107,10 @@ def coverage_notes(recording: Recording) -> list[str]:
     if 0 < len(recording) < FEW_ROWS:
         notes.append(f"{source}: {len(recording)} rows are fewer than a fit of one force needs")
     by_name = {channel.channel: channel for channel in coverage(recording)}
-    for output, slips in _CAUSES.items():
-        if output in table and table[output].notna().any() and not any(_varies(by_name.get(slip)) for slip in slips):
-            notes.append(f"{source}: {slips[0]} {_constancy(by_name, slips[0])}: {output} shows no slip curve")
+    for output in outputs_without_curve(recording):
+        slip = _CAUSES[output][0]
+        notes.append(f"{source}: {slip} {_constancy(by_name, slip)}: {output} shows no slip curve")
     load = by_name.get("Fz")
-    if load is None and len(recording):
-        notes.append(f"{source}: no column Fz: a fit requires the load")
     if load is not None and not _varies(load):
         median = float(np.abs(table["Fz"]).median())
         notes.append(f"{source}: only one load ({median:.4g} N): the influence of load cannot be determined")
@@ -121,6 +119,63 @@ def coverage_notes(recording: Recording) -> list[str]:
         if len(measured) > 1 and np.ptp(measured) == 0.0:
             notes.append(f"{source}: {output} is {measured[0]:.4g} in every row: was it measured?")
     return notes + _clock_notes(recording)
+
+
+def outputs_without_curve(recording: Recording) -> tuple[str, ...]:
+    """Return the measured outputs none of whose slips varies.
+
+    Parameters
+    ----------
+    recording : Recording
+        In any signs.
+
+    Returns
+    -------
+    tuple of str
+        In the contract's order.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> rows = pd.DataFrame({"alpha": 0.1, "Fz": 900.0, "Fy": np.linspace(-800, -700, 500)})
+    >>> outputs_without_curve(Recording(rows, "iso", "a.csv"))
+    ('Fy',)
+    """
+    by_name, table = {channel.channel: channel for channel in coverage(recording)}, recording.table
+    return tuple(
+        output
+        for output, slips in _CAUSES.items()
+        if output in table and table[output].notna().any() and not any(_varies(by_name.get(slip)) for slip in slips)
+    )
+
+
+def outputs_without_slip(recording: Recording) -> tuple[str, ...]:
+    """Return the measured outputs whose slips stay at zero or are missing: they are offsets and resistance only.
+
+    Parameters
+    ----------
+    recording : Recording
+        In any signs.
+
+    Returns
+    -------
+    tuple of str
+        In the contract's order.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> rows = pd.DataFrame({"alpha": np.linspace(-0.2, 0.2, 500), "Fz": 900.0, "Fx": -20.0, "Fy": 0.0})
+    >>> outputs_without_slip(Recording(rows, "iso", "a.csv"))
+    ('Fx',)
+    """
+    table = recording.table
+    moved = {
+        name
+        for name in {slip for slips in _CAUSES.values() for slip in slips} & set(table)
+        if np.nanmax(np.abs(table[name]), initial=0.0) > level_tolerance(table[name], name)
+    }
+    return tuple(name for name in recording.measured() if name in _CAUSES and moved.isdisjoint(_CAUSES[name]))
 
 
 def _varies(channel: Coverage | None) -> bool:

@@ -77,6 +77,13 @@ def test_a_missing_slip_comes_first_and_is_serious():
     assert channels(kappa=None) == []  # it has no influence on Fy
 
 
+def test_what_a_fit_refuses_is_serious():
+    held = bench().assign(alpha=0.1)
+    assert [f.kind for f in found(held) if f.serious][-1] == "nothing to fit"
+    assert "nothing to fit" not in kinds(held, bench())  # the other file has a curve
+    assert [f.kind for f in found(bench().drop(columns="Fz")) if f.serious] == ["missing load"]
+
+
 def test_a_table_without_camber_is_fitted_at_an_assumed_one():
     (finding,) = channels(gamma=None)
     assert (finding.kind, finding.serious) == ("assumed camber", False)
