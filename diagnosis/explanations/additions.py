@@ -33,9 +33,9 @@ class Gain:
     estimate: FloatArray
 
 
-def projected(linear: Linearization, additions: Sequence[Addition]) -> Projected:
-    """Return the columns of additions without what an explanation contains."""
-    equations, (added, cross) = linear.equations(), linear.beside(additions)
+def projected(linear: Linearization, additions: Sequence[Addition], *, exactly: bool = False) -> Projected:
+    """Return the columns of additions without what an explanation contains; `exactly` as of `equations`."""
+    equations, (added, cross) = linear.equations(exactly=exactly), linear.beside(additions)
     sizes = [len(addition.deviation) for addition in additions]
     return Projected.beside(equations, added, cross[: len(equations.target)], sizes)
 
@@ -94,6 +94,11 @@ def rivals_of(columns: Projected, additions: Sequence[Addition]) -> dict[str, Ga
 
 
 def best_formula(shared: Shared, refit: Refitted) -> Refitted:
+    """Return a refit with a formula at one location, without terms without which its score is larger."""
+    return _without_idle_terms(shared, _grown(shared, refit))
+
+
+def _grown(shared: Shared, refit: Refitted) -> Refitted:
     """Return a refit with terms at one location, which are added while the score grows.
 
     Each is one of all that were tested. The first one is no error of form.
@@ -115,6 +120,20 @@ def best_formula(shared: Shared, refit: Refitted) -> Refitted:
         place, texts = dictionary.terms[i][0], {term.feature.text for term in explanation.terms}
         possible = [k for k, (at, term) in enumerate(dictionary.terms) if at == place and term.text not in texts]
         best = more
+    return best
+
+
+def _without_idle_terms(shared: Shared, best: Refitted) -> Refitted:
+    """Return the refit of a formula without the terms without which its score is larger."""
+    while len(best.explanation.terms) > 1:
+        fewer = [
+            refitted(shared, explanation, [best.linear.solution.parameters], best.linear.simulator)
+            for explanation in best.explanation.with_a_term_less()
+        ]
+        other = max(fewer, key=lambda refit: graded(refit.score))
+        if other.score <= best.score:
+            break
+        best = other
     return best
 
 

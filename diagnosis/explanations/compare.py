@@ -242,17 +242,21 @@ def _climbed(table: Table, linear: Linearization) -> Move:
 
 
 def _settled(table: Table) -> Move:
-    """Extend, reduce and exchange all explanations that nearly lead, until none is left."""
+    """Extend, reduce and exchange all explanations that nearly lead, until none is left.
+
+    Also the best ones without a part that all of these have: its name is as certain as these were searched.
+    """
     settled = set[Parts]()
     while len(settled) < COMPARED:
-        remaining = [parts for parts in table.near() if parts not in settled]
+        remaining = [parts for parts in (*table.near(), *table.doubts) if parts not in settled]
         if not remaining:
             break
         refit = table.refits[remaining[0]]
         settled.add(remaining[0])
         table = yield from reduced(table, refit)
-        if remaining[0] in table.roots:
+        if remaining[0] in (*table.roots, *table.doubts):
             table = yield from exchanged(table, refit)
+            table = yield from extended_boldly(table, refit)
         table = yield from extended(table, refit)
     return table
 
@@ -295,6 +299,26 @@ def extended(table: Table, refit: Refitted) -> Move:
     return table
 
 
+def extended_boldly(table: Table, refit: Refitted) -> Move:
+    """Refit an explanation with each of the `RIVALS` effects that would gain most if its effects had an exact form.
+
+    The errors of the form of an effect contain much of what a similar effect does. In the linear problem it gains
+    little beside them, in a refit it may make the other one, and thus its errors, small.
+    """
+    table, possible = table.possible(refit.linear)
+    if not possible or not refit.explanation.effects:
+        return table
+    scored = gains(projected(refit.linear, possible, exactly=True), possible)
+    best = {name: _best(forms) for name, forms in scored.items()}
+    for name in sorted(best, key=lambda part: -graded(best[part].gain))[:RIVALS]:
+        more = _with_gain(table, refit.explanation, best[name])
+        if best[name].gain > 0.0 and not table.compared(more):
+            table.report(f"comparing {', '.join(refit.explanation.parts)} with {name}")
+            table = table.with_refit(_with_effect(table, refit, more, best[name]))
+            yield table
+    return table
+
+
 def exchanged(table: Table, refit: Refitted) -> Move:
     """Refit explanations in which a confounded effect takes the place of one of the effects.
 
@@ -313,6 +337,36 @@ def exchanged(table: Table, refit: Refitted) -> Move:
                 begins = [*_starts(table, table.refits[less.parts], more, best), *begins]
             table = table.with_refit(refitted(table.shared, more, begins, refit.linear.simulator))
             yield table
+        table = yield from _with_both(table, refit, part)
+    return table
+
+
+def _with_both(table: Table, refit: Refitted, part: str) -> Move:
+    """Refit an explanation with an effect and with the one that takes its place best: two similar ones may be missing.
+
+    Beside the errors of form of the one, the other gains nothing: half of each is the initial value.
+    """
+    less = set(refit.explanation.parts).difference([part])
+    others = {
+        name: other
+        for parts, other in table.refits.items()
+        if less.issubset(parts) and part not in parts and not table.is_far(parts)
+        for name in set(other.explanation.effects).difference(less)
+        if len(parts) == len(less) + 1
+    }
+    if not others:
+        return table
+    name = max(others, key=lambda effect: graded(others[effect].score))
+    more = _with_form(table, refit.explanation, name, dict(others[name].explanation.forms)[name])
+    if not table.compared(more):
+        table.report(f"comparing {part} with both {part} and {name}")
+        start = 0.5 * (table.without(refit, more) + table.without(others[name], more))
+        for effect, of in ((part, refit), (name, others[name])):
+            form = dict(of.explanation.forms)[effect]
+            whole = [of.linear.simulator.index[free] for free in form.free if not form.scalable or free in form.grid]
+            start[whole] = of.linear.solution.parameters[whole]
+        table = table.with_refit(refitted(table.shared, more, [start], refit.linear.simulator))
+        yield table
     return table
 
 

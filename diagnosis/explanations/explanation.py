@@ -101,6 +101,10 @@ class Explanation:
         """Return the explanation with a term of the unknown component."""
         return replace(self, terms=(*self.terms, term))
 
+    def with_a_term_less(self) -> list[Explanation]:
+        """Return the explanations that lack one of the terms."""
+        return [replace(self, terms=tuple(other for other in self.terms if other is not term)) for term in self.terms]
+
     def without(self, part: str) -> Explanation:
         """Return the explanation without an effect, or without the unknown component.
 

@@ -140,9 +140,15 @@ class Linearization:
         bounded = self.problem.at_bounds(self.solution.parameters, self.solution.free, neutral=True)
         return tuple(name for name in self.solution.free if name not in bounded)
 
-    def equations(self, additions: Sequence[Addition] = ()) -> NormalEquations:
-        """Return the normal equations of everything that the explanation contains, and of additions."""
-        base = self._own_equations
+    def equations(self, additions: Sequence[Addition] = (), *, exactly: bool = False) -> NormalEquations:
+        """Return the normal equations of everything that the explanation contains, and of additions.
+
+        `exactly`: without errors of the form of its effects. They are in proportion to effects that become smaller if
+        another one is added, which therefore gains more in a refit than beside errors of this size.
+        """
+        base, contents = self._own_equations, _contents(self)
+        if exactly:
+            base = base.without(range(len(base.target) - contents.errors, len(base.target)))
         if not additions:
             return base
         added, cross = self.beside(additions)
@@ -304,12 +310,14 @@ class _Contents:
     - `equations`: their normal equations.
     - `owners`: the effect of each column of the equations; empty of what explanations without the effect contain, too.
     - `bench`: the number of errors of the bench, the first of which is the skew.
+    - `errors`: the number of the last columns of the equations, which are errors of the form of effects.
     """
 
     columns: WeightedColumns
     equations: NormalEquations
     owners: list[str]
     bench: int
+    errors: int
 
 
 #: What the latest linearizations contain, and their number.
@@ -346,7 +354,8 @@ def _computed_contents(linear: Linearization) -> _Contents:
         matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations, limits
     )
     owners = [*[""] * common, *(owner for group in groups for owner in group.owners)]
-    return _Contents(columns, equations, owners, len(groups[1].owners))
+    errors = sum(len(group.owners) for group in groups[len(groups) - len(linear.explanation.forms) :])
+    return _Contents(columns, equations, owners, len(groups[1].owners), errors)
 
 
 def forget_columns() -> None:

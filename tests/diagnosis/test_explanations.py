@@ -325,6 +325,7 @@ def test_an_explanation_without_a_part():
     assert one.without(UNKNOWN).parts == ("conicity",)
     assert one.without("conicity").terms == (term, other)
     assert one.log_prior == pytest.approx(2.0 * np.log(EFFECT_ODDS) - 4.0)
+    assert [other.terms for other in one.with_a_term_less()] == [(other,), (term,)]
     assert one.with_effect("plysteer", Form((), ())).effects == ("conicity", "plysteer")
     assert one.with_term(term).terms == (term, other, term)
 
@@ -468,6 +469,43 @@ def table_of(evidences, static):
 
     refits = {names: refit(names, evidence) for names, evidence in evidences.items()}
     return Table(SimpleNamespace(explained=0.0), np.zeros(1), {}, refits)
+
+
+def test_the_best_explanation_without_a_certain_part_is_searched_as_the_leading_ones_are():
+    """Not without one that is not certain, nor one that is hopeless."""
+    evidences = {(): 0.0, ("lag",): 40.0, ("heat", "lag"): 85.0, ("history", "lag"): 100.0, ("history",): 10.0}
+    assert table_of(evidences, set()).doubts == [("heat", "lag")]
+    assert table_of({**evidences, ("heat", "lag"): 99.0}, set()).doubts == []
+    assert table_of({(): 0.0, ("lag",): 1.0}, set()).doubts == []
+
+
+def test_two_similar_effects_begin_with_half_of_each_and_their_memories(monkeypatch):
+    forms = {
+        "history": Form.each({"SHMUY": 0.1}, grid={"SHWID": (0.02,)}),
+        "heat": Form.each({"HMU": 0.1}, grid={"HTAU": (2.0,)}),
+    }
+    simulator = SimpleNamespace(index={"PDY1": 0, "SHMUY": 1, "SHWID": 2, "HMU": 3, "HTAU": 4})
+
+    def refit(effect, parameters, score):
+        linear = SimpleNamespace(solution=SimpleNamespace(parameters=np.array(parameters)), simulator=simulator)
+        return SimpleNamespace(explanation=Explanation(((effect, forms[effect]),)), linear=linear, score=score)
+
+    history = refit("history", [1.0, 0.4, 0.05, 0.0, 2.0], 5.0)
+    heat = refit("heat", [1.2, 0.0, 0.02, 0.3, 8.0], 4.0)
+    refits = {("history",): history, ("heat",): heat}
+    requires = dict.fromkeys(forms, SimpleNamespace(reads=frozenset({"alpha"}), contains=""))
+    model = SimpleNamespace(added=(), relaxing_effects=())
+    problem = SimpleNamespace(simulator=SimpleNamespace(symbolic_model=model))
+    shared = SimpleNamespace(candidates=requires, problem=problem)
+    table = SimpleNamespace(
+        refits=refits, shared=shared, is_far=lambda parts: False, compared=lambda more: False,
+        report=lambda sentence: None, with_refit=lambda refit: refit,
+        without=lambda refit, more: refit.linear.solution.parameters,
+    )  # fmt: skip
+    monkeypatch.setattr(compare, "refitted", lambda shared, more, begins, at: (more.effects, begins[0].tolist()))
+    effects, start = next(compare._with_both(table, history, "history"))
+    assert effects == ("heat", "history")
+    assert start == pytest.approx([1.1, 0.2, 0.05, 0.15, 8.0])
 
 
 def test_a_static_effect_that_is_found_counts_as_one_that_the_baseline_model_has():
