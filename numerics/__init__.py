@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from .gauss_newton import Damping, best_step, minimize, restore
     from .noise_model import ROWS_OF_PART, NoiseParts, Whitening, noise_parts
     from .slip_slope import SLOPE_WINDOW, read_slope
-    from .smoothing import parabolas, smoothed, smoothed_parts, without_spikes
+    from .smoothing import parabolas, smoothed, without_spikes
     from .ties import BITS, graded
     from .wheel_periodicity import once_per_revolution
 

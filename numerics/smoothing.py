@@ -8,7 +8,6 @@ intervals: Goldenshluger and Nemirovski, On spatially adaptive estimation of non
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
@@ -17,14 +16,13 @@ from .arrays import FloatArray
 
 #: Half widths of the windows, in rows.
 HALF_WIDTHS = (2, 3, 4, 6, 9, 13, 18)
+#: Fewest rows that are smoothed: two windows of the noise. A window is at most half of the rows wide.
+FEW_ROWS = 22
 #: Rows of the local parabola from which the noise is estimated.
 WINDOW = 11
 #: Rows of a narrower parabola. A channel is sampled too coarsely to be smoothed if the noise about the wide parabola
 #: exceeds that about the narrow one by this factor: then it contains the curvature of the channel.
 NARROW_WINDOW, COARSE = 5, 1.5
-#: A segment with fewer rows than four of the widest half windows has too few to show its own noise: it has that of all
-#: such segments of the channel. A window is at most half of the rows wide.
-FEW_ROWS = 4 * HALF_WIDTHS[-1]
 #: Largest difference of agreeing estimates, in standard deviations.
 AGREEMENT = 1.0
 #: Distance of a row from the line through its four neighbors above which it is a spike, in standard deviations.
@@ -44,24 +42,6 @@ def rate_of(values: FloatArray, t: FloatArray) -> FloatArray:
         return np.asarray(np.nan_to_num(np.gradient(values, t, axis=-1), posinf=0.0, neginf=0.0))
 
 
-def smoothed_parts(parts: Sequence[FloatArray]) -> tuple[list[FloatArray], float]:
-    """Return the segments of a channel without their short-range noise, and its standard deviation.
-
-    `parts`, each of shape (n,): at approximately equal time steps. Returns segments of the same shapes, and the mean
-    over the rows of the standard deviation: 0 for a segment that was not smoothed.
-
-    >>> rng = np.random.default_rng(1)
-    >>> loads = [900.0 + 10.0 * rng.standard_normal(20) for _ in range(30)]
-    >>> clean, noise = smoothed_parts(loads)
-    >>> bool(np.std(clean) < 8.0), abs(noise - 10.0) < 2.0
-    (True, True)
-    """
-    shared = _noise_of_all([part for part in parts if len(part) < FEW_ROWS])
-    results = [_smoothed(part, shared if len(part) < FEW_ROWS else _noise_of_all([part])) for part in parts]
-    noise = np.average([deviation for _, deviation in results], weights=[len(part) for part in parts])
-    return [values for values, _ in results], float(noise)
-
-
 def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
     """Return a channel without its short-range noise, and the standard deviation of this noise.
 
@@ -74,25 +54,11 @@ def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
     >>> bool(np.sqrt(np.mean((clean - ramp) ** 2)) < 0.005), abs(noise - 0.01) < 0.002
     (True, True)
     """
-    (clean,), noise = smoothed_parts([values])
-    return clean, noise
-
-
-def _noise_of_all(parts: Sequence[FloatArray]) -> tuple[float, float]:
-    """Return the median noise of segments and its correlation; 0 if it is not noise, or no segment shows it."""
-    shown = [part for part in parts if len(part) >= WINDOW]
-    if not shown:
-        return 0.0, 0.0
-    deviation, correlation = np.median([noise_of(part) for part in shown], axis=0)
-    narrow = np.median([noise_of(part, NARROW_WINDOW)[0] for part in shown])
-    return (0.0, 0.0) if deviation > COARSE * narrow else (float(deviation), float(correlation))
-
-
-def _smoothed(values: FloatArray, noise: tuple[float, float]) -> tuple[FloatArray, float]:
-    """Return a segment without a noise of known standard deviation and correlation, and this deviation."""
     n = len(values)
-    deviation, correlation = noise
-    if deviation == 0.0 or n < WINDOW or np.ptp(values) == 0.0:
+    if n < FEW_ROWS or np.ptp(values) == 0.0:
+        return values, 0.0
+    deviation, correlation = noise_of(values)
+    if deviation == 0.0 or deviation > COARSE * noise_of(values, NARROW_WINDOW)[0]:
         return values, 0.0
     values = without_spikes(values, deviation)
     lower, upper = values - 3.0 * deviation, values + 3.0 * deviation  # a row next to a step is not changed

@@ -16,7 +16,7 @@ from scipy.interpolate import PchipInterpolator
 
 from ...boundary.errors import DataError
 from ...numerics.arrays import BoolArray, FloatArray, IntArray
-from ...numerics.smoothing import smoothed_parts
+from ...numerics.smoothing import smoothed
 from ...symbolic.channels import OUTPUTS
 from ...tires.signs import convert_signs
 from ...tires.states.transient import rolled_distance
@@ -217,8 +217,10 @@ def _smoothed_by_segment(values: FloatArray, t: FloatArray) -> tuple[FloatArray,
     """Return values smoothed within segments without a gap in time, and the standard deviation of their noise."""
     steps = np.diff(t)
     gaps = np.flatnonzero((steps <= 0.0) | (steps > TIME_GAP * np.median(steps[steps > 0.0]))) + 1
-    parts, noise = smoothed_parts(np.split(values, gaps))
-    return np.concatenate(parts), noise
+    parts = [smoothed(part) for part in np.split(values, gaps)]
+    weights = [len(part) for part, _ in parts]
+    noise = float(np.average([deviation for _, deviation in parts], weights=weights))
+    return np.concatenate([part for part, _ in parts]), noise
 
 
 def _blocks(t: FloatArray) -> IntArray:
