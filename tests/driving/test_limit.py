@@ -8,7 +8,7 @@ import road
 
 import tirefmu
 from tirefmu.applications.driving import estimate
-from tirefmu.applications.driving.dynamics.discrepancy import FORM, N_COLUMNS, discrepancy_columns
+from tirefmu.applications.driving.dynamics import FORM, N_COLUMNS, discrepancy_columns
 from tirefmu.applications.driving.interval import BALANCE, interval_of
 from tirefmu.symbolic.vehicle.quantities import CORNERS
 
