@@ -25,7 +25,7 @@ from tirefmu import Tire
 from tirefmu.applications.driving.inputs.car import read_car
 from tirefmu.applications.driving.interval import OUTPUTS
 from tirefmu.applications.driving.result import Drive
-from tirefmu.applications.driving.simulation import simulated
+from tirefmu.applications.driving.simulation import horizon, simulated
 
 CAR = Path(__file__).with_name("dart.toml")
 #: D, C and B of the authors: Fy = -Fz D sin(C atan(B alpha)).
@@ -82,7 +82,10 @@ def answered(folder: Path, name: str, tires: dict[str, Tire], out: Path | None, 
         texts = [f"{key} {factors[key]['value']:.3f} ({factors[key]['low']:.3f} to {factors[key]['high']:.3f})"
                  for key in ("LMUY", "LKY")]  # fmt: skip
         print(f"  {axle}: {', '.join(texts)}; residual {100 * residual(answer, axle):.1f} % of the load")
-    print(f"  simulated over 2 s: before {answer.before.rms}, after {answer.after.rms}", flush=True)
+    print(
+        f"  simulated over {horizon(answer.car):.2g} s: before {answer.before.rms}, after {answer.after.rms}",
+        flush=True,
+    )
     return answer
 
 
@@ -99,7 +102,7 @@ def main() -> int:
         for known, car in ((0.0, "of the file"), (1.0, "as estimated")):
             z = known * unused.estimate.z
             drive = simulated(unused.grid, unused.estimate, unused.unknowns, unused.car, tires, z=z)
-            print(f"{OTHER} simulated over 2 s on {text}, car {car}: {drive.rms}")
+            print(f"{OTHER} simulated on {text}, car {car}: {drive.rms}")
     lower = True
     for name, first in SLIPPERY:
         answer = answered(options.folder, name, dict(fitted.scaled), options.out, first)

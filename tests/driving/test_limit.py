@@ -8,6 +8,7 @@ import road
 
 import tirefmu
 from tirefmu.applications.driving import estimate
+from tirefmu.applications.driving.dynamics import FORM, N_COLUMNS, discrepancy_columns
 from tirefmu.applications.driving.interval import BALANCE, interval_of
 from tirefmu.symbolic.vehicle.quantities import CORNERS
 
@@ -77,6 +78,23 @@ def test_driving_and_braking_at_the_limit_contradict_no_car(at_the_limit):
         for name, factor in at_the_limit.factors[axle].items():
             assert factor.low < FACTORS[axle][name] < factor.high, (axle, name)
     assert at_the_limit.factors["front"]["LMUY"].differs
+
+
+def test_the_discrepancy_has_the_same_part_of_the_integral_as_the_factors(at_the_limit):
+    """LMUY and LKY together scale the side force, as the first coefficient of the discrepancy does."""
+    grid, unknowns, final = at_the_limit.grid, at_the_limit.unknowns, at_the_limit.estimate
+    given = at_the_limit.car, at_the_limit.tires, unknowns
+    interval, n = interval_of(*given, sampled=grid.sampled, spins=CORNERS, step=grid.step), len(unknowns)
+    values = estimate.values_of(interval, grid, final.states, final.z[:n], estimate.interval_data(grid))
+    entries = unknowns.car_values(at_the_limit.car, final.z)
+    columns = discrepancy_columns(grid, final.states, entries, values[:, -len(BALANCE) :], final.size)
+    added = estimate.no_forces(grid, final.states, final.z).and_columns(*columns)
+    weights = np.ones((len(grid.t), len(interval.residuals)))
+    at = estimate._solved(grid, interval, added, final.states, final.z, final.deviations, weights)
+    slope = estimate._volume_slope(grid, interval, at, added, final.z)
+    for first, axle in zip((n, n + N_COLUMNS), AXLES, strict=True):
+        places = [unknowns.factor(axle, name) for name in ("LMUY", "LKY")]
+        assert slope[first] / FORM == pytest.approx(np.sum(slope[places] / unknowns.spread[places]), rel=0.3)
 
 
 def test_friction_along_the_wheel_is_estimated(at_the_limit):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ....boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
-    from .discrepancy import SIZED, USUAL, size_of
+    from .discrepancy import FORM, N_COLUMNS, SIZED, USUAL, discrepancy_columns, size_of
     from .lagging import behind_lags, measured_slips, wheel_motion, with_lags
 
 __getattr__, __dir__ = on_demand(__name__)
