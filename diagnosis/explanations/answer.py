@@ -115,16 +115,16 @@ class Answer:
                 unsure.difference_update(members)
         return tuple(classes)
 
-    def doubtful(self, effects: Iterable[str]) -> list[str]:
-        """Return those of some effects that are not called missing: neither alone nor as one of several.
+    def doubtful(self, effects: Iterable[str], below: float = NAMED) -> list[str]:
+        """Return those of some effects with a smaller probability than one, neither alone nor as one of several.
 
         >>> answer = answer_of({("a", "b"): 0.0, ("a", "c"): 0.0, ("a", "b", "d"): -2.0}, list("abcd"))
-        >>> answer.doubtful("abd")
-        ['d']
+        >>> answer.doubtful("abd"), answer.doubtful("abd", below=0.05)
+        (['d'], [])
         """
         names, probabilities = list(effects), self.probabilities
         one_of = {name for alternatives in self.one_of(names) for name in alternatives.effects}
-        return [name for name in names if probabilities[name] < NAMED and name not in one_of]
+        return [name for name in names if probabilities[name] < below and name not in one_of]
 
     def _exactly_one(self, names: Collection[str]) -> float:
         chosen = set(names)

@@ -50,9 +50,9 @@ class ComparedExplanations:
     stopped: str = ""
 
     @property
-    def doubtful(self) -> list[str]:
-        """The effects of the delivered explanation that are not called missing."""
-        return self.answer.doubtful(self.leader.explanation.effects)
+    def uncertain(self) -> list[str]:
+        """The effects of the delivered explanation that are not certain, neither alone nor as one of several."""
+        return self.answer.doubtful(self.leader.explanation.effects, below=1.0 - UNSURE)
 
 
 def compared(

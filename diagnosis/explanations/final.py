@@ -104,7 +104,7 @@ def final_fits(
         extended, solution, change = corrected
     for _ in range(BALANCING):
         extended, solution = balanced(extended, solution).fitted(solution.parameters, solution.free)
-    extended, solution, explanation = with_proven(extended, solution, linear.explanation, comparison.doubtful)
+    extended, solution, explanation = with_proven(extended, solution, linear.explanation, comparison.uncertain)
     before = Screen(extended, solution)
     if solution.free != base.free:  # with the same weights: a channel could give way to another one in one fit only
         problem = replace(problem, inverse_noise=extended.inverse_noise)
@@ -134,14 +134,14 @@ def refined_core(problem: LeastSquares) -> list[str]:
 
 
 def with_proven(
-    problem: LeastSquares, solution: Solution, explanation: Explanation, doubtful: Collection[str]
+    problem: LeastSquares, solution: Solution, explanation: Explanation, uncertain: Collection[str]
 ) -> tuple[LeastSquares, Solution, Explanation]:
-    """Return a fit without doubtful effects that do not predict what was left out or do harm, and its explanation.
+    """Return a fit without uncertain effects that do not predict what was left out or do harm, and its explanation.
 
     The comparison counts an effect beside errors of the form of all others, which the tire does not have: in it, one
     may improve a force and make another one worse, or hold the others in a worse optimum.
     """
-    while (judged := [name for name in explanation.effects if name in doubtful]) and not problem.stop():
+    while (judged := [name for name in explanation.effects if name in uncertain]) and not problem.stop():
         weighted = balanced(problem, solution)
         after = Screen(weighted, weighted.at(solution.parameters, solution.free))
         model = problem.simulator.symbolic_model
