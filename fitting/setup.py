@@ -11,7 +11,7 @@ import pandas as pd
 
 from ..boundary.errors import FitError, TirError, UnknownName, WrongType, no_single_text
 from ..measurements import Recording
-from ..measurements.nominal_values import NOMINAL, check_nominal, check_radius
+from ..measurements.nominal_values import NOMINAL, check_nominal, check_radius, rounded_median
 from ..numerics.arrays import FloatArray
 from ..symbolic import DEFAULT_MODEL
 from ..symbolic.model import Model
@@ -240,7 +240,7 @@ def _fixed(plan: Plan) -> dict[str, float]:
 
 
 def _medians(model: Model, data: pd.DataFrame, given: Mapping[str, float], notes: list[str]) -> dict[str, float]:
-    """Return the nominal values that the caller did not give: medians of the data with two digits, each with a note."""
+    """Return the nominal values that the caller did not give: rounded medians of the data, each with a note."""
     values = {}
     for name, coefficient, text, unit in (
         ("Fz", "FNOMIN", "load", "N"),
@@ -249,7 +249,7 @@ def _medians(model: Model, data: pd.DataFrame, given: Mapping[str, float], notes
     ):
         if coefficient not in model.coefficients or coefficient in given or name not in data:
             continue
-        median = float(f"{data[name].median():.2g}")
+        median = rounded_median(data[name])
         if median > 0:
             values[coefficient] = median
             notes.append(f"nominal {text} not given: the median, {median:g} {unit}")

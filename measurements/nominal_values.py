@@ -27,6 +27,17 @@ LARGEST_LOAD_DISTANCE = 3.0
 LARGEST_RADIUS_RATIO = 1.35
 
 
+def rounded_median(values: pd.Series) -> float:
+    """Return the median with the fewest digits, at least two, that leave it within the values; NaN if there are none.
+
+    >>> rounded_median(pd.Series([220.0, 663.0, 1120.0])), rounded_median(pd.Series([11.1, 11.16, 11.29]))
+    (660.0, 11.2)
+    """
+    median, low, high = float(values.median()), values.min(), values.max()
+    rounded = (float(f"{median:.{digits}g}") for digits in range(2, 7))
+    return next((value for value in rounded if low <= value <= high), median)
+
+
 def check_radius(nominal: Mapping[str, float], recordings: Iterable[Recording]) -> None:
     """Refuse a nominal radius that contradicts the loaded radius, the wheel speed or the size in a recording.
 
