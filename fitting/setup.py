@@ -119,12 +119,12 @@ class Setup:
         options, model, start = plan.options, plan.symbolic_model, plan.start
         given_nominal = {NOMINAL[name] for name in options.nominal or {} if name in NOMINAL}
         check_nominal(options.nominal or {}, model, (recording.table for recording in recordings))
-        check_radius(options.nominal or {}, recordings)
+        other_radii = check_radius(options.nominal or {}, recordings)
         given = start.has if options.effects is None and start is not None else options.effects
         effects = model.default_effects if given is None else model.known_effects(given)
         effects -= model.known_effects(options.without)
         data = prepare(recordings, model, screening=options.screening, rows=options.rows, factors=options.weights)
-        notes = list(data.notes)
+        notes = [*data.notes, *other_radii]
         for name in options.nominal or {}:
             if NOMINAL[name] not in model.coefficients:
                 notes.append(f"nominal {name} is not used by {model.name}")

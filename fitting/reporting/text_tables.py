@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 #: Reasons, warnings and channels that are printed without --all.
 FEW, MOST_CHANNELS = 3, 8
+#: What notes on arguments of the user contain: these are printed without --all.
+ON_ARGUMENTS = ("does nothing", "nominal R0 = ")
 #: Characters of a reason: two lines of the terminal.
 LONGEST_REASON = 170
 
@@ -42,7 +44,7 @@ def short_fit_lines(result: Fitted, verdict: Verdict) -> Iterator[Table | str]:
     for finding in shown:
         short = replace(finding, text=shortened(finding.text, LONGEST_REASON))  # the command remains whole
         yield f"{'warning' if finding.serious else 'note'}: {short}"
-    requested = [note for note in result.notes if "does nothing" in str(note)][:FEW]
+    requested = [note for note in result.notes if any(part in str(note) for part in ON_ARGUMENTS)][:FEW]
     yield from (f"note: {note}" for note in requested)
     yield _short_channels(result)
     determined = sum(c.determined and not c.at_bound for c in result.coefficients)
