@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 FEW, MOST_CHANNELS = 3, 8
 #: What notes on arguments of the user contain: these are printed without --all.
 ON_ARGUMENTS = ("does nothing", "nominal R0 = ")
-#: Characters of a reason: two lines of the terminal.
-LONGEST_REASON = 170
+#: Characters of a word in a reason: of the name of a file. The sentence remains whole.
+LONGEST_WORD = 40
 
 
 def verdict_lines(verdict: Verdict) -> Iterator[str]:
@@ -40,14 +40,14 @@ def short_fit_lines(result: Fitted, verdict: Verdict) -> Iterator[Table | str]:
     shown = sorted((f for f in findings if f.serious or f.effects), key=lambda finding: not finding.serious)[:FEW]
     yield f"verdict: {verdict.word}"
     for reason in reasons[:FEW]:
-        yield f"  - {shortened(reason, LONGEST_REASON)}"
+        yield f"  - {_with_short_names(reason)}"
     for finding in shown:
-        short = replace(finding, text=shortened(finding.text, LONGEST_REASON))  # the command remains whole
+        short = replace(finding, text=_with_short_names(finding.text))  # the command remains whole
         yield f"{'warning' if finding.serious else 'note'}: {short}"
     requested = [note for note in result.notes if any(part in str(note) for part in ON_ARGUMENTS)][:FEW]
     yield from (f"note: {note}" for note in requested)
     yield _short_channels(result)
-    determined = sum(c.determined and not c.at_bound for c in result.coefficients)
+    determined = sum(c.identified for c in result.coefficients)
     yield f"{determined} of {len(result.coefficients)} coefficients are determined and not at a bound"
     if result.bootstrap:
         yield bootstrap_summary(result.bootstrap)
@@ -63,6 +63,15 @@ def short_fit_lines(result: Fitted, verdict: Verdict) -> Iterator[Table | str]:
     }  # fmt: skip
     further = "".join(f"; further {what}: {count}" for what, count in counts.items() if count)
     yield f"--all lists every coefficient, constraint and stage{further}"
+
+
+def _with_short_names(text: str) -> str:
+    """Return a sentence whose long words, which are names of files, lack their middle.
+
+    >>> _with_short_names(f"corner{'_cold' * 20}.csv: the rows repeat")
+    'corner_cold_cold_co...old_cold_cold.csv: the rows repeat'
+    """
+    return " ".join(shortened(word, LONGEST_WORD) for word in text.split(" "))
 
 
 def _widest(result: Fitted) -> str:
