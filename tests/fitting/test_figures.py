@@ -16,10 +16,10 @@ from tirefmu.fitting.reporting import (
     figures_of,
     friction_over_load,
     largest_friction,
+    overview,
     stiffness_over_load,
     weighting_figure,
 )
-from tirefmu.fitting.reporting.report import overview
 from tirefmu.measurements import (
     Noise,
     Recording,

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.fitting import fit
-from tirefmu.measurements.nominal_values import rounded_median
+from tirefmu.measurements import rounded_median
 from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire
 
