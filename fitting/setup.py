@@ -11,7 +11,7 @@ import pandas as pd
 
 from ..boundary.errors import FitError, TirError, UnknownName, WrongType, no_single_text
 from ..measurements import Recording
-from ..measurements.nominal_values import NOMINAL, check_nominal, check_radius
+from ..measurements.nominal_values import NOMINAL, check_nominal, check_radius, rounded_median
 from ..numerics.arrays import FloatArray
 from ..symbolic import DEFAULT_MODEL
 from ..symbolic.model import Model
@@ -119,12 +119,12 @@ class Setup:
         options, model, start = plan.options, plan.symbolic_model, plan.start
         given_nominal = {NOMINAL[name] for name in options.nominal or {} if name in NOMINAL}
         check_nominal(options.nominal or {}, model, (recording.table for recording in recordings))
-        check_radius(options.nominal or {}, recordings)
+        other_radii = check_radius(options.nominal or {}, recordings)
         given = start.has if options.effects is None and start is not None else options.effects
         effects = model.default_effects if given is None else model.known_effects(given)
         effects -= model.known_effects(options.without)
         data = prepare(recordings, model, screening=options.screening, rows=options.rows, factors=options.weights)
-        notes = list(data.notes)
+        notes = [*data.notes, *other_radii]
         for name in options.nominal or {}:
             if NOMINAL[name] not in model.coefficients:
                 notes.append(f"nominal {name} is not used by {model.name}")
@@ -240,7 +240,7 @@ def _fixed(plan: Plan) -> dict[str, float]:
 
 
 def _medians(model: Model, data: pd.DataFrame, given: Mapping[str, float], notes: list[str]) -> dict[str, float]:
-    """Return the nominal values that the caller did not give: medians of the data with two digits, each with a note."""
+    """Return the nominal values that the caller did not give: rounded medians of the data, each with a note."""
     values = {}
     for name, coefficient, text, unit in (
         ("Fz", "FNOMIN", "load", "N"),
@@ -249,7 +249,7 @@ def _medians(model: Model, data: pd.DataFrame, given: Mapping[str, float], notes
     ):
         if coefficient not in model.coefficients or coefficient in given or name not in data:
             continue
-        median = float(f"{data[name].median():.2g}")
+        median = rounded_median(data[name])
         if median > 0:
             values[coefficient] = median
             notes.append(f"nominal {text} not given: the median, {median:g} {unit}")

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .inspection.figures import inspection_figures
     from .inspection.inspection import inspected
     from .interpretation import Interpretation
-    from .nominal_values import check_nominal, check_radius
+    from .nominal_values import check_nominal, check_radius, rounded_median
     from .operating_conditions.grouping import Grouping, group_by_condition
     from .operating_conditions.levels import held_levels, level_tolerance, levels
     from .operating_conditions.phases import Phase, phases, transitions

@@ -9,7 +9,7 @@ import pandas as pd
 
 from ..boundary.errors import FitError, UnknownName
 from ..symbolic.model import Model
-from .checks.columns.radii import radii
+from .checks.columns.radii import SIZE, radii
 from .recording import Recording
 
 #: Names of nominal values, and the coefficient that each sets.
@@ -25,28 +25,47 @@ LARGEST_LOAD_DISTANCE = 3.0
 #: Largest ratio of the nominal radius and a radius of the recording, either way: the loaded radius is up to 15 %
 #: smaller, and a bench measures it to some percent. Judgement.
 LARGEST_RADIUS_RATIO = 1.35
+#: Largest ratio of the nominal radius and that of the size, either way, without a note. Judgement: the diameter in a
+#: designation is rounded.
+CLOSE_RADIUS_RATIO = 1.05
 
 
-def check_radius(nominal: Mapping[str, float], recordings: Iterable[Recording]) -> None:
+def rounded_median(values: pd.Series) -> float:
+    """Return the median with the fewest digits, at least two, that leave it within the values; NaN if there are none.
+
+    >>> rounded_median(pd.Series([220.0, 663.0, 1120.0])), rounded_median(pd.Series([11.1, 11.16, 11.29]))
+    (660.0, 11.2)
+    """
+    median, low, high = float(values.median()), values.min(), values.max()
+    rounded = (float(f"{median:.{digits}g}") for digits in range(2, 7))
+    return next((value for value in rounded if low <= value <= high), median)
+
+
+def check_radius(nominal: Mapping[str, float], recordings: Iterable[Recording]) -> list[str]:
     """Refuse a nominal radius that contradicts the loaded radius, the wheel speed or the size in a recording.
 
-    `nominal`: R0 (m), if it is given. Raises `FitError` with the radius of the recording.
+    `nominal`: R0 (m), if it is given. Returns a note on each recording whose size has another radius. Raises `FitError`
+    with the radius of the recording if the ratio is beyond `LARGEST_RADIUS_RATIO`.
 
     >>> bench = Recording(pd.DataFrame({"Fz": [900.0]}), "iso", "run.mat", {"tireid": "Hoosier 16x7.5-10"})
     >>> check_radius({"R0": 0.41}, [bench])
     Traceback (most recent call last):
     ...
     tirefmu.boundary.errors.FitError: nominal R0 = 0.41 m contradicts run.mat: 0.203 m by the size of its tire
+    >>> check_radius({"R0": 0.23}, [bench])
+    ['nominal R0 = 0.23 m differs by +13 % from run.mat: 0.203 m by the size of its tire']
     """
-    value = nominal.get("R0")
+    value, notes = nominal.get("R0"), list[str]()
     if value is None:
-        return
+        return notes
     for recording in recordings:
         for source, radius in radii(recording).items():
-            if not 1.0 / LARGEST_RADIUS_RATIO <= value / radius <= LARGEST_RADIUS_RATIO:
-                raise FitError(
-                    f"nominal R0 = {value:g} m contradicts {recording.source}: {radius:.3g} m by the {source}"
-                )
+            shown, ratio = f"{recording.source}: {radius:.3g} m by the {source}", value / radius
+            if not 1.0 / LARGEST_RADIUS_RATIO <= ratio <= LARGEST_RADIUS_RATIO:
+                raise FitError(f"nominal R0 = {value:g} m contradicts {shown}")
+            if source == SIZE and not 1.0 / CLOSE_RADIUS_RATIO <= ratio <= CLOSE_RADIUS_RATIO:
+                notes.append(f"nominal R0 = {value:g} m differs by {100.0 * (ratio - 1.0):+.0f} % from {shown}")
+    return notes
 
 
 def check_nominal(nominal: Mapping[str, float], model: Model, tables: Iterable[pd.DataFrame]) -> None:

@@ -6,11 +6,11 @@ from collections.abc import Iterable
 
 from ...boundary.errors import FitError
 from ...boundary.escaping import excerpt
-from ...measurements.checks.columns.radii import TireSize, radii, tire_size
+from ...measurements.checks.columns.radii import SIZE, TireSize, radii, tire_size
 from ...measurements.recording import Recording
 
 #: What shows the free radius, the best source first. The loaded radius is some percent smaller.
-SOURCES = ("size of its tire", "radius at zero load", "wheel speed", "loaded radius")
+SOURCES = (SIZE, "radius at zero load", "wheel speed", "loaded radius")
 
 
 def size_named(text: str) -> TireSize:
@@ -42,7 +42,7 @@ def dimensions(recordings: Iterable[Recording], size: str | None) -> tuple[dict[
         shown = radii(recording)
         source = next((name for name in SOURCES if name in shown), None)
         if dimension is None and source is not None and "UNLOADED_RADIUS" not in values:
-            dimension = tire_size(recording.about.get("tireid", "")) if source == SOURCES[0] else None
+            dimension = tire_size(recording.about.get("tireid", "")) if source == SIZE else None
             if dimension is not None:
                 size = recording.about["tireid"]
             else:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from .figures import figures_of, weighting_figure
     from .load_figures import data_text, friction_over_load, largest_friction, stiffness_over_load
     from .load_table import stiffness_by_load
-    from .report import report_page, write_report
+    from .report import overview, report_page, write_report
     from .report_text import constraint_rows, extrapolation_text, ripple_texts, significant_differences
 
 __getattr__, __dir__ = on_demand(__name__)

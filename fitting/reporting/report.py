@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import takewhile, zip_longest
 from pathlib import Path
 
 import numpy as np
@@ -123,8 +124,21 @@ def overview(figures: Sequence[Figure]) -> list[Figure]:
                 replace(panel, series=tuple(series for series in panel.series if series.kind != "band"))
                 for panel in (figure.panels[0] for figure in shown)
             )
-            overview_figures.append(Figure("overview", title, (panels,), shown[0].note))
+            overview_figures.append(Figure("overview", title, (panels,), _joint_note(shown)))
     return overview_figures
+
+
+def _joint_note(figures: Sequence[Figure]) -> str:
+    """Return what the notes of figures ``pure_Fy``, ... have in common at their begin, then the rest by channel.
+
+    >>> _joint_note([Figure("pure_Fy", "", (), "points: data; data: a.csv"), Figure("pure_Fx", "", (), "points: data")])
+    'points: data; Fy: data: a.csv'
+    """
+    notes = [figure.note.split("; ") for figure in figures]
+    common = list(takewhile(lambda parts: len(set(parts)) == 1, zip_longest(*notes)))
+    rest = {figure.name.removeprefix("pure_"): note[len(common) :] for figure, note in zip(figures, notes, strict=True)}
+    by_channel = [f"{channel}: {'; '.join(parts)}" for channel, parts in rest.items() if parts]
+    return "; ".join([*(parts[0] for parts in common), *by_channel])
 
 
 def correlated_pairs(correlation: pd.DataFrame) -> list[tuple[str, str, float]]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import accumulate
 from math import isfinite
 from typing import TYPE_CHECKING
 
@@ -19,8 +20,12 @@ if TYPE_CHECKING:
 
 #: Reasons, warnings and channels that are printed without --all.
 FEW, MOST_CHANNELS = 3, 8
-#: Characters of a reason: two lines of the terminal.
-LONGEST_REASON = 170
+#: What notes on arguments of the user contain: these are printed without --all.
+ON_ARGUMENTS = ("does nothing", "nominal R0 = ")
+#: Characters of a word in a reason: of the name of a file. The sentence remains whole.
+LONGEST_WORD = 40
+#: Characters of all reasons, and of all warnings, that are printed without --all: five lines of the terminal.
+MOST_TEXT = 510
 
 
 def verdict_lines(verdict: Verdict) -> Iterator[str]:
@@ -34,18 +39,18 @@ def short_fit_lines(result: Fitted, verdict: Verdict) -> Iterator[Table | str]:
     """Yield the first screen of a fit: verdict, most important reasons and warnings, goodness of fit, what is left."""
     from .report_text import bootstrap_summary
 
-    reasons, findings = verdict.reasons, result.data_findings
-    shown = sorted((f for f in findings if f.serious or f.effects), key=lambda finding: not finding.serious)[:FEW]
+    reasons, findings = [_with_short_names(reason) for reason in verdict.reasons], result.data_findings
+    first = sorted((f for f in findings if f.serious or f.effects), key=lambda finding: not finding.serious)
+    texts = [_with_short_names(finding.text) for finding in first]
+    shown_reasons, shown = _first_that_fit(reasons), first[: len(_first_that_fit(texts))]
     yield f"verdict: {verdict.word}"
-    for reason in reasons[:FEW]:
-        yield f"  - {shortened(reason, LONGEST_REASON)}"
-    for finding in shown:
-        short = replace(finding, text=shortened(finding.text, LONGEST_REASON))  # the command remains whole
-        yield f"{'warning' if finding.serious else 'note'}: {short}"
-    requested = [note for note in result.notes if "does nothing" in str(note)][:FEW]
+    yield from (f"  - {reason}" for reason in shown_reasons)
+    for finding, text in zip(shown, texts, strict=False):
+        yield f"{'warning' if finding.serious else 'note'}: {replace(finding, text=text)}"
+    requested = [note for note in result.notes if any(part in str(note) for part in ON_ARGUMENTS)][:FEW]
     yield from (f"note: {note}" for note in requested)
     yield _short_channels(result)
-    determined = sum(c.determined and not c.at_bound for c in result.coefficients)
+    determined = sum(c.identified for c in result.coefficients)
     yield f"{determined} of {len(result.coefficients)} coefficients are determined and not at a bound"
     if result.bootstrap:
         yield bootstrap_summary(result.bootstrap)
@@ -56,11 +61,30 @@ def short_fit_lines(result: Fitted, verdict: Verdict) -> Iterator[Table | str]:
     left_out = [finding.serious for finding in findings if finding not in shown]
     notes = left_out.count(False) + len(result.excluded_rows) + len(result.notes) - len(requested)
     counts = {
-        "reasons": len(reasons[FEW:]), "warnings": left_out.count(True),
+        "reasons": len(reasons) - len(shown_reasons), "warnings": left_out.count(True),
         "channels": len(result.channels[MOST_CHANNELS:]), "notes": notes,
     }  # fmt: skip
     further = "".join(f"; further {what}: {count}" for what, count in counts.items() if count)
     yield f"--all lists every coefficient, constraint and stage{further}"
+
+
+def _with_short_names(text: str) -> str:
+    """Return a sentence whose long words, which are names of files, lack their middle.
+
+    >>> _with_short_names(f"corner{'_cold' * 20}.csv: the rows repeat")
+    'corner_cold_cold_co...old_cold_cold.csv: the rows repeat'
+    """
+    return " ".join(shortened(word, LONGEST_WORD) for word in text.split(" "))
+
+
+def _first_that_fit(texts: Sequence[str]) -> Sequence[str]:
+    """Return the first few texts that are short enough together; at least one if there is any.
+
+    >>> [len(_first_that_fit(texts)) for texts in ([], ["a"] * 9, ["a" * 250] * 3, ["a" * 900] * 3)]
+    [0, 3, 2, 1]
+    """
+    lengths = accumulate(map(len, texts[:FEW]))
+    return texts[: max(sum(length <= MOST_TEXT for length in lengths), 1)]
 
 
 def _widest(result: Fitted) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import nan
+from math import isinf, nan
 
 import numpy as np
 
@@ -42,6 +42,11 @@ class FittedCoefficient:
     interval: float = nan
     from_family: bool = False
     other: float | None = None
+
+    @property
+    def identified(self) -> bool:
+        """Whether the data determine it by itself: with influence, not at a bound, and with no infinite interval."""
+        return self.determined and not self.at_bound and not isinf(self.interval)
 
     def mirrored(self) -> FittedCoefficient:
         """Return the same with the opposite sign."""

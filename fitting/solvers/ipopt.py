@@ -278,6 +278,7 @@ def _ipopt(
         "calc_lam_p": False,
         "print_time": False,
         "error_on_fail": False,
+        "show_eval_warnings": False,  # a trial step without a value is shortened; of a start the reason is stated
         "ipopt": {
             "print_level": 0,
             "sb": "yes",

@@ -167,6 +167,9 @@ def test_the_first_screen_of_a_fit_has_at_most_40_lines_of_100_columns(capsys):
     terminal.fit_result(result)
     files = ["tire: my.tir", "figures: 9 in figures", "report: fit.html", f"next: {enter}"]
     terminal.print(*files)
-    lines = capsys.readouterr().out.splitlines()
+    printed = capsys.readouterr().out
+    words, lines = printed.split(), printed.splitlines()
+    for word, length in (("reason", 30), ("word", 40)):  # sentences are whole or counted
+        assert words.count(word) in range(length, 4 * length, length)
     assert len(lines) <= 40
     assert all(len(line) <= LINE for line in lines if enter not in line)

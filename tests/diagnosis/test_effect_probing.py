@@ -79,3 +79,13 @@ def test_the_separating_measurement_does_not_depend_on_the_order():
     for first, second in pairs:
         forth, back = (separating_measurement(*pair, detections) for pair in ((first, second), (second, first)))
         assert forth == back != ""
+
+
+def test_a_channel_is_requested_only_where_it_is_not_recorded():
+    """What separates two effects holds for any recording; only an explanation by a lacking channel asks for it."""
+    detections = model_named("mf61").extended(tuple(library().values())).detections.values()
+    pairs = [pair for detection in detections for pair in detection.confounded]
+    always = [detection.separate_by for detection in detections]
+    always += [pair.separate_by for pair in pairs if not pair.other.startswith("unrecorded")]
+    assert [text for text in always if text.startswith("record ")] == []
+    assert any(pair.separate_by.startswith("record ") for pair in pairs)

@@ -13,8 +13,10 @@ from tirefmu.fitting import draw_figures
 from tirefmu.fitting.checks import compare
 from tirefmu.fitting.reporting import (
     data_text,
+    figures_of,
     friction_over_load,
     largest_friction,
+    overview,
     stiffness_over_load,
     weighting_figure,
 )
@@ -298,6 +300,16 @@ def test_only_some_of_many_recordings_are_listed(bench):
     comparison = replace(compare(TIRE, [bench]), sources=tuple(f"run{n}.mat" for n in range(100)))
     rows = comparison.table.iloc[:100].assign(recording=np.arange(100))
     assert "run29.mat and 70 more" in data_text(comparison, rows)
+
+
+def test_the_first_figure_of_a_report_names_the_file_of_each_panel():
+    files = [replace(run(steps), source=f"{name}.mat") for steps, name in ((LATERAL, "cornering"), (DRIVEN, "driven"))]
+    alone, both = (overview(figures_of(TIRE, given))[0] for given in (files[:1], files))
+    assert (len(alone.panels), len(both.panels)) == (1, 2)
+    assert "Fy: data" not in alone.note
+    assert "; Fy: data: cornering.mat; " in both.note
+    assert "; Fx: data: driven.mat; " in both.note
+    assert both.note.count("points: data") == 1
 
 
 def test_recordings_with_equal_names_are_distinguished(bench):

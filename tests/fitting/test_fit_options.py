@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from tirefmu.fitting import fit
+from tirefmu.measurements import rounded_median
 from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire
 
@@ -76,6 +78,15 @@ def test_nominal_values(known, make):
     assert {"nominal load not given: the median, 650 N", "radius R0 not known: 0.3 m is assumed"} <= {
         note.partition(";")[0] for note in generic.notes
     }
+
+
+@pytest.mark.parametrize(
+    "values", [[11.1, 11.16, 11.29], [83449.0, 83449.0], [1e6 / 90.0] * 3, [1.0, np.nan, 657.0], [5.04, 5.05]]
+)
+def test_a_nominal_value_of_the_data_is_within_the_data(values):
+    found = rounded_median(pd.Series(values))
+    assert np.nanmin(values) <= found <= np.nanmax(values)
+    assert found == pytest.approx(np.nanmedian(values), rel=0.05)
 
 
 def test_a_fit_that_ends_within_the_noise_of_the_optimum_has_converged(known, make):

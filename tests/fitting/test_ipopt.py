@@ -72,6 +72,15 @@ def test_it_finds_the_least_squares(problem, start, bounds):
     np.testing.assert_allclose(solution.x, reference.x, atol=0.02)
 
 
+def test_a_constraint_without_a_value_is_a_reason_and_no_line_of_the_solver(problem, start, bounds, curvature, capfd):
+    (constraint, points), _ = curvature
+    undefined = points.copy()
+    undefined[:, 0] = np.nan
+    solution = solve(problem, start, *bounds(problem), [(constraint, undefined)], max_iterations=20)
+    assert capfd.readouterr() == ("", "")
+    assert (solution.converged, solution.reason) == (False, "cost, constraints or derivatives are not finite")
+
+
 def test_bounds_are_satisfied(problem, start, bounds, known):
     lower, upper = bounds(problem, PDY1=(0.1, 1.7), PKY2=(2.6, 5.0), PCY1=(1.0, 2.0))
     solution = solve(problem, np.clip(start, lower, upper), lower, upper, [])

@@ -17,6 +17,8 @@ _NUMBER = r"\d{1,2}(?:\.\d{1,2})?"
 _INCHES = re.compile(rf"(?<![\d.])(?P<diameter>{_NUMBER}) ?[xX] ?(?P<width>{_NUMBER}) ?- ?(?P<rim>\d{{1,2}})(?!\d)")
 _METRIC = re.compile(r"(?<!\d)(?P<width>\d{3})/(?P<aspect>\d{2}) ?Z?R ?(?P<rim>\d{2})(?!\d)")
 INCH = FOOT / 12.0
+#: What shows a radius: the designation of the size in the title.
+SIZE = "size of its tire"
 #: Smallest ratio of the largest and the smallest load, and fewest rows, from which a deflection is read; limits of the
 #: vertical stiffness of a tire, N/m.
 LOAD_RATIO, MIN_ROWS, STIFFNESSES = 1.5, 50, (1e4, 5e6)
@@ -83,7 +85,7 @@ def radii(recording: Recording) -> dict[str, float]:
     names = ("radius at zero load", "loaded radius", "wheel speed")
     radii = {name: float(recording.about[name]) for name in names if name in recording.about}
     if (size := tire_size(recording.about.get("tireid", ""))) is not None:
-        radii["size of its tire"] = size.radius
+        radii[SIZE] = size.radius
     return {name: radius for name, radius in radii.items() if SMALLEST_RADIUS < radius < LARGEST_RADIUS}
 
 

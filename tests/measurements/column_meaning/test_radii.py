@@ -34,6 +34,9 @@ def test_nominal_values_that_contradict_the_recordings_are_refused():
     check_radius({}, [bench])
     with pytest.raises(FitError, match=r"R0 = 0.46 m contradicts a: 0.22 m by the loaded radius"):
         check_radius({"R0": 0.46}, [bench])
+    sized = Recording(bench.table, "iso", "b", {"tireid": "Maker 16x7.5-10"})
+    for value, noted in ((0.2, False), (0.203, False), (0.23, True), (0.17, True)):
+        assert bool(check_radius({"R0": value}, [bench, sized])) == noted
     model = model_named("mf96")
     check_nominal({"Fz0": 220.0, "R0": 0.23}, model, [bench.table])
     with pytest.raises(FitError, match=r"Fz0 = 3600 N is far outside the tested loads, 200.2 to 1159 N"):
