@@ -49,11 +49,6 @@ class ComparedExplanations:
     shared: Shared
     stopped: str = ""
 
-    @property
-    def uncertain(self) -> list[str]:
-        """The effects of the delivered explanation that are not certain, neither alone nor as one of several."""
-        return self.answer.doubtful(self.leader.explanation.effects, below=1.0 - UNSURE)
-
 
 def compared(
     problem: LeastSquares, baseline: Solution, candidates: Mapping[str, Candidate], budget: Budget

@@ -24,6 +24,7 @@ from ..probing.candidates import CORE, refinements_for
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS
 from ..unexplained.formula_proposal import UnexplainedStructure, Unknown, proposed
+from .answer import NAMED, UNSURE, Answer
 from .budget import Budget
 from .compare import ComparedExplanations
 from .effect_evidence import Evidence, effect_evidence, harmful, unproven
@@ -104,7 +105,7 @@ def final_fits(
         extended, solution, change = corrected
     for _ in range(BALANCING):
         extended, solution = balanced(extended, solution).fitted(solution.parameters, solution.free)
-    extended, solution, explanation = with_proven(extended, solution, linear.explanation, comparison.uncertain)
+    extended, solution, explanation = with_proven(extended, solution, linear.explanation, comparison.answer)
     before = Screen(extended, solution)
     if solution.free != base.free:  # with the same weights: a channel could give way to another one in one fit only
         problem = replace(problem, inverse_noise=extended.inverse_noise)
@@ -134,19 +135,22 @@ def refined_core(problem: LeastSquares) -> list[str]:
 
 
 def with_proven(
-    problem: LeastSquares, solution: Solution, explanation: Explanation, uncertain: Collection[str]
+    problem: LeastSquares, solution: Solution, explanation: Explanation, answer: Answer
 ) -> tuple[LeastSquares, Solution, Explanation]:
     """Return a fit without uncertain effects that do not predict what was left out or do harm, and its explanation.
 
     The comparison counts an effect beside errors of the form of all others, which the tire does not have: in it, one
-    may improve a force and make another one worse, or hold the others in a worse optimum.
+    may improve a force and make another one worse, or hold the others in a worse optimum. One that would not be called
+    missing has to prove itself; one that would, but is not certain, must do no harm.
     """
+    doubtful, uncertain = (answer.doubtful(explanation.effects, below) for below in (NAMED, 1.0 - UNSURE))
     while (judged := [name for name in explanation.effects if name in uncertain]) and not problem.stop():
         weighted = balanced(problem, solution)
         after = Screen(weighted, weighted.at(solution.parameters, solution.free))
         model = problem.simulator.symbolic_model
         judging = {name: _absent_without(name, explanation, model, solution) for name in judged}
-        absent = unproven(after, judging) or harmful(after, judging)
+        unsure = {name: coefficients for name, coefficients in judging.items() if name in doubtful}
+        absent = unproven(after, unsure) or harmful(after, judging)
         if not absent:
             break
         lost = {name for effect in absent for name in coefficients_of(effect, explanation, model, solution)}

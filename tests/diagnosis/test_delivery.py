@@ -11,7 +11,15 @@ from scipy.stats import norm
 
 import tirefmu
 from tirefmu.diagnosis import diagnose
-from tirefmu.diagnosis.explanations import Explanation, OneOf, coefficients_of, final_fits, refined_core, with_proven
+from tirefmu.diagnosis.explanations import (
+    Explanation,
+    OneOf,
+    answer_of,
+    coefficients_of,
+    final_fits,
+    refined_core,
+    with_proven,
+)
 from tirefmu.diagnosis.explanations.effect_evidence import STRETCHES, _stretches, effect_evidence, joint_z, unproven
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.signals import Simulator
@@ -258,8 +266,17 @@ def test_a_true_effect_has_evidence_and_an_absent_one_has_not(at_true_values, ti
     np.testing.assert_allclose(true.change, expected, atol=0.1 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize("doubtful", [["camber_thrust", "plysteer"], ["plysteer"]])
-def test_a_doubtful_effect_with_which_the_tire_predicts_worse_is_left_out(at_true_values, tire, doubtful):
+@pytest.mark.parametrize(
+    ("evidences", "is_certain"),
+    [
+        ({(): 2.0, ("camber_thrust",): 0.0, ("plysteer",): 0.0}, False),
+        ({("camber_thrust", "plysteer"): 1.0, ("plysteer",): 0.0}, False),
+        ({("camber_thrust",): 0.0, ("camber_thrust", "plysteer"): -1.0}, True),
+    ],
+)
+def test_an_uncertain_effect_with_which_the_tire_predicts_worse_is_left_out(
+    at_true_values, tire, evidences, is_certain
+):
     """Plysteer is missing, as improbable as it is; camber thrust is not, and holds the fit in a wrong place."""
     problem, free = at_true_values.problem, (*at_true_values.solution.free, "PVY3")
     lacking = problem.over(Simulator(tire.with_values(PHY1=0.0), problem.simulator.signals))
@@ -267,8 +284,9 @@ def test_a_doubtful_effect_with_which_the_tire_predicts_worse_is_left_out(at_tru
     wrong = tire.parameters()
     wrong[lacking.simulator.index["PVY3"]] = 0.3
     before = lacking.at(wrong, free)
-    _, solution, explanation = with_proven(lacking, before, Explanation(tuple(forms)), doubtful)
-    expected = {"plysteer", "camber_thrust"} - ({"camber_thrust"} & {*doubtful})
+    answer = answer_of(evidences, ["camber_thrust", "plysteer"])
+    _, solution, explanation = with_proven(lacking, before, Explanation(tuple(forms)), answer)
+    expected = {"plysteer", "camber_thrust"} if is_certain else {"plysteer"}
     assert set(explanation.effects) == expected
     assert ("PVY3" in solution.free) == ("camber_thrust" in expected)
     used = problem.inverse_noise > 0.0
