@@ -150,7 +150,7 @@ def with_proven(
         model = problem.simulator.symbolic_model
         judging = {name: _absent_without(name, explanation, model, solution) for name in judged}
         unsure = {name: coefficients for name, coefficients in judging.items() if name in doubtful}
-        absent = unproven(after, unsure) or harmful(after, judging)
+        absent = harmful(after, judging) or unproven(after, unsure)
         if not absent:
             break
         lost = {name for effect in absent for name in coefficients_of(effect, explanation, model, solution)}
