@@ -148,9 +148,6 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
         raise FmuError("hub inputs have ISO axes only")
     tire = tire.in_signs(FORMULA[axes])
     model, wheel = tire.symbolic_model, inputs != "slip"
-    for needed in (*(("UNLOADED_RADIUS",) if wheel else ()), *(("FNOMIN",) if hub else ())):
-        if not tire.values[needed] > 0.0:
-            raise FmuError(f"{inputs} inputs need {needed} > 0, not {tire.values[needed]:g}")
     if wheel and "UNLOADED_RADIUS" in not_given(tire):
         raise FmuError(
             f"{inputs} inputs need the radius of the wheel, which the fit of this tire did not know "

@@ -9,8 +9,6 @@ import pandas as pd
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tirefmu.boundary.errors import FmuError
-from tirefmu.fmu import export
 from tirefmu.fmu.description.interface import interface
 from tirefmu.symbolic.wheel.quantities import CARRIER, CONTACT_FORCES, GLOBAL_WRENCH, ROAD, SPIN, WRENCH
 from tirefmu.tires.hub import hub_wrench, wheel_motion
@@ -162,10 +160,3 @@ def test_an_entry_of_the_file_without_a_usable_number_is_the_default(tires, text
     assert given["VERTICAL_STIFFNESS"] == stiffness
     values = tires["first"].values
     assert given["r_z"] == pytest.approx(values["UNLOADED_RADIUS"] - values["FNOMIN"] / stiffness)
-
-
-@pytest.mark.parametrize("name", ["UNLOADED_RADIUS", "FNOMIN"])
-def test_a_wheel_without_size_is_one_line(tires, tmp_path, name):
-    tire = replace(tires["first"], values={**tires["first"].values, name: 0.0})
-    with pytest.raises(FmuError, match=f"hub inputs need {name} > 0, not 0"):
-        export(tire, tmp_path / "x.fmu", inputs="hub")

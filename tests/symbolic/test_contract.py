@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.boundary.errors import ModelError
+from tirefmu.boundary.errors import ModelError, TirefmuWarning
 from tirefmu.diagnosis import diagnose
 from tirefmu.fitting import fit, load_recipe
 from tirefmu.fmu import check, export
@@ -158,7 +158,8 @@ def test_a_property_file_declares_how_its_units_apply(made, monkeypatch, tmp_pat
     text += "UNLOADED_RADIUS = 300\nFNOMIN = 1000\nCSIDE = 314.159\n"
     for line in ("TRAIL = 0.02", "ARM = 20"):
         (tmp_path / "t.tir").write_text(text + line, encoding="utf-8")
-        values = read_tir(tmp_path / "t.tir").values
+        with pytest.warns(TirefmuWarning, match="UMAX = 1"):
+            values = read_tir(tmp_path / "t.tir").values
         assert values["UNLOADED_RADIUS"] == pytest.approx(0.3)
         assert values["ARM"] == pytest.approx(0.02)
         assert values["CSIDE"] == pytest.approx(314.159 * 180 / np.pi)
@@ -170,7 +171,8 @@ def test_a_format_without_a_nominal_load_assumes_one(made, monkeypatch, tmp_path
     monkeypatch.setattr(model.coefficients["FNOMIN"], "assumed", 1500.0)
     text = "[MODEL]\nPROPERTY_FILE_FORMAT = 'TOY'\n[DIMENSION]\nUNLOADED_RADIUS = 0.3\n"
     (tmp_path / "t.tir").write_text(text, encoding="utf-8")
-    read = read_tir(tmp_path / "t.tir")
+    with pytest.warns(TirefmuWarning, match="UMAX = 1"):
+        read = read_tir(tmp_path / "t.tir")
     assert read.values["FNOMIN"] == 1500.0
     assert "FNOMIN" in not_given(read)
     read.save(tmp_path / "t.tir")
