@@ -179,7 +179,7 @@ def test_a_coefficient_at_its_bound_is_in_the_verdict():
     one = FoundEffect("load_lag", ("Fy",), {}, 0.0, 0.5, 0.1, 0.87, at_bounds=("LLEN",))
     nothing = {"periodic": [], "derived_columns": [], "ignored_columns": []}
     (text,) = verdict_sentences([one], (), {}, (), (), {}, (), nothing)
-    assert text == "Missing: load_lag (probability 87 %; at its bound: LLEN)"
+    assert text == "Missing: load_lag (probability 50 to 90 %; at its bound: LLEN)"
 
 
 def test_an_effect_that_is_more_probably_absent_is_not_called_missing():
@@ -190,7 +190,7 @@ def test_an_effect_that_is_more_probably_absent_is_not_called_missing():
     head, tail = verdict_sentences(findings, (), {}, (), (), {}, (), nothing)
     assert "load_lag" in head
     assert "conicity" not in head
-    assert "conicity (probability 20 %)" in tail
+    assert "conicity (probability 10 to 50 %)" in tail
     assert "Missing" not in verdict_sentences(findings[1:], (), {}, (), (), {}, (), nothing)[0]
 
 

@@ -368,7 +368,7 @@ def test_the_verdict_has_every_explanation_that_the_page_lists_as_confounded():
     confounded = {"relax_lat": {"relax_load": 0.71, "relax_slip": 0.95}}
     recording = {"periodic": [], "derived_columns": [], "ignored_columns": []}
     (text,) = verdict_sentences((finding,), (), confounded, (), (), {}, (), recording)
-    assert text == "Missing: relax_lat (probability 80 %; confounded with relax_slip, relax_load)"
+    assert text == "Missing: relax_lat (probability 50 to 90 %; confounded with relax_slip, relax_load)"
 
 
 def test_no_effect_is_identified_without_a_missing_effect():

@@ -254,7 +254,7 @@ def test_evidences_of_any_size_give_probabilities():
 
 def test_a_probability_is_never_certainty_in_words():
     texts = [percent(value) for value in (1.0, 0.91, 0.9, 0.5, 0.0)]
-    assert texts == ["over 90 %", "over 90 %", "90 %", "50 %", "under 10 %"]
+    assert texts == ["over 90 %", "over 90 %", "50 to 90 %", "50 to 90 %", "under 10 %"]
 
 
 # ------------------------------------------------------------------ what every explanation contains

@@ -267,7 +267,8 @@ def test_a_joint_deviation_is_one_although_no_entry_alone_is(answer):
     sure = replace(answer.estimate, covariance=1e-6 * np.eye(len(answer.estimate.z)), scatter=0.0)
     wrong = contradiction_of(replace(sure, z=np.full(len(sure.z), 2.5)), answer.unknowns)
     right = contradiction_of(replace(sure, z=np.full(len(sure.z), 1.0)), answer.unknowns)
-    alone = replace(sure, z=np.where(np.arange(len(sure.z)) == 0, 12.0, 0.5))
+    far = np.sqrt(chi2.isf(1e-7, n) - (n - 1) * 0.5**2)  # with the others, ten times less probable than a contradiction
+    alone = replace(sure, z=np.where(np.arange(len(sure.z)) == 0, far, 0.5))
     assert contradiction_of(alone, answer.unknowns).certain
     assert not contradiction_of(alone, answer.unknowns, answer.unknowns.car[0]).certain
     assert contradiction_of(alone, answer.unknowns, answer.unknowns.car[1]).certain
