@@ -117,7 +117,7 @@ def final_fits(
     evidence = {name: effect_evidence(after, _absent_without(name, explanation, model, solution)) for name in effects}
     added = [declared.name for part in unknown if part.added and part.effect for declared in part.effect.declarations]
     formula = effect_evidence(after, added) if added else None
-    refinements = tuple((name, form) for name, form in refinements if name in explanation.effects)
+    refinements = tuple((name, form) for name, form in refinements if set(form.free) <= set(solution.free))
     return Final(before, after, whitened.standard_errors(), effects, evidence, refinements, unknown, formula, change)
 
 

@@ -119,7 +119,7 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
     tested = tried(fits.after, lacking)
     findings = _in_order(outcome, unknown, adequacy)
     confounded = confounded_with(outcome, tested)
-    refined = tuple(f"{name}: {', '.join(form.free)}" for name, form in fits.refinements)
+    refined = () if against else tuple(f"{name}: {', '.join(form.free)}" for name, form in fits.refinements)
     detectable, not_identifiable = detectable_sizes(fits.after, lacking, tested)
     of_recording = _recording_errors(outcome, delivery)
     read = {name: _inputs_of(outcome, name) for name in added}
@@ -189,7 +189,7 @@ def _delivery(outcome: DiagnosisOutcome, added: Mapping[str, tuple[str, ...]]) -
     residuals = delivered_residuals(of_base, of_improved, outcome.signals)
     more_states = bool(set(tire.states) - set(base_tire.states)) and outcome.signals.timed
     judged = fitted_residuals(before, after) if more_states else residuals
-    against = reasons_against(judged) if added or fits.refinements or fits.form is not None else ()
+    against = reasons_against(judged) if after.solution.free != before.solution.free else ()
     if against:
         tire, after, of_improved, residuals = base_tire, before, of_base, replace(residuals, after=residuals.before)
         computed[1] = computed[0]

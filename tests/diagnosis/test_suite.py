@@ -14,6 +14,7 @@ from tirefmu.diagnosis.verdict import composition, reasons_against
 from tirefmu.symbolic.added.folder import declared_effects
 from tirefmu.symbolic.added.formula import formula
 
+from .independent import kinds as independent
 from .independent.memory_kinds import FAST, SINGLES
 from .kinds import CONFOUNDED, NUMBER_OF_CASES, case_of
 from .suite import ARTEFACTS, BENT, SIZES, UNKNOWN, make_case
@@ -81,6 +82,16 @@ def test_the_text_of_a_feature_evaluates_to_its_values():
         )
         np.testing.assert_allclose(compute(*(known[name] for name in names)), feature.values, rtol=1e-9, atol=1e-12)
         assert set(feature.depends_on) <= set(named)
+
+
+def test_a_tire_that_differs_by_refinements_only_is_judged_on_the_hold_out_set():
+    """300 rows: finer forms of the pressure fit their noise, with PPX2 at a bound."""
+    diagnosis = answer(independent.case_of("null", 3))
+    assert diagnosis.found == ()
+    assert not diagnosis.delivered
+    assert dict(diagnosis.tire.values) == dict(diagnosis.base_tire.values)
+    assert "efinement needed" not in diagnosis.verdict
+    assert "predicts the hold-out set worse" in diagnosis.verdict
 
 
 @pytest.mark.slow
