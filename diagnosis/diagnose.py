@@ -132,7 +132,7 @@ def diagnose(
 
         def with_final_fits(*, no_formula: str = "", correct_form: bool = form) -> Diagnosis:
             fits = final_fits(comparison, problem, solution, budget, no_formula=no_formula, correct_form=correct_form)
-            outcome = DiagnosisOutcome(recorded_or_read, candidates_tried, fits, comparison.answer, comparison.stopped)
+            outcome = DiagnosisOutcome(recorded_or_read, candidates_tried, fits, comparison.stopped)
             return composed(outcome, began)
 
         result = with_final_fits()

@@ -126,6 +126,23 @@ class Answer:
         one_of = {name for alternatives in self.one_of(names) for name in alternatives.effects}
         return [name for name in names if probabilities[name] < below and name not in one_of]
 
+    def with_unproven(self, part: str) -> Answer:
+        """Return the answer with odds of at most one to two for a part that the recording does not prove.
+
+        Two thirds of the probability of each explanation with it go to the one without it.
+
+        >>> answer = answer_of({("conicity",): 0.0}, ["conicity"]).with_unproven("conicity")
+        >>> [(explanation.effects, round(explanation.probability, 2)) for explanation in answer.explanations]
+        [((), 0.67), (('conicity',), 0.33)]
+        """
+        shares = dict[tuple[str, ...], float]()
+        for explanation in self.explanations:
+            parts, probability = explanation.parts, explanation.probability
+            less = tuple(name for name in parts if name != part)
+            for of, share in ((parts, 1.0 / 3.0), (less, 2.0 / 3.0)):  # the same if it lacks the part
+                shares[of] = shares.get(of, 0.0) + share * probability
+        return _ranked(shares, self.candidates)
+
     def _exactly_one(self, names: Collection[str]) -> float:
         chosen = set(names)
         return sum(ranked.probability for ranked in self.explanations if len(chosen.intersection(ranked.effects)) == 1)
@@ -144,10 +161,17 @@ def answer_of(evidences: Mapping[tuple[str, ...], float | FloatArray], candidate
     Arrays have the logarithms on several recordings, over which probabilities are averaged.
     """
     values = np.stack([np.atleast_1d(value) for value in evidences.values()])
-    weights, ranked = np.exp(values - values.max(axis=0)), list[RankedExplanation]()
-    for parts, weight in zip(evidences, (weights / weights.sum(axis=0)).mean(axis=1), strict=True):
-        effects = tuple(part for part in parts if part != UNKNOWN)
-        ranked.append(RankedExplanation(effects, UNKNOWN in parts, float(weight)))
+    weights = np.exp(values - values.max(axis=0))
+    shares = (weights / weights.sum(axis=0)).mean(axis=1).tolist()
+    return _ranked(dict(zip(evidences, shares, strict=True)), candidates)
+
+
+def _ranked(shares: Mapping[tuple[str, ...], float], candidates: Iterable[str]) -> Answer:
+    """Return the answer with the probability of each explanation, by its parts."""
+    ranked = [
+        RankedExplanation(tuple(part for part in parts if part != UNKNOWN), UNKNOWN in parts, share)
+        for parts, share in shares.items()
+    ]
     return Answer(tuple(sorted(ranked, key=lambda explanation: -graded(explanation.probability))), tuple(candidates))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.special import chdtrc, ndtri
 
 from ...numerics.arrays import FloatArray, IntArray
-from ...numerics.block_regression import block_sums, error_of_sum, regression
+from ...numerics.block_regression import error_of_sum
 from ...numerics.ties import graded
 from ..least_squares import density_gains
 from ..probing.effect_probing import Screen
@@ -18,16 +18,14 @@ from ..thresholds import FINAL_ITERATIONS
 
 #: Number of long stretches in which an effect is judged. Convention.
 STRETCHES = 8
-#: Gain of left-out blocks, in standard errors, above which an effect that is not called missing is in the tire.
+#: Gain of the stretches, in standard errors, above which an effect is in the tire and may be called missing.
 #: Convention, as of the correction of the form.
 CERTAIN = 2.0
 
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """Evidence for an effect. The probability of the effect decides whether it is named.
-
-    The evidence decides whether the tire has an effect that is not called missing.
+    """Evidence for an effect of the tire. Its probability decides whether it is called missing.
 
     Attributes
     ----------
@@ -97,56 +95,31 @@ def effect_evidence(after: Screen, coefficients: Collection[str]) -> Evidence:
     )
 
 
-def unproven(after: Screen, effects: Mapping[str, Collection[str]]) -> list[str]:
-    """Return the effects that do not predict left-out blocks better, by more than twice the standard error over blocks.
+def unproven(after: Screen, effects: Mapping[str, Collection[str]]) -> str | None:
+    """Return the least certain effect if the recording does not prove it: all channels together, by predictive density.
 
-    One after another, the least certain one first: of two that are in each other's place, one remains. All other
-    coefficients follow linearly.
+    Compared with the optimum without the effect. The gain over `STRETCHES` parts of the recording, each with an equal
+    share of the effect, has to exceed `CERTAIN` of its standard errors, and left-out blocks, predicted from the others,
+    must not be worse. There, all coefficients follow linearly, and those that one block alone determines follow too
+    far, so that these gains have no useful standard error.
 
     `after`: of the model with all effects. `effects`: the free coefficients of each of those that are judged.
     """
-    problem, parameters, free = after.problem, after.solution.parameters, after.solution.free
-    at, absent = problem.simulator.forces(parameters), list[str]()
-
-    def losses(names: Collection[str]) -> FloatArray:
-        lost = {coefficient for name in names for coefficient in effects[name]}
-        without = problem.simulator.forces(problem.simulator.without(parameters, lost))
-        remain = np.array([i for i in range(after.tangent.shape[-1]) if i >= len(free) or free[i] not in lost])
-        residual = after.residual + problem.weighted(np.nan_to_num(at - without))
-        sums = block_sums(after.tangent[:, :, remain], residual, after.edges)
-        return regression(sums, after.prior_precision[remain], after.prior_gradient[remain]).loss
-
-    before = after.baseline.loss
-    while remaining := [name for name in effects if name not in absent]:
-        tried = {name: losses([*absent, name]) for name in remaining}
-        gains = {name: loss - before for name, loss in tried.items()}
-        certainty = {name: float(gain.sum()) / max(error_of_sum(gain), 1e-300) for name, gain in gains.items()}
-        least = min(remaining, key=lambda name: graded(certainty[name]))
-        if certainty[least] > CERTAIN:
-            break
-        absent, before = [*absent, least], tried[least]
-    return absent
-
-
-def harmful(after: Screen, effects: Mapping[str, Collection[str]]) -> list[str]:
-    """Return the effect without which all coefficients find an optimum that predicts all channels better, if any does.
-
-    The predictive density of the fitted rows counts or, if the effect improves it less, that of left-out blocks.
-    """
-    used = after.problem.inverse_noise > 0.0
-
-    def gain(without: Screen) -> float:
-        fits = without, after
-        before, now = (fit.solution.residual for fit in fits)
-        apart, together = (fit.solution.residual + fit.change_without_block for fit in fits)
-        return min(
-            float(density_gains(first, second, used, used).sum())
-            for first, second in ((before, now), (apart, together))
+    used, certainty = after.problem.inverse_noise > 0.0, dict[str, float]()
+    for name, coefficients in effects.items():
+        without = without_effect(after, coefficients)
+        of_fit, of_left_out = (
+            density_gains(
+                *(fit.solution.residual + share * fit.change_without_block for fit in (without, after)), used, used
+            )
+            for share in (0.0, 1.0)
         )
-
-    gains = {name: gain(without_effect(after, coefficients)) for name, coefficients in effects.items()}
-    least = min(gains, key=lambda name: graded(gains[name]))
-    return [least] if not gains[least] > 0.0 else []
+        change = after.problem.weighted(without.solution.residual - after.solution.residual)
+        parts = np.add.reduceat(of_fit.sum(axis=0), _equal_shares(np.cumsum(np.sum(change**2, axis=0)))[:-1])
+        proven = float(parts.sum()) / max(error_of_sum(parts), 1e-300) if len(parts) > 1 else 0.0
+        certainty[name] = proven if of_left_out.sum() > 0.0 else min(proven, 0.0)
+    least = min(certainty, key=lambda name: graded(certainty[name]))
+    return least if certainty[least] <= CERTAIN else None
 
 
 def without_effect(after: Screen, coefficients: Collection[str]) -> Screen:
@@ -169,8 +142,13 @@ def _stretches(screen: Screen, change: FloatArray, z: float) -> IntArray:
     shares = np.diff(np.concatenate([[0.0], evidence])[edges]) / max(float(evidence[-1]), 1e-300)
     if np.sum(z**2 * shares > 1.0) >= 0.75 * STRETCHES:
         return edges
+    return _equal_shares(evidence)
+
+
+def _equal_shares(evidence: FloatArray) -> IntArray:
+    """Return the edges of `STRETCHES` parts with equal shares of what is summed up over the rows."""
     inner = np.searchsorted(evidence, np.linspace(0.0, evidence[-1], STRETCHES + 1)[1:-1]) + 1
-    return np.unique(np.concatenate([edges[:1], inner, edges[-1:]]))
+    return np.unique(np.concatenate([[0], inner, [len(evidence)]]).clip(max=len(evidence))).astype(np.int64)
 
 
 def joint_z(size: float, coefficients: int) -> float:

@@ -24,17 +24,19 @@ from ..probing.candidates import CORE, refinements_for
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS
 from ..unexplained.formula_proposal import UnexplainedStructure, Unknown, proposed
-from .answer import NAMED, UNSURE, Answer
+from .answer import Answer
 from .budget import Budget
 from .compare import ComparedExplanations
-from .effect_evidence import Evidence, effect_evidence, harmful, unproven
-from .explanation import Explanation
+from .effect_evidence import Evidence, effect_evidence, unproven
+from .explanation import UNKNOWN, Explanation
 from .form import form_of
 
 #: Ratio of root mean square residuals, whitened to equal weights, above which the whitened fit is not used. Convention:
 #: the agreement that is required of reported residuals.
 MAX_WHITENED_MISFIT = 1.02
 
+#: The reason why a formula that explains the recording is not in the tire.
+NOT_PROVEN = "parts of the recording contradict it"
 #: Number of times that the channels are weighted by their residuals and fitted.
 BALANCING = 2
 
@@ -50,6 +52,7 @@ class Final:
     - `refinements`: finer forms that the recording needs, each with its effect.
     - `unknown`: the unknown component; at most one.
     - `unknown_evidence`: for its formula, if this was added.
+    - `answer`: the probabilities, smaller ones for what the recording does not prove.
     - `form`, shape (n_channels, n): what the formula's own form errs by, N and N m, if the model with the effects has a
       correction of it (`form_of`).
     """
@@ -62,6 +65,7 @@ class Final:
     refinements: tuple[tuple[str, Form], ...]
     unknown: tuple[Unknown, ...]
     unknown_evidence: Evidence | None
+    answer: Answer
     form: FloatArray | None = None
 
     @property
@@ -105,7 +109,13 @@ def final_fits(
         extended, solution, change = corrected
     for _ in range(BALANCING):
         extended, solution = balanced(extended, solution).fitted(solution.parameters, solution.free)
-    extended, solution, explanation = with_proven(extended, solution, linear.explanation, comparison.answer)
+    added = [declared.name for part in unknown if part.added and part.effect for declared in part.effect.declarations]
+    extended, solution, explanation, unproved = with_proven(extended, solution, linear.explanation, added)
+    if UNKNOWN in unproved:
+        return final_fits(comparison, problem, baseline, budget, no_formula=NOT_PROVEN, correct_form=correct_form)
+    answer = comparison.answer
+    for name in (*unproved, *([UNKNOWN] if no_formula == NOT_PROVEN else ())):
+        answer = answer.with_unproven(name)
     before = Screen(extended, solution)
     if solution.free != base.free:  # with the same weights: a channel could give way to another one in one fit only
         problem = replace(problem, inverse_noise=extended.inverse_noise)
@@ -115,10 +125,11 @@ def final_fits(
     model = extended.simulator.symbolic_model
     effects = {name: coefficients_of(name, explanation, model, solution) for name in explanation.effects}
     evidence = {name: effect_evidence(after, _absent_without(name, explanation, model, solution)) for name in effects}
-    added = [declared.name for part in unknown if part.added and part.effect for declared in part.effect.declarations]
     formula = effect_evidence(after, added) if added else None
     refinements = tuple((name, form) for name, form in refinements if set(form.free) <= set(solution.free))
-    return Final(before, after, whitened.standard_errors(), effects, evidence, refinements, unknown, formula, change)
+    return Final(
+        before, after, whitened.standard_errors(), effects, evidence, refinements, unknown, formula, answer, change
+    )
 
 
 def _in_order(problem: LeastSquares, names: Collection[str]) -> tuple[str, ...]:
@@ -135,30 +146,35 @@ def refined_core(problem: LeastSquares) -> list[str]:
 
 
 def with_proven(
-    problem: LeastSquares, solution: Solution, explanation: Explanation, answer: Answer
-) -> tuple[LeastSquares, Solution, Explanation]:
-    """Return a fit without uncertain effects that do not predict what was left out or do harm, and its explanation.
+    problem: LeastSquares, solution: Solution, explanation: Explanation, formula: Collection[str] = ()
+) -> tuple[LeastSquares, Solution, Explanation, tuple[str, ...]]:
+    """Return a fit without the effects that the recording does not prove, its explanation, and these effects.
 
-    The comparison counts an effect beside errors of the form of all others, which the tire does not have: in it, one
-    may improve a force and make another one worse, or hold the others in a worse optimum. One that would not be called
-    missing has to prove itself; one that would, but is not certain, must do no harm.
+    The comparison counts an effect beside errors of the form of all others, which the tire does not have, and knows the
+    noise from the recording alone: in what the tire can say, each has to prove itself. One after another is left out,
+    the least certain one first: of two that are in each other's place, one remains.
+
+    `formula`: coefficients of the formula of an unknown component, which is judged with the effects. If it is the one
+    to leave out, the fit ends: the others were fitted together with it.
     """
-    doubtful, uncertain = (answer.doubtful(explanation.effects, below) for below in (NAMED, 1.0 - UNSURE))
-    while (judged := [name for name in explanation.effects if name in uncertain]) and not problem.stop():
+    absent = list[str]()
+    while (explanation.effects or formula) and not problem.stop():
         weighted = balanced(problem, solution)
         after = Screen(weighted, weighted.at(solution.parameters, solution.free))
         model = problem.simulator.symbolic_model
-        judging = {name: _absent_without(name, explanation, model, solution) for name in judged}
-        unsure = {name: coefficients for name, coefficients in judging.items() if name in doubtful}
-        absent = harmful(after, judging) or unproven(after, unsure)
-        if not absent:
+        judged = {name: _absent_without(name, explanation, model, solution) for name in explanation.effects}
+        effect = unproven(after, judged | ({UNKNOWN: tuple(formula)} if formula else {}))
+        if effect is None:
             break
-        lost = {name for effect in absent for name in coefficients_of(effect, explanation, model, solution)}
-        explanation = replace(explanation, forms=tuple(form for form in explanation.forms if form[0] not in absent))
+        absent.append(effect)
+        if effect == UNKNOWN:
+            break
+        lost = set(coefficients_of(effect, explanation, model, solution))
+        explanation = replace(explanation, forms=tuple(form for form in explanation.forms if form[0] != effect))
         lost -= {name for _, form in explanation.forms for name in form.free}
         free = tuple(name for name in solution.free if name not in lost)
         problem, solution = problem.fitted(problem.simulator.without(solution.parameters, lost), free)
-    return problem, solution, explanation
+    return problem, solution, explanation, tuple(absent)
 
 
 def coefficients_of(effect: str, explanation: Explanation, model: Model, solution: Solution) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ from ...numerics.smoothing import HALF_WIDTHS
 from ...numerics.ties import graded
 from ...symbolic.channels import OUTPUTS
 from ...tires.tire import Tire
-from ..explanations.answer import Answer, OneOf
+from ..explanations.answer import OneOf
 from ..explanations.effect_evidence import Evidence
 from ..explanations.explanation import UNKNOWN
 from ..explanations.final import Final
@@ -68,14 +68,12 @@ class DiagnosisOutcome:
 
     - `candidates`: all that were compared.
     - `final`: the final fits.
-    - `answer`: the probabilities.
     - `stopped`: why the comparison ended although explanations remained, or ''.
     """
 
     recording: Recording
     candidates: Mapping[str, Candidate]
     final: Final
-    answer: Answer
     stopped: str = ""
 
     @property
@@ -123,7 +121,7 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
     detectable, not_identifiable = detectable_sizes(fits.after, lacking, tested)
     of_recording = _recording_errors(outcome, delivery)
     read = {name: _inputs_of(outcome, name) for name in added}
-    one_of = outcome.answer.one_of(finding.effect for finding in findings)
+    one_of = outcome.final.answer.one_of(finding.effect for finding in findings)
     sentences = verdict_sentences(
         findings, unknown, confounded, refined, adequacy, detectable, against, of_recording,
         one_of=one_of, stopped=bool(outcome.stopped),
@@ -138,7 +136,7 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
     return Diagnosis(
         sentences=tuple(sentences),
         found=findings,
-        answer=outcome.answer,
+        answer=outcome.final.answer,
         confounded_with=confounded,
         unknown=unknown,
         evidence=fits.evidence,
@@ -270,7 +268,7 @@ def _in_order(
     outcome: DiagnosisOutcome, unknown: tuple[Unknown, ...], adequacy: tuple[Adequacy, ...]
 ) -> tuple[FoundEffect, ...]:
     """Return identified effects and unexplained structure in order of probability."""
-    fits, probability = outcome.final, outcome.answer.probabilities[UNKNOWN]
+    fits, probability = outcome.final, outcome.final.answer.probabilities[UNKNOWN]
     findings = [_finding(outcome, name, evidence) for name, evidence in fits.evidence.items()]
     if fits.unknown_evidence is not None:
         of_formula = fits.unknown_evidence
@@ -307,7 +305,7 @@ def _finding(outcome: DiagnosisOutcome, name: str, evidence: Evidence) -> FoundE
         evidence.p,
         evidence.gain,
         evidence.gain_error,
-        outcome.answer.probabilities[name],
+        outcome.final.answer.probabilities[name],
         _stretches(evidence, fits.after),
         Size.by_channel(outcome.signals.channels, evidence.change),
         frozenset(coefficient for coefficient in names if declarations[coefficient].flips),

@@ -14,7 +14,6 @@ from tirefmu.diagnosis import diagnose
 from tirefmu.diagnosis.explanations import (
     Explanation,
     OneOf,
-    answer_of,
     coefficients_of,
     final_fits,
     refined_core,
@@ -258,43 +257,41 @@ def test_a_true_effect_has_evidence_and_an_absent_one_has_not(at_true_values, ti
     false = effect_evidence(after, ("PVY3",))
     assert false.z < 4.0
     assert abs(false.gain) < 0.01
-    assert unproven(after, {"plysteer": ("PHY1",), "camber_thrust": ("PVY3",)}) == ["camber_thrust"]
-    assert unproven(after, {}) == []
+    assert unproven(after, {"plysteer": ("PHY1",), "camber_thrust": ("PVY3",)}) == "camber_thrust"
+    assert unproven(after, {"plysteer": ("PHY1",)}) is None
     moved = tire.parameters()
     moved[lacking.simulator.index["PHY1"]] = 0.0
     expected = lacking.simulator.forces(tire.parameters()) - lacking.simulator.forces(moved)
     np.testing.assert_allclose(true.change, expected, atol=0.1 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize(
-    ("evidences", "is_certain"),
-    [
-        ({(): 2.0, ("camber_thrust",): 0.0, ("plysteer",): 0.0}, False),
-        ({("camber_thrust", "plysteer"): 1.0, ("plysteer",): 0.0}, False),
-        ({("camber_thrust",): 0.0, ("camber_thrust", "plysteer"): -1.0}, True),
-    ],
-)
-def test_an_uncertain_effect_with_which_the_tire_predicts_worse_is_left_out(
-    at_true_values, tire, evidences, is_certain
-):
-    """Plysteer is missing, as improbable as it is; camber thrust is not, and holds the fit in a wrong place."""
+def test_an_effect_with_which_the_tire_predicts_worse_is_left_out_however_probable(at_true_values, tire):
+    """Plysteer is missing; camber thrust is not, and holds the fit in a wrong place."""
     problem, free = at_true_values.problem, (*at_true_values.solution.free, "PVY3")
     lacking = problem.over(Simulator(tire.with_values(PHY1=0.0), problem.simulator.signals))
     forms = [("plysteer", Form.each({"PHY1": 0.01})), ("camber_thrust", Form.each({"PVY3": 0.1}))]
     wrong = tire.parameters()
     wrong[lacking.simulator.index["PVY3"]] = 0.3
     before = lacking.at(wrong, free)
-    answer = answer_of(evidences, ["camber_thrust", "plysteer"])
-    _, solution, explanation = with_proven(lacking, before, Explanation(tuple(forms)), answer)
-    expected = {"plysteer", "camber_thrust"} if is_certain else {"plysteer"}
-    assert set(explanation.effects) == expected
-    assert ("PVY3" in solution.free) == ("camber_thrust" in expected)
+    _, solution, explanation, absent = with_proven(lacking, before, Explanation(tuple(forms)))
+    assert (explanation.effects, absent) == (("plysteer",), ("camber_thrust",))
+    assert "PVY3" not in solution.free
     used = problem.inverse_noise > 0.0
     sizes = [np.mean(one.residual**2, axis=1, where=used) for one in (before, solution)]
     assert (sizes[1] <= 1.001 * sizes[0]).all()
-    if len(expected) == 1:
-        assert solution.parameters[lacking.simulator.index["PVY3"]] == 0.0
-        assert sizes[1][1] < 0.9 * sizes[0][1]
+    assert solution.parameters[lacking.simulator.index["PVY3"]] == 0.0
+    assert sizes[1][1] < 0.9 * sizes[0][1]
+
+
+def test_a_formula_with_which_the_tire_predicts_worse_ends_the_fit(at_true_values, tire):
+    """The other coefficients were fitted together with it, so that nothing is to be taken from this fit."""
+    lacking = at_true_values.problem.over(Simulator(tire, at_true_values.problem.simulator.signals))
+    wrong = tire.parameters()
+    wrong[lacking.simulator.index["PVY3"]] = 0.3
+    before = lacking.at(wrong, (*at_true_values.solution.free, "PVY3"))
+    _, solution, _, absent = with_proven(lacking, before, Explanation(), ["PVY3"])
+    assert absent == ("UNKNOWN",)
+    assert solution is before
 
 
 def test_a_coefficient_of_two_effects_is_that_of_the_one_it_is_free_for():
