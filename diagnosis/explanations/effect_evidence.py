@@ -108,13 +108,10 @@ def unproven(after: Screen, effects: Mapping[str, Collection[str]]) -> str | Non
     used, certainty = after.problem.inverse_noise > 0.0, dict[str, float]()
     for name, coefficients in effects.items():
         without = without_effect(after, coefficients)
-        of_fit, of_left_out = (
-            density_gains(
-                *(fit.solution.residual + share * fit.change_without_block for fit in (without, after)), used, used
-            )
-            for share in (0.0, 1.0)
-        )
-        change = after.problem.weighted(without.solution.residual - after.solution.residual)
+        before, now = without.solution.residual, after.solution.residual
+        apart, together = before + without.change_without_block, now + after.change_without_block
+        of_fit, of_left_out = density_gains(before, now, used, used), density_gains(apart, together, used, used)
+        change = after.problem.weighted(before - now)
         parts = np.add.reduceat(of_fit.sum(axis=0), _equal_shares(np.cumsum(np.sum(change**2, axis=0)))[:-1])
         proven = float(parts.sum()) / max(error_of_sum(parts), 1e-300) if len(parts) > 1 else 0.0
         certainty[name] = proven if of_left_out.sum() > 0.0 else min(proven, 0.0)
