@@ -84,12 +84,13 @@ def rows_of(grid: Grid, car: Car) -> IntArray:
 
 def simulated_pieces(
     grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car, tires: Mapping[str, Tire], *, z: FloatArray,
-    factors: Mapping[str, Mapping[str, FloatArray]] | None = None, fmus: bool = False,
+    factors: Mapping[str, Mapping[str, FloatArray]] | None = None, fmus: bool = False, memory: float = np.inf,
 ) -> FloatArray:  # fmt: skip
     """Return yaw rate, ay and lateral speed of cars, all simulated side by side, shape (n_cars, n_pieces, n, 3).
 
     `z`: deviations of the entries of one car, shape (n_z, 1), or of each car for each piece, shape (n_z, n_cars
-    n_pieces). `factors`: likewise, by axle and name, on the factors of the tires.
+    n_pieces). `factors`: likewise, by axle and name, on the factors of the tires. `memory`: time constant with which a
+    car returns to the recorded motion, s.
     """
     n_cars = max(z.shape[1] // len(pieces_of(grid, car)), 1)
     rows = np.tile(rows_of(grid, car), (n_cars, 1))
@@ -105,7 +106,7 @@ def simulated_pieces(
     state = estimate.states[grid.left[rows[:, 0]], 1:3].T
     longest = min(MAX_STEP, MAX_SHARE * _shortest_time(some[0], tires, float(speed[grid.left[rows]].min())))
     substeps = int(np.ceil(grid.step / longest - 1e-9))
-    h = grid.step / substeps
+    h, returned = grid.step / substeps, -np.expm1(-grid.step / memory)
     past = {} if fmus else states_of(motion_of(grid, estimate, unknowns, car), tires)
     past = {name: values[:, rows] for name, values in past.items()}
     if "alpha" in past:
@@ -131,6 +132,7 @@ def simulated_pieces(
             motion[:, k] = np.stack(
                 [mean[1], (state[0] - before[0]) / grid.step + mean[1] * (ends[0] + ends[1]) / 2, mean[0]], axis=1
             )
+            state = state + returned * (estimate.states[grid.right[at], 1:3].T - state)
     return motion.reshape(n_cars, -1, *motion.shape[1:])
 
 
