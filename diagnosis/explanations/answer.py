@@ -178,7 +178,7 @@ def _ranked(shares: Mapping[tuple[str, ...], float], candidates: Iterable[str]) 
 def percent(probability: float) -> str:
     """Return a probability in percent as a range: the digits would mean nothing.
 
-    In the suites of docs/discovery.md, 94 to 100 % of the effects above 90 % were missing (67 % where the library lacks
+    In the suites of docs/discovery.md, 94 to 100 % of the effects above 90 % were missing (78 % where the library lacks
     the true one), and 7 of 16 between 50 and 90 %.
 
     >>> [percent(probability) for probability in (0.9999, 0.625, 0.5, 0.3, 0.01)]
