@@ -115,21 +115,22 @@ class Answer:
                 unsure.difference_update(members)
         return tuple(classes)
 
-    def doubtful(self, effects: Iterable[str], below: float = NAMED) -> list[str]:
-        """Return those of some effects with a smaller probability than one, neither alone nor as one of several.
+    def doubtful(self, effects: Iterable[str]) -> list[str]:
+        """Return those of some effects that are not called missing, neither alone nor as one of several.
 
         >>> answer = answer_of({("a", "b"): 0.0, ("a", "c"): 0.0, ("a", "b", "d"): -2.0}, list("abcd"))
-        >>> answer.doubtful("abd"), answer.doubtful("abd", below=0.05)
-        (['d'], [])
+        >>> answer.doubtful("abd")
+        ['d']
         """
         names, probabilities = list(effects), self.probabilities
         one_of = {name for alternatives in self.one_of(names) for name in alternatives.effects}
-        return [name for name in names if probabilities[name] < below and name not in one_of]
+        return [name for name in names if probabilities[name] < NAMED and name not in one_of]
 
     def with_unproven(self, part: str) -> Answer:
         """Return the answer with odds of at most one to two for a part that the recording does not prove.
 
-        Two thirds of the probability of each explanation with it go to the one without it.
+        Two thirds of the probability of each explanation with it go to the one without it. Convention: it is rather
+        absent than missing, but not excluded.
 
         >>> answer = answer_of({("conicity",): 0.0}, ["conicity"]).with_unproven("conicity")
         >>> [(explanation.effects, round(explanation.probability, 2)) for explanation in answer.explanations]

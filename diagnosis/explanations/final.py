@@ -35,8 +35,6 @@ from .form import form_of
 #: the agreement that is required of reported residuals.
 MAX_WHITENED_MISFIT = 1.02
 
-#: The reason why a formula that explains the recording is not in the tire.
-NOT_PROVEN = "parts of the recording contradict it"
 #: Number of times that the channels are weighted by their residuals and fitted.
 BALANCING = 2
 
@@ -76,14 +74,15 @@ class Final:
 
 def final_fits(
     comparison: ComparedExplanations, problem: LeastSquares, baseline: Solution, budget: Budget,
-    *, no_formula: str = "", correct_form: bool = True,
+    *, formula: bool = True, no_formula: str = "", correct_form: bool = True,
 ) -> Final:  # fmt: skip
     """Return the final fits. When the time ends, fits stay where they are, and the form is not corrected.
 
-    `problem`, `baseline`: of the baseline model. `no_formula`: the reason why the formula of an unknown component may
-    not be added to the model, if any. `correct_form`: whether the model may have a correction of its own form.
+    `problem`, `baseline`: of the baseline model. `formula`: whether an unknown component has one. `no_formula`: the
+    reason why it may not be added to the model, if any. `correct_form`: whether the model may have a correction of its
+    own form.
     """
-    linear = comparison.leader.linear
+    linear, given = comparison.leader.linear, problem
     disturbances = problem.disturbances.without(linear.unneeded_cross_talk())
     signals = problem.simulator.signals
     aligned = signals.delayed(linear.skew - signals.skew)
@@ -99,7 +98,7 @@ def final_fits(
         free = _in_order(problem, freed)
         extended, solution = problem.driven(linear.solution).fitted(linear.solution.parameters, free)
     unknown, change = tuple[Unknown, ...](), None
-    if terms := linear.explanation.terms:
+    if formula and (terms := linear.explanation.terms):
         features = tuple(term.feature for term in terms)
         structure = UnexplainedStructure(terms[0].location, features, comparison.leader.term_sizes)
         budget.report("adding the proposed formula to the model equations")
@@ -112,9 +111,10 @@ def final_fits(
     added = [declared.name for part in unknown if part.added and part.effect for declared in part.effect.declarations]
     extended, solution, explanation, unproved = with_proven(extended, solution, linear.explanation, added)
     if UNKNOWN in unproved:
-        return final_fits(comparison, problem, baseline, budget, no_formula=NOT_PROVEN, correct_form=correct_form)
+        without = replace(comparison, answer=comparison.answer.with_unproven(UNKNOWN))
+        return final_fits(without, given, baseline, budget, formula=False, correct_form=correct_form)
     answer = comparison.answer
-    for name in (*unproved, *([UNKNOWN] if no_formula == NOT_PROVEN else ())):
+    for name in unproved:
         answer = answer.with_unproven(name)
     before = Screen(extended, solution)
     if solution.free != base.free:  # with the same weights: a channel could give way to another one in one fit only
@@ -125,10 +125,10 @@ def final_fits(
     model = extended.simulator.symbolic_model
     effects = {name: coefficients_of(name, explanation, model, solution) for name in explanation.effects}
     evidence = {name: effect_evidence(after, _absent_without(name, explanation, model, solution)) for name in effects}
-    formula = effect_evidence(after, added) if added else None
+    of_formula = effect_evidence(after, added) if added else None
     refinements = tuple((name, form) for name, form in refinements if set(form.free) <= set(solution.free))
     return Final(
-        before, after, whitened.standard_errors(), effects, evidence, refinements, unknown, formula, answer, change
+        before, after, whitened.standard_errors(), effects, evidence, refinements, unknown, of_formula, answer, change
     )
 
 

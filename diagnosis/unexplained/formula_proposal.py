@@ -26,7 +26,8 @@ class Unknown:
     """Structure that no candidate effect explains.
 
     - `formula`: as in an effect file: "quantity, factor or term: formula".
-    - `added`: whether the improved tire contains it: only if it predicts the hold-out set better.
+    - `added`: whether the improved tire contains it: only if the recording proves it, and the tire
+      with it is delivered.
     - `effect`: the proposed effect file.
     - `not_added_because`: reason; "" if it was added.
     - `next_measurement`: the measurement that determines its form.

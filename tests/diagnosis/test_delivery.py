@@ -14,12 +14,20 @@ from tirefmu.diagnosis import diagnose
 from tirefmu.diagnosis.explanations import (
     Explanation,
     OneOf,
+    answer_of,
     coefficients_of,
     final_fits,
     refined_core,
     with_proven,
 )
-from tirefmu.diagnosis.explanations.effect_evidence import STRETCHES, _stretches, effect_evidence, joint_z, unproven
+from tirefmu.diagnosis.explanations.effect_evidence import (
+    STRETCHES,
+    _equal_shares,
+    _stretches,
+    effect_evidence,
+    joint_z,
+    unproven,
+)
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.signals import Simulator
 from tirefmu.diagnosis.verdict import (
@@ -292,6 +300,23 @@ def test_a_formula_with_which_the_tire_predicts_worse_ends_the_fit(at_true_value
     _, solution, _, absent = with_proven(lacking, before, Explanation(), ["PVY3"])
     assert absent == ("UNKNOWN",)
     assert solution is before
+
+
+@pytest.mark.parametrize("decay", [0.0, 0.02, 0.3])
+def test_parts_of_the_recording_have_equal_shares_of_an_effect_that_soon_ends(decay):
+    power = np.exp(-decay * np.arange(800.0))
+    edges = _equal_shares(np.cumsum(power))
+    assert (edges[0], edges[-1]) == (0, 800)
+    shares = np.add.reduceat(power, edges[:-1]) / power.sum()
+    assert shares.max() <= 1.0 / STRETCHES + power.max() / power.sum()
+    assert len(edges) == STRETCHES + 1 or decay > 0.1
+
+
+def test_what_is_not_proven_keeps_a_third_of_its_probability_and_nothing_else_changes():
+    answer = answer_of({("a",): 1.0, ("a", "UNKNOWN"): 2.0, ("b",): 0.0, ("UNKNOWN",): 1.0}, ["a", "b"])
+    before, after = answer.probabilities, answer.with_unproven("UNKNOWN").probabilities
+    assert after["UNKNOWN"] == pytest.approx(before["UNKNOWN"] / 3.0)
+    assert (after["a"], after["b"]) == pytest.approx((before["a"], before["b"]))
 
 
 def test_a_coefficient_of_two_effects_is_that_of_the_one_it_is_free_for():
