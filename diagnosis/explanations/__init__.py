@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from .answer import OneOf, RankedExplanation, answer_of, percent
     from .budget import Budget, Ended
     from .compare import compared
-    from .discrepancy import effect_discrepancy, model_discrepancy, smooth_functions
+    from .discrepancy import effect_discrepancy, grip_drift, model_discrepancy, smooth_functions
     from .evidence import NormalEquations, Projected
     from .explanation import UNKNOWN, Explanation, Term, unknown_terms
     from .final import balanced, coefficients_of, final_fits, refined_core, with_proven

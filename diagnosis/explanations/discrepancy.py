@@ -27,6 +27,8 @@ from ..unexplained.features import CORE_INPUTS
 #: Drift that may explain structure: largest number of half waves, and prior standard deviation of the k-th one times k,
 #: in noise standard deviations. The quotient is derived: a random walk has it. The size and the number are conventions.
 FAST_DRIFT_WAVES, FAST_DRIFT_PRIOR = 12, 2.0
+#: Prior standard deviation of the first half wave of the drift of the grip, as a share of the forces. Convention.
+GRIP_DRIFT = 0.01
 #: Prior standard deviation of the relative error of the load that follows the direction of slip: benches hold the load
 #: within 1 %. More is attributed to the tire. Convention.
 LOAD_ERROR_PRIOR = 0.005
@@ -78,7 +80,24 @@ def fast_drift(signals: Signals, inverse_noise: FloatArray) -> tuple[FloatArray,
     return _by_channel(rows, functions), np.array([size * FAST_DRIFT_PRIOR / k for size in noise for k in waves])
 
 
+def grip_drift(signals: Signals, forces: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return drift of all forces in proportion, as of a surface that wears or is cleaned, and its prior deviations.
+
+    Shapes (n_channels, n, k) and (k,). What an effect explains better than such a drift has to vary otherwise.
+
+    `forces`, shape (n_channels, n): of the baseline model.
+    """
+    waves = _waves(signals)
+    functions = np.stack(list(waves.values()), axis=-1) if waves else np.zeros((len(signals.rows), 0))
+    return np.nan_to_num(forces)[:, :, None] * functions, np.array([GRIP_DRIFT / k for k in waves])
+
+
 def _fast_waves(signals: Signals) -> dict[int, FloatArray]:
+    return {k: wave for k, wave in _waves(signals).items() if k > DRIFT_WAVES}
+
+
+def _waves(signals: Signals) -> dict[int, FloatArray]:
+    """Return half waves over the recording that are slower than sweeps from side to side, by their numbers."""
     if not signals.timed:
         return {}
     named, reversals = signals.named(), 0
@@ -86,7 +105,7 @@ def _fast_waves(signals: Signals) -> dict[int, FloatArray]:
         large = slip[np.abs(slip) > 0.5 * np.abs(slip).max()]
         reversals += int(np.count_nonzero(np.diff(np.sign(large))))
     waves = half_waves(passed(signals, signals.t[signals.rows]), min(FAST_DRIFT_WAVES, reversals // 2))
-    return dict(enumerate(waves[DRIFT_WAVES + 1 :], DRIFT_WAVES + 1))
+    return dict(enumerate(waves[1:], 1))
 
 
 def effect_discrepancy(response: FloatArray, inputs: Mapping[str, FloatArray], seed: int = 0) -> FloatArray:

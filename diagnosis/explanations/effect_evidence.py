@@ -100,23 +100,38 @@ def unproven(after: Screen, effects: Mapping[str, Collection[str]]) -> str | Non
 
     Compared with the optimum without the effect. The gain over `STRETCHES` parts of the recording, each with an equal
     share of the effect, has to exceed `CERTAIN` of its standard errors, and left-out blocks, predicted from the others,
-    must not be worse. There, all coefficients follow linearly, and those that one block alone determines follow too
-    far, so that these gains have no useful standard error.
+    must not be worse in the median of these parts. There, all coefficients follow linearly, and those that one block
+    alone determines follow too far, so that these gains have no useful sum or standard error.
 
     `after`: of the model with all effects. `effects`: the free coefficients of each of those that are judged.
     """
     used, certainty = after.problem.inverse_noise > 0.0, dict[str, float]()
+    fitted, judged = np.hstack([used, used & False]), np.hstack([used & False, used])
     for name, coefficients in effects.items():
         without = without_effect(after, coefficients)
         before, now = without.solution.residual, after.solution.residual
         apart, together = before + without.change_without_block, now + after.change_without_block
-        of_fit, of_left_out = density_gains(before, now, used, used), density_gains(apart, together, used, used)
         change = after.problem.weighted(before - now)
-        parts = np.add.reduceat(of_fit.sum(axis=0), _equal_shares(np.cumsum(np.sum(change**2, axis=0)))[:-1])
-        proven = float(parts.sum()) / max(error_of_sum(parts), 1e-300) if len(parts) > 1 else 0.0
-        certainty[name] = proven if of_left_out.sum() > 0.0 else min(proven, 0.0)
+        begins = _equal_shares(np.cumsum(np.sum(change**2, axis=0)))[:-1]
+        of_fit = density_gains(before, now, used, used)
+        of_left_out = density_gains(np.hstack([before, apart]), np.hstack([now, together]), fitted, judged)
+        parts = [np.add.reduceat(gains.sum(axis=0), begins) for gains in (of_fit, of_left_out[:, used.shape[1] :])]
+        certainty[name] = certainty_of(*parts)
     least = min(certainty, key=lambda name: graded(certainty[name]))
     return least if certainty[least] <= CERTAIN else None
+
+
+def certainty_of(gains: FloatArray, left_out: FloatArray) -> float:
+    """Return the gain of all parts of a recording in standard errors, at most 0 if most left-out parts are worse.
+
+    >>> fit, left_out = np.array([3.0, 2.0, 4.0, 3.0]), np.array([1.0, 2.0, 1.0, -9e9])
+    >>> round(certainty_of(fit, left_out), 2), certainty_of(fit, -left_out)
+    (7.35, 0.0)
+    """
+    if len(gains) < 2:
+        return 0.0
+    certainty = float(gains.sum()) / max(error_of_sum(gains), 1e-300)
+    return certainty if np.median(left_out) > 0.0 else min(certainty, 0.0)
 
 
 def without_effect(after: Screen, coefficients: Collection[str]) -> Screen:

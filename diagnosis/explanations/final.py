@@ -39,6 +39,10 @@ MAX_WHITENED_MISFIT = 1.02
 BALANCING = 2
 
 
+#: Finer forms, each with its effect.
+Refinements = tuple[tuple[str, Form], ...]
+
+
 @dataclass(frozen=True, eq=False)
 class Final:
     """The final fits of the baseline model and of the most probable explanation.
@@ -60,7 +64,7 @@ class Final:
     errors: FloatArray
     effects: Mapping[str, tuple[str, ...]]
     evidence: Mapping[str, Evidence]
-    refinements: tuple[tuple[str, Form], ...]
+    refinements: Refinements
     unknown: tuple[Unknown, ...]
     unknown_evidence: Evidence | None
     answer: Answer
@@ -109,7 +113,9 @@ def final_fits(
     for _ in range(BALANCING):
         extended, solution = balanced(extended, solution).fitted(solution.parameters, solution.free)
     added = [declared.name for part in unknown if part.added and part.effect for declared in part.effect.declarations]
-    extended, solution, explanation, unproved = with_proven(extended, solution, linear.explanation, added)
+    extended, solution, explanation, refinements, unproved = with_proven(
+        extended, solution, linear.explanation, refinements, added
+    )
     if UNKNOWN in unproved:
         without = replace(comparison, answer=comparison.answer.with_unproven(UNKNOWN))
         return final_fits(without, given, baseline, budget, formula=False, correct_form=correct_form)
@@ -126,7 +132,6 @@ def final_fits(
     effects = {name: coefficients_of(name, explanation, model, solution) for name in explanation.effects}
     evidence = {name: effect_evidence(after, _absent_without(name, explanation, model, solution)) for name in effects}
     of_formula = effect_evidence(after, added) if added else None
-    refinements = tuple((name, form) for name, form in refinements if set(form.free) <= set(solution.free))
     return Final(
         before, after, whitened.standard_errors(), effects, evidence, refinements, unknown, of_formula, answer, change
     )
@@ -146,35 +151,45 @@ def refined_core(problem: LeastSquares) -> list[str]:
 
 
 def with_proven(
-    problem: LeastSquares, solution: Solution, explanation: Explanation, formula: Collection[str] = ()
-) -> tuple[LeastSquares, Solution, Explanation, tuple[str, ...]]:
-    """Return a fit without the effects that the recording does not prove, its explanation, and these effects.
+    problem: LeastSquares, solution: Solution, explanation: Explanation, refinements: Refinements = (),
+    formula: Collection[str] = (),
+) -> tuple[LeastSquares, Solution, Explanation, Refinements, tuple[str, ...]]:  # fmt: skip
+    """Return a fit without what the recording does not prove, what it has of the explanation, and the absent effects.
 
     The comparison counts an effect beside errors of the form of all others, which the tire does not have, and knows the
     noise from the recording alone: in what the tire can say, each has to prove itself. One after another is left out,
     the least certain one first: of two that are in each other's place, one remains.
 
-    `formula`: coefficients of the formula of an unknown component, which is judged with the effects. If it is the one
-    to leave out, the fit ends: the others were fitted together with it.
+    `refinements`: of the effects, each judged alone. `formula`: coefficients of the formula of an unknown component,
+    which is judged with the effects. If it is the one to leave out, the fit ends: the others were fitted together with
+    it.
     """
     absent = list[str]()
-    while (explanation.effects or formula) and not problem.stop():
+    while (explanation.effects or refinements or formula) and not problem.stop():
         weighted = balanced(problem, solution)
         after = Screen(weighted, weighted.at(solution.parameters, solution.free))
         model = problem.simulator.symbolic_model
         judged = {name: _absent_without(name, explanation, model, solution) for name in explanation.effects}
-        effect = unproven(after, judged | ({UNKNOWN: tuple(formula)} if formula else {}))
-        if effect is None:
+        finer = {f"{name}: {', '.join(form.free)}": (name, form) for name, form in refinements}
+        judged |= {text: form.free for text, (_, form) in finer.items()}
+        least = unproven(after, judged | ({UNKNOWN: tuple(formula)} if formula else {}))
+        if least is None:
             break
-        absent.append(effect)
-        if effect == UNKNOWN:
-            break
-        lost = set(coefficients_of(effect, explanation, model, solution))
-        explanation = replace(explanation, forms=tuple(form for form in explanation.forms if form[0] != effect))
-        lost -= {name for _, form in explanation.forms for name in form.free}
+        if least in finer:
+            lost, gone = set(finer[least][1].free), [finer[least]]
+        else:
+            absent.append(least)
+            if least == UNKNOWN:
+                break
+            lost = set(coefficients_of(least, explanation, model, solution))
+            gone = [(name, form) for name, form in refinements if name == least]
+            lost |= {name for _, form in gone for name in form.free}
+            explanation = replace(explanation, forms=tuple(form for form in explanation.forms if form[0] != least))
+        refinements = tuple(refinement for refinement in refinements if refinement not in gone)
+        lost -= {name for _, form in (*explanation.forms, *refinements) for name in form.free}
         free = tuple(name for name in solution.free if name not in lost)
         problem, solution = problem.fitted(problem.simulator.without(solution.parameters, lost), free)
-    return problem, solution, explanation, tuple(absent)
+    return problem, solution, explanation, refinements, tuple(absent)
 
 
 def coefficients_of(effect: str, explanation: Explanation, model: Model, solution: Solution) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ from ..signals.disturbances import Disturbances
 from ..signals.simulation import Simulator
 from ..thresholds import DISCREPANCIES, MAX_ROWS, MAX_SKEW
 from .budget import Budget
-from .discrepancy import fast_drift, input_noise_responses, model_discrepancy
+from .discrepancy import fast_drift, grip_drift, input_noise_responses, model_discrepancy
 from .evidence import NormalEquations, inflation, likelihood_power
 from .explanation import Explanation, Term
 from .linearization import TERM, Addition, Linearization
@@ -159,11 +159,13 @@ def shared_problem(
     """
     problem, signals, additions = linear.problem, linear.simulator.signals, [*effects, linear.unknown()]
     drift, of_drift = fast_drift(signals, problem.inverse_noise)
+    forces = problem.simulator.forces(baseline.parameters)
+    grip, of_grip = grip_drift(signals, forces)
     noise = input_noise_responses(problem.simulator, linear.solution.parameters)
-    names = tuple(f"{BENCH}{i}" for i in range(len(of_drift) + noise.shape[-1]))
-    deviation = np.concatenate([of_drift, np.ones(noise.shape[-1])])
-    disturbances = problem.disturbances.extended(names, np.concatenate([drift, noise], axis=-1), deviation)
-    columns = model_discrepancy(signals, problem.simulator.forces(baseline.parameters))
+    deviation = np.concatenate([of_drift, of_grip, np.ones(noise.shape[-1])])
+    names = tuple(f"{BENCH}{i}" for i in range(len(deviation)))
+    disturbances = problem.disturbances.extended(names, np.concatenate([drift, grip, noise], axis=-1), deviation)
+    columns = model_discrepancy(signals, forces)
     names = tuple(f"{DISCREPANCY}{i}" for i in range(columns.shape[-1]))
     widest = np.full(len(names), max(DISCREPANCIES))
     extended = replace(problem, disturbances=disturbances.extended(names, columns, widest))

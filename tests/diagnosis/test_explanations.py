@@ -26,6 +26,7 @@ from tirefmu.diagnosis.explanations import (
     compare,
     compared,
     effect_discrepancy,
+    grip_drift,
     model_discrepancy,
     percent,
     refitted,
@@ -282,6 +283,18 @@ def test_discrepancies_are_proportional_to_what_they_belong_to(at_true_values):
     without_fy[simulator.signals.channels.index("Fy")] = 0.0
     of_moment = model_discrepancy(simulator.signals, without_fy)[simulator.signals.channels.index("Mz")]
     assert of_moment.any()  # Fx, too, may act beside the center
+
+
+def test_the_grip_of_every_explanation_may_drift_in_all_channels_alike(at_true_values):
+    simulator = at_true_values.problem.simulator
+    forces = simulator.forces(at_true_values.solution.parameters)
+    columns, deviation = grip_drift(simulator.signals, forces)
+    shares = columns / forces[:, :, None]
+    np.testing.assert_allclose(shares, np.broadcast_to(shares[0], shares.shape))
+    assert (np.abs(shares) <= 1.0 + 1e-12).all()
+    assert (np.diff(deviation) < 0.0).all()  # slow drift is larger
+    untimed = replace(simulator.signals, timed=False)
+    assert grip_drift(untimed, forces)[0].shape == (*forces.shape, 0)
 
 
 def test_a_coefficient_at_its_bound_is_a_constant(at_true_values, tire):
