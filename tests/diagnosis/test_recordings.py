@@ -125,3 +125,16 @@ def test_noise_is_not_reported_as_ripple():
 def test_unusable_recordings_raise_a_clear_error(spoiled, message):
     with pytest.raises(DataError, match=message):
         diagnose(spoiled(measured(hidden(), sweeps())), signs="adapted-sae", nominal=NOMINAL)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", ["1", "12"])
+def test_nothing_is_named_on_recordings_of_a_fitted_tire_that_lacks_nothing(tmp_path, seed):
+    """At 10 Hz: the drift of the grip of every explanation is as probable as an effect of the first metres."""
+    table, tire = (str(tmp_path / name) for name in ("bench.csv", "fitted.tir"))
+    assert main(["example", "-o", table, "--sample-rate", "10", "--seed", seed, "--quiet"]) == 0
+    nominal = ["--nominal", "Fz0=700,R0=0.23"]
+    assert main(["fit", table, "--model", "mf96", *nominal, "-o", tire, "--quiet"]) == 0
+    diagnosis = diagnose(table, tire=tire)
+    assert diagnosis.headline == "Nothing material is missing"
+    assert max(diagnosis.answer.probabilities.values()) < 0.5
