@@ -160,32 +160,26 @@ def with_proven(
     noise from the recording alone: in what the tire can say, each has to prove itself. One after another is left out,
     the least certain one first: of two that are in each other's place, one remains.
 
-    `refinements`: of the effects, each judged alone. `formula`: coefficients of the formula of an unknown component,
-    which is judged with the effects. If it is the one to leave out, the fit ends: the others were fitted together with
-    it.
+    `refinements`: finer forms, which are no names: they are absent with their effects. `formula`: coefficients of the
+    formula of an unknown component, which is judged with the effects. If it is the one to leave out, the fit ends: the
+    others were fitted together with it.
     """
     absent = list[str]()
-    while (explanation.effects or refinements or formula) and not problem.stop():
+    while (explanation.effects or formula) and not problem.stop():
         weighted = balanced(problem, solution)
         after = Screen(weighted, weighted.at(solution.parameters, solution.free))
         model = problem.simulator.symbolic_model
         judged = {name: _absent_without(name, explanation, model, solution) for name in explanation.effects}
-        finer = {f"{name}: {', '.join(form.free)}": (name, form) for name, form in refinements}
-        judged |= {text: form.free for text, (_, form) in finer.items()}
-        least = unproven(after, judged | ({UNKNOWN: tuple(formula)} if formula else {}))
-        if least is None:
+        effect = unproven(after, judged | ({UNKNOWN: tuple(formula)} if formula else {}))
+        if effect is None:
             break
-        if least in finer:
-            lost, gone = set(finer[least][1].free), [finer[least]]
-        else:
-            absent.append(least)
-            if least == UNKNOWN:
-                break
-            lost = set(coefficients_of(least, explanation, model, solution))
-            gone = [(name, form) for name, form in refinements if name == least]
-            lost |= {name for _, form in gone for name in form.free}
-            explanation = replace(explanation, forms=tuple(form for form in explanation.forms if form[0] != least))
-        refinements = tuple(refinement for refinement in refinements if refinement not in gone)
+        absent.append(effect)
+        if effect == UNKNOWN:
+            break
+        lost = {name for finer, form in refinements if finer == effect for name in form.free}
+        lost |= set(coefficients_of(effect, explanation, model, solution))
+        explanation = replace(explanation, forms=tuple(form for form in explanation.forms if form[0] != effect))
+        refinements = tuple(refinement for refinement in refinements if refinement[0] != effect)
         lost -= {name for _, form in (*explanation.forms, *refinements) for name in form.free}
         free = tuple(name for name in solution.free if name not in lost)
         problem, solution = problem.fitted(problem.simulator.without(solution.parameters, lost), free)
