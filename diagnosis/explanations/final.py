@@ -15,6 +15,7 @@ import numpy as np
 
 from ...numerics.arrays import FloatArray
 from ...numerics.noise_model import Whitening, noise_parts
+from ...numerics.ties import graded
 from ...symbolic.detection import Form
 from ...symbolic.model import Model
 from ...tires.tire import Tire
@@ -99,8 +100,14 @@ def final_fits(
     extended, solution = problem, base
     freed = {*base.free, *linear.solution.free, *(name for _, form in refinements for name in form.free)}
     if freed > set(base.free):
-        free = _in_order(problem, freed)
-        extended, solution = problem.driven(linear.solution).fitted(linear.solution.parameters, free)
+        free, started = _in_order(problem, freed), linear.solution.parameters
+        of_core = [problem.simulator.index[name] for name in base.free]
+        core_alone = started.copy()  # the refit had it beside discrepancies that a tire does not have
+        core_alone[of_core] = base.parameters[of_core]
+        driven = problem.driven(linear.solution)
+        extended, solution = min(
+            (driven.fitted(start, free) for start in (started, core_alone)), key=lambda fit: graded(fit[1].cost)
+        )
     unknown, change = tuple[Unknown, ...](), None
     if formula and (terms := linear.explanation.terms):
         features = tuple(term.feature for term in terms)
