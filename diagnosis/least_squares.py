@@ -137,19 +137,21 @@ class LeastSquares:
         return np.array([factors.get(name, 1.0) for name in free])
 
     def solve(
-        self, start: FloatArray, free: Sequence[str], *, iterations: int = 30, tolerance: float = 1e-5
-    ) -> Solution:
+        self, start: FloatArray, free: Sequence[str], *, iterations: int = 30, tolerance: float = 1e-5,
+        above: float = 0.0,
+    ) -> Solution:  # fmt: skip
         """Fit the coefficients from initial values.
 
         `start`, shape (n_parameters,). `tolerance`: iterations stop when the predicted reduction is below this share of
-        the cost.
+        what the cost is above a given one.
         """
         lower, upper = self.bounds(free)
         projected = _Projected(self, start, free)
         first = np.clip(start[projected.indices], lower, upper)
         end = minimize(
-            projected, first, lower, upper, lambda _, cost: tolerance * cost, DAMPING, steps=iterations, stop=self.stop
-        )
+            projected, first, lower, upper, lambda _, cost: tolerance * (cost - above), DAMPING, steps=iterations,
+            stop=self.stop,
+        )  # fmt: skip
         return projected.solution(end.x)
 
     def driven(self, solution: Solution) -> LeastSquares:

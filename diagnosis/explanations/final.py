@@ -15,6 +15,7 @@ import numpy as np
 
 from ...numerics.arrays import FloatArray
 from ...numerics.noise_model import Whitening, noise_parts
+from ...numerics.ties import graded
 from ...symbolic.detection import Form
 from ...symbolic.model import Model
 from ...tires.tire import Tire
@@ -27,7 +28,7 @@ from ..unexplained.formula_proposal import UnexplainedStructure, Unknown, propos
 from .answer import Answer
 from .budget import Budget
 from .compare import ComparedExplanations
-from .effect_evidence import Evidence, effect_evidence, unproven
+from .effect_evidence import CERTAIN, Evidence, effect_evidence, proof_of
 from .explanation import UNKNOWN, Explanation
 from .form import form_of
 
@@ -157,24 +158,32 @@ def with_proven(
     """Return a fit without what the recording does not prove, what it has of the explanation, and the absent effects.
 
     The comparison counts an effect beside errors of the form of all others, which the tire does not have, and knows the
-    noise from the recording alone: in what the tire can say, each has to prove itself. One after another is left out,
-    the least certain one first: of two that are in each other's place, one remains.
+    noise from the recording alone: in what the tire can say, each has to prove itself (`CERTAIN`). One after another is
+    left out, the least certain one first: of two that are in each other's place, one remains. Only those that were not
+    proven are judged again at once, and all when these are proven or left out.
 
     `refinements`: of the effects, each judged alone. `formula`: coefficients of the formula of an unknown component,
     which is judged with the effects. If it is the one to leave out, the fit ends: the others were fitted together with
     it.
     """
-    absent = list[str]()
+    absent, doubtful = list[str](), list[str]()
     while (explanation.effects or refinements or formula) and not problem.stop():
         weighted = balanced(problem, solution)
         after = Screen(weighted, weighted.at(solution.parameters, solution.free))
         model = problem.simulator.symbolic_model
         judged = {name: _absent_without(name, explanation, model, solution) for name in explanation.effects}
         finer = {f"{name}: {', '.join(form.free)}": (name, form) for name, form in refinements}
-        judged |= {text: form.free for text, (_, form) in finer.items()}
-        least = unproven(after, judged | ({UNKNOWN: tuple(formula)} if formula else {}))
-        if least is None:
-            break
+        judged |= {text: form.free for text, (_, form) in finer.items()} | (
+            {UNKNOWN: tuple(formula)} if formula else {}
+        )
+        again = [name for name in doubtful if name in judged] or judged
+        certainty = {name: proof_of(after, judged[name]) for name in again}
+        if not (doubtful := [name for name, size in certainty.items() if size <= CERTAIN]):
+            if len(certainty) == len(judged):
+                break
+            continue
+        least = min(doubtful, key=lambda name: graded(certainty[name]))
+        doubtful.remove(least)
         if least in finer:
             lost, gone = set(finer[least][1].free), [finer[least]]
         else:
