@@ -71,11 +71,11 @@ class PathCourse:
         least[self.restarts] = most[self.restarts] = self.start[self.restarts + 1]
         length = int(np.sqrt(len(rows))) + 1
         limited = (way.clip(-2.0, 2.0), least, most)  # from end to end
-        way, least, most = (np.pad(row, (0, -len(row) % length)).reshape(-1, length).T for row in limited)
-        moved, reached = np.cumsum(way, axis=0), np.empty((length, 2, way.shape[1]))
+        ways, lowest, highest = (np.pad(row, (0, -len(row) % length)).reshape(-1, length).T for row in limited)
+        moved, reached = np.cumsum(ways, axis=0), np.empty((length, 2, ways.shape[1]))
         extremes: FloatArray = np.array([[-np.inf], [np.inf]])
         for k in range(length):
-            reached[k] = extremes = np.minimum(most[k], np.maximum(extremes + way[k], least[k]))
+            reached[k] = extremes = np.minimum(highest[k], np.maximum(extremes + ways[k], lowest[k]))
         begins = [float(self.start[0])]
         for way_of_part, (low, high) in zip(moved[-1].tolist(), extremes.T.tolist(), strict=True):
             begins.append(min(high, max(begins[-1] + way_of_part, low)))
