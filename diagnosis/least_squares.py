@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from ..numerics.arrays import BoolArray, FloatArray
+from ..numerics.arrays import BoolArray, FloatArray, IndexArray
 from ..numerics.gauss_newton import Damping, minimize
 from ..numerics.noise_model import Whitening
 from ..symbolic.added import AddedEffect
+from ..tires.code.interface import slices
 from .signals.disturbances import Disturbances
 from .signals.simulation import Simulator
 from .thresholds import FINAL_ITERATIONS
@@ -22,6 +23,8 @@ from .weighted_columns import WeightedColumns, joined
 RANGE_IN_DEVIATIONS = 4.0
 #: Distance from a bound, as a share of the range, at which a coefficient is at the bound: a clipped step ends there.
 AT_BOUND = 1e-6
+#: Columns that are whitened at once: more take more memory, fewer more time.
+WHITENED_AT_ONCE = 128
 #: Damping is scaled by the curvature, as coefficients have different units. Any step that lowers the cost is accepted.
 DAMPING = Damping(first=1e-3, least=1e-7, most=10.0, up=8.0, down=0.1, by_curvature=True, trusted=0.0)
 
@@ -91,7 +94,7 @@ class LeastSquares:
     def extended(self, names: tuple[str, ...], columns: FloatArray, deviation: FloatArray) -> LeastSquares:
         """Return the problem with additional columns among its disturbances (`Disturbances.extended`)."""
         other = replace(self, disturbances=self.disturbances.extended(names, columns, deviation))
-        (first, products), added = self.disturbance_products, self.weighted_columns(columns)
+        (first, products), added = self.disturbance_products, self.weighted_columns([columns])
         cross = first.times(added)
         whole = np.block([[products, cross], [cross.T, added.times(added)]])
         other.__dict__["disturbance_products"] = joined([first, added]), whole
@@ -137,19 +140,21 @@ class LeastSquares:
         return np.array([factors.get(name, 1.0) for name in free])
 
     def solve(
-        self, start: FloatArray, free: Sequence[str], *, iterations: int = 30, tolerance: float = 1e-5
-    ) -> Solution:
+        self, start: FloatArray, free: Sequence[str], *, iterations: int = 30, tolerance: float = 1e-5,
+        above: float = 0.0,
+    ) -> Solution:  # fmt: skip
         """Fit the coefficients from initial values.
 
         `start`, shape (n_parameters,). `tolerance`: iterations stop when the predicted reduction is below this share of
-        the cost.
+        what the cost is above a given one.
         """
         lower, upper = self.bounds(free)
         projected = _Projected(self, start, free)
         first = np.clip(start[projected.indices], lower, upper)
         end = minimize(
-            projected, first, lower, upper, lambda _, cost: tolerance * cost, DAMPING, steps=iterations, stop=self.stop
-        )
+            projected, first, lower, upper, lambda _, cost: tolerance * (cost - above), DAMPING, steps=iterations,
+            stop=self.stop,
+        )  # fmt: skip
         return projected.solution(end.x)
 
     def driven(self, solution: Solution) -> LeastSquares:
@@ -206,19 +211,34 @@ class LeastSquares:
         over = self.inverse_noise.reshape(*self.inverse_noise.shape, *(1,) * (rows.ndim - 2)) * rows
         return self.whitening(over) if self.whitening else np.asarray(over)
 
-    def weighted_columns(self, columns: FloatArray) -> WeightedColumns:
-        """Return columns, shape (n_channels, n, k), divided by their noise."""
-        parts = []
-        for i, of_channel in enumerate(columns):
-            used = np.flatnonzero(np.any(of_channel, axis=0))
-            rows = self.inverse_noise[i][:, None] * of_channel[:, used]
-            parts.append((used, self.whitening(rows[None], slice(i, i + 1))[0] if self.whitening else rows))
-        return WeightedColumns(columns.shape[-1], tuple(parts))
+    def weighted_columns(self, groups: Iterable[FloatArray]) -> WeightedColumns:
+        """Return the columns of groups, each of shape (n_channels, n, k), one after another, divided by their noise.
+
+        Groups are stored one by one, without the zeros of other channels. Many of their columns are whitened at once,
+        in place: the columns of an explanation take much memory.
+        """
+        number, parts = 0, [(list[IndexArray](), list[FloatArray]()) for _ in self.inverse_noise]
+        for columns in groups:
+            for (chosen, stored), of_channel in zip(parts, columns, strict=True):
+                used = np.flatnonzero(np.any(of_channel, axis=0))
+                chosen.append(number + used)
+                stored.append(of_channel[:, used])
+            number += columns.shape[-1]
+        weighted = list[tuple[IndexArray, FloatArray]]()
+        for i, (chosen, stored) in enumerate(parts):
+            rows = np.concatenate(stored, axis=1)
+            stored.clear()
+            rows *= self.inverse_noise[i][:, None]
+            if self.whitening:
+                for at in slices(rows.shape[1], WHITENED_AT_ONCE):
+                    rows[:, at] = self.whitening(rows[None, :, at], slice(i, i + 1))[0]
+            weighted.append((np.concatenate(chosen), rows))
+        return WeightedColumns(number, tuple(weighted))
 
     @cached_property
     def disturbance_products(self) -> tuple[WeightedColumns, FloatArray]:
         """Weighted columns of the disturbances, and their cross products, shape (k, k)."""
-        weighted = self.weighted_columns(self.disturbances.columns)
+        weighted = self.weighted_columns([self.disturbances.columns])
         return weighted, weighted.times(weighted)
 
     @cached_property
@@ -228,7 +248,7 @@ class LeastSquares:
 
     def _normal(self, solution: Solution) -> tuple[FloatArray, FloatArray]:
         """Return Gauss-Newton matrix and descent direction in the coefficients, the disturbances eliminated."""
-        jacobian = self.weighted_columns(self.simulator.jacobian(solution.parameters, solution.free))
+        jacobian = self.weighted_columns([self.simulator.jacobian(solution.parameters, solution.free)])
         columns, factor = self.disturbance_products[0], self._disturbance_factor
         residual = self.weighted(solution.residual)
         center, deviation = self.prior(solution.free)

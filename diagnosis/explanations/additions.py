@@ -15,7 +15,7 @@ from ..unexplained.formula_proposal import Dictionary
 from ..weighted_columns import joined
 from .evidence import NormalEquations, Projected
 from .explanation import UNKNOWN, Term, prior_deviation
-from .linearization import Addition, Linearization
+from .linearization import Addition, Linearization, weighted_additions
 from .refit import Refitted, Shared, refitted
 
 #: Number of terms of a formula. Convention: computing time.
@@ -58,11 +58,9 @@ def in_place_of(part: str, linear: Linearization, additions: Sequence[Addition])
     problem, solution = linear.problem, linear.solution
     others = [name for name in solution.free if linear.explanation.owner(name) != part]
     recorded = problem.disturbances.of_recording()
-    fixed = [recorded.columns, linear.simulator.jacobian(solution.parameters, others)]
-    columns = joined([
-        *map(problem.weighted_columns, (*fixed, linear.responses.of(part)[:, :, None])),
-        *(addition.weighted_columns or problem.weighted_columns(addition.columns) for addition in additions),
-    ])  # fmt: skip
+    response = linear.responses.of(part)[:, :, None]
+    fixed = [recorded.columns, linear.simulator.jacobian(solution.parameters, others), response]
+    columns = joined([problem.weighted_columns(fixed), weighted_additions(problem, additions)])
     deviations = [
         recorded.deviation,
         problem.prior(others)[1],
@@ -70,10 +68,8 @@ def in_place_of(part: str, linear: Linearization, additions: Sequence[Addition])
         *(addition.deviation for addition in additions),
     ]
     precision, matrix = np.concatenate(deviations) ** -2.0, columns.times(columns)
-    response = len(recorded.deviation) + len(others)
-    normal = NormalEquations(
-        matrix, matrix[response], float(matrix[response, response]), precision, np.zeros(len(precision))
-    )
+    place = len(recorded.deviation) + len(others)
+    normal = NormalEquations(matrix, matrix[place], float(matrix[place, place]), precision, np.zeros(len(precision)))
     return Projected.of(normal, [1, *(len(addition.deviation) for addition in additions)])
 
 

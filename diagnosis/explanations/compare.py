@@ -258,14 +258,14 @@ def _settled(table: Table) -> Move:
 
 def reduced(table: Table, refit: Refitted) -> Move:
     """Compare an explanation with those that lack one of its parts; those that may lead are refitted."""
-    for part in refit.explanation.parts:
-        less = refit.explanation.without(part)
-        if less.parts in table.refits:
-            continue
+    fewer = {part: refit.explanation.without(part) for part in refit.explanation.parts}
+    fewer = {part: less for part, less in fewer.items() if less.parts not in table.refits}
+    for part, less in fewer.items():  # before refits, which free the columns of this one
         if part != UNKNOWN:
             table = table.with_linear(less.parts, refit.linear.evidence_without(part), less.log_prior)
-            if table.is_far(less.parts):
-                continue
+    for part, less in fewer.items():
+        if part != UNKNOWN and table.is_far(less.parts):
+            continue
         table.report(f"comparing {part} with other explanations")
         start = table.without(refit, less)
         table = table.with_refit(refitted(table.shared, less, [start], refit.linear.simulator))

@@ -127,10 +127,10 @@ def envelope(response: FloatArray, signals: Signals) -> FloatArray:
 
 def _by_channel(rows: FloatArray, functions: FloatArray) -> FloatArray:
     """Return the products of each channel with all functions, shape (n_channels, n, n_channels * n_functions)."""
-    columns = np.zeros((*rows.shape, len(rows), functions.shape[1]))
+    columns = np.zeros((len(rows), len(rows), *functions.T.shape))  # a column has its rows in one place
     for i, row in enumerate(rows):
-        columns[i, :, i] = row[:, None] * functions
-    return columns.reshape(*rows.shape, -1)
+        columns[i, i] = row * functions.T
+    return columns.reshape(len(rows), -1, rows.shape[1]).swapaxes(1, 2)
 
 
 def smooth_functions(inputs: Mapping[str, FloatArray], number: int, seed: int = 0) -> FloatArray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -11,7 +11,6 @@ from scipy.special import chdtrc, ndtri
 
 from ...numerics.arrays import FloatArray, IntArray
 from ...numerics.block_regression import error_of_sum
-from ...numerics.ties import graded
 from ..least_squares import density_gains
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS
@@ -21,6 +20,9 @@ STRETCHES = 8
 #: Gain of the stretches, in standard errors, above which an effect is in the tire and may be called missing.
 #: Convention, as of the correction of the form.
 CERTAIN = 2.0
+#: Share of what an effect explains by which the fit without it may still fall. Convention: a tenth of a standard error
+#: of a gain of ten of them.
+EXACT = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,30 +97,26 @@ def effect_evidence(after: Screen, coefficients: Collection[str]) -> Evidence:
     )
 
 
-def unproven(after: Screen, effects: Mapping[str, Collection[str]]) -> str | None:
-    """Return the least certain effect if the recording does not prove it: all channels together, by predictive density.
+def proof_of(after: Screen, coefficients: Collection[str]) -> float:
+    """Return how well the recording proves an effect (`certainty_of`): all channels together, by predictive density.
 
     Compared with the optimum without the effect. The gain over `STRETCHES` parts of the recording, each with an equal
     share of the effect, has to exceed `CERTAIN` of its standard errors, and left-out blocks, predicted from the others,
     must not be worse in the median of these parts. There, all coefficients follow linearly, and those that one block
     alone determines follow too far, so that these gains have no useful sum or standard error.
 
-    `after`: of the model with all effects. `effects`: the free coefficients of each of those that are judged.
+    `after`: of the model with all effects. `coefficients`: free ones of the effect.
     """
-    used, certainty = after.problem.inverse_noise > 0.0, dict[str, float]()
+    used, without = after.problem.inverse_noise > 0.0, without_effect(after, coefficients)
     fitted, judged = np.hstack([used, used & False]), np.hstack([used & False, used])
-    for name, coefficients in effects.items():
-        without = without_effect(after, coefficients)
-        before, now = without.solution.residual, after.solution.residual
-        apart, together = before + without.change_without_block, now + after.change_without_block
-        change = after.problem.weighted(before - now)
-        begins = _equal_shares(np.cumsum(np.sum(change**2, axis=0)))[:-1]
-        of_fit = density_gains(before, now, used, used)
-        of_left_out = density_gains(np.hstack([before, apart]), np.hstack([now, together]), fitted, judged)
-        parts = [np.add.reduceat(gains.sum(axis=0), begins) for gains in (of_fit, of_left_out[:, used.shape[1] :])]
-        certainty[name] = certainty_of(*parts)
-    least = min(certainty, key=lambda name: graded(certainty[name]))
-    return least if certainty[least] <= CERTAIN else None
+    before, now = without.solution.residual, after.solution.residual
+    apart, together = before + without.change_without_block, now + after.change_without_block
+    change = after.problem.weighted(before - now)
+    begins = _equal_shares(np.cumsum(np.sum(change**2, axis=0)))[:-1]
+    of_fit = density_gains(before, now, used, used)
+    of_left_out = density_gains(np.hstack([before, apart]), np.hstack([now, together]), fitted, judged)
+    parts = [np.add.reduceat(gains.sum(axis=0), begins) for gains in (of_fit, of_left_out[:, used.shape[1] :])]
+    return certainty_of(*parts)
 
 
 def certainty_of(gains: FloatArray, left_out: FloatArray) -> float:
@@ -135,11 +133,12 @@ def certainty_of(gains: FloatArray, left_out: FloatArray) -> float:
 
 
 def without_effect(after: Screen, coefficients: Collection[str]) -> Screen:
-    """Return the fit of the same model without an effect."""
+    """Return the fit of the same model without an effect, the more exact the less the effect explains."""
     problem, solution = after.problem, after.solution
     removed = problem.simulator.without(solution.parameters, coefficients)
     others = tuple(name for name in solution.free if name not in coefficients)
-    return Screen(problem, problem.solve(removed, others, iterations=FINAL_ITERATIONS))
+    least = solution.cost
+    return Screen(problem, problem.solve(removed, others, iterations=FINAL_ITERATIONS, tolerance=EXACT, above=least))
 
 
 def _stretches(screen: Screen, change: FloatArray, z: float) -> IntArray:

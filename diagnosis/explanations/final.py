@@ -28,7 +28,7 @@ from ..unexplained.formula_proposal import UnexplainedStructure, Unknown, propos
 from .answer import Answer
 from .budget import Budget
 from .compare import ComparedExplanations
-from .effect_evidence import Evidence, effect_evidence, unproven
+from .effect_evidence import CERTAIN, Evidence, effect_evidence, proof_of
 from .explanation import UNKNOWN, Explanation
 from .form import form_of
 
@@ -164,22 +164,29 @@ def with_proven(
     """Return a fit without what the recording does not prove, what it has of the explanation, and the absent effects.
 
     The comparison counts an effect beside errors of the form of all others, which the tire does not have, and knows the
-    noise from the recording alone: in what the tire can say, each has to prove itself. One after another is left out,
-    the least certain one first: of two that are in each other's place, one remains.
+    noise from the recording alone: in what the tire can say, each has to prove itself (`CERTAIN`). One after another is
+    left out, the least certain one first: of two that are in each other's place, one remains. Only those that were not
+    proven are judged again at once, and all when these are proven or left out.
 
     `refinements`: finer forms, which are no names: they are absent with their effects. `formula`: coefficients of the
     formula of an unknown component, which is judged with the effects. If it is the one to leave out, the fit ends: the
     others were fitted together with it.
     """
-    absent = list[str]()
+    absent, doubtful = list[str](), list[str]()
     while (explanation.effects or formula) and not problem.stop():
         weighted = balanced(problem, solution)
         after = Screen(weighted, weighted.at(solution.parameters, solution.free))
         model = problem.simulator.symbolic_model
         judged = {name: _absent_without(name, explanation, model, solution) for name in explanation.effects}
-        effect = unproven(after, judged | ({UNKNOWN: tuple(formula)} if formula else {}))
-        if effect is None:
-            break
+        judged |= {UNKNOWN: tuple(formula)} if formula else {}
+        certainty = {name: proof_of(after, judged[name]) for name in doubtful or judged}
+        if not (unproven := [name for name, size in certainty.items() if size <= CERTAIN]):
+            if not doubtful:
+                break
+            doubtful = []
+            continue
+        effect = min(unproven, key=lambda name: graded(certainty[name]))
+        doubtful = [name for name in unproven if name != effect]
         absent.append(effect)
         if effect == UNKNOWN:
             break

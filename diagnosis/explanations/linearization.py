@@ -54,7 +54,7 @@ class Addition:
         return replace(
             self,
             columns=np.zeros((*self.columns.shape[:2], 0)),
-            weighted_columns=problem.weighted_columns(self.columns),
+            weighted_columns=problem.weighted_columns([self.columns]),
         )
 
 
@@ -80,6 +80,13 @@ class Columns:
         number = columns.shape[-1]
         given = np.ones(number) if deviation is None else deviation
         return cls([owner] * number, columns, given, np.zeros(number), unlimited(number))
+
+
+def weighted_additions(problem: LeastSquares, additions: Sequence[Addition]) -> WeightedColumns:
+    """Return the columns of additions in the noise standard deviations of a problem, one after another."""
+    if all(addition.weighted_columns is None for addition in additions):
+        return problem.weighted_columns([addition.columns for addition in additions])
+    return joined([addition.weighted_columns or problem.weighted_columns([addition.columns]) for addition in additions])
 
 
 def unlimited(number: int) -> FloatArray:
@@ -156,9 +163,7 @@ class Linearization:
 
     def beside(self, additions: Sequence[Addition]) -> tuple[NormalEquations, FloatArray]:
         """Return the normal equations of additions, and their products with all columns and the misfit, (m + 1, k)."""
-        added = joined([
-            addition.weighted_columns or self.problem.weighted_columns(addition.columns) for addition in additions
-        ])  # fmt: skip
+        added = weighted_additions(self.problem, additions)
         cross, base = _contents(self).columns.times(added), self._own_equations
         precision = np.concatenate([addition.deviation**-2.0 for addition in additions])
         zeros = np.zeros(added.number)
@@ -320,31 +325,29 @@ class _Contents:
     errors: int
 
 
-#: What the latest linearizations contain, and their number.
-_STORED, LATEST = dict[Linearization, _Contents](), 2
+#: What the latest linearization contains: a hundred megabytes for twenty effects in three channels.
+_STORED = dict[Linearization, _Contents]()
 
 
 def _contents(linear: Linearization) -> _Contents:
-    """Return what an explanation contains; the oldest one that is stored is freed before another one is computed."""
-    if linear in _STORED:
-        contents = _STORED.pop(linear)
-    else:
-        if len(_STORED) == LATEST:
-            del _STORED[next(iter(_STORED))]
-        contents = _computed_contents(linear)
-    _STORED[linear] = contents
-    return contents
+    """Return what an explanation contains; that of another one is freed before it is computed."""
+    if linear not in _STORED:
+        _STORED.clear()
+        _STORED[linear] = _computed_contents(linear)
+    return _STORED[linear]
 
 
 def _computed_contents(linear: Linearization) -> _Contents:
-    problem, weighted, groups = linear.problem, list[WeightedColumns](), list[Columns]()
-    for group in linear.contained():  # one after another: weighted ones are stored without the zeros of other channels
-        weighted.append(problem.weighted_columns(group.columns))
-        groups.append(replace(group, columns=np.zeros((0, 0, 0))))
-    misfit = problem.weighted_columns(problem.misfit(linear.solution.parameters)[:, :, None])
-    first, _ = problem.disturbance_products
-    columns, common = joined([first, *weighted, misfit]), first.number
-    del weighted
+    problem, groups = linear.problem, list[Columns]()
+
+    def all_columns() -> Iterator[FloatArray]:
+        yield problem.disturbances.columns
+        for group in linear.contained():
+            groups.append(replace(group, columns=np.zeros((0, 0, 0))))
+            yield group.columns
+        yield problem.misfit(linear.solution.parameters)[:, :, None]
+
+    columns, common = problem.weighted_columns(all_columns()), len(problem.disturbances.names)
     matrix = columns.times(columns)
     deviations = np.concatenate([problem.disturbances.deviation, *(group.deviation for group in groups)])
     distances = np.concatenate([np.zeros(common), *(group.distance for group in groups)])

@@ -10,7 +10,14 @@ from itertools import pairwise
 import numpy as np
 
 from ...numerics.arrays import FloatArray, IntArray
-from ...numerics.block_regression import BlockSums, autocovariance, block_sums, coloured_covariance, regression
+from ...numerics.block_regression import (
+    BlockSums,
+    Regression,
+    autocovariance,
+    block_sums,
+    coloured_covariance,
+    regression,
+)
 from ...symbolic.detection import Form, Probe
 from ..least_squares import LeastSquares, Solution
 from ..signals.simulation import Simulator
@@ -56,9 +63,17 @@ class Screen:
             [-(values - center) / deviation**2, -solution.disturbance / problem.disturbances.deviation**2]
         )
         self.edges = _edges(self.signals.block, problem.inverse_noise)
-        self.sums = block_sums(self.tangent, self.residual, self.edges)
-        self.baseline = regression(self.sums, self.prior_precision, self.prior_gradient)
         self._baseline_forces = problem.simulator.forces(solution.parameters)
+
+    @cached_property
+    def sums(self) -> BlockSums:
+        """The cross products by block."""
+        return block_sums(self.tangent, self.residual, self.edges)
+
+    @cached_property
+    def baseline(self) -> Regression:
+        """The regression of the residual on the tangent space, also without each block."""
+        return regression(self.sums, self.prior_precision, self.prior_gradient)
 
     @property
     def n_blocks(self) -> int:

@@ -326,15 +326,17 @@ class Simulator:
         """Return derivatives of the forces by coefficients, shape (n_channels, n, n_free)."""
         rows = np.ascontiguousarray(self.effective_inputs(parameters))
         entries, channel, column = self._entries(tuple(free))
-        jacobian = np.zeros((len(self.signals.channels), rows.shape[1], len(free)))
-        jacobian[channel, :, column] = chosen_derivatives(self._code, rows, parameters, entries)
+        jacobian = np.zeros(
+            (len(self.signals.channels), len(free), rows.shape[1])
+        )  # coefficients have rows in one place
+        jacobian[channel, column] = chosen_derivatives(self._code, rows, parameters, entries)
         for i, name in enumerate(free):
             if name in self._by_difference and self.signals.timed:
                 step = self._by_difference[name]
                 moved = parameters.copy()
                 moved[self.index[name]] += step
-                jacobian[:, :, i] = (self.forces(moved) - self.forces(parameters)) / step
-        return jacobian
+                jacobian[:, i] = (self.forces(moved) - self.forces(parameters)) / step
+        return jacobian.swapaxes(1, 2)
 
     def _entries(self, free: tuple[str, ...]) -> tuple[IndexArray, IndexArray, IndexArray]:
         """Return entries of the generated Jacobian by free coefficients, and the channel and column of each."""

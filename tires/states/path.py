@@ -61,13 +61,26 @@ class PathCourse:
         return recursion(self.start[0], decay, gained)
 
     def _clipped(self, rows: IntArray, ends: list[FloatArray]) -> FloatArray:
-        """Return the values at the rows, computed one row after another, because the law is not linear."""
+        """Return the values at the rows, those of parts of the rows at once.
+
+        The law adds a way and clips. Any start of a part leads to its sum with the way so far, clipped to what the
+        least and the largest start lead to.
+        """
         path = self.lags[0].value if len(self.lags) == 1 else np.hypot(*(lag.value for lag in self.lags))
-        moved = np.diff(path) * self.rate[:-1]
-        restarts, values = set(self.restarts.tolist()), [float(self.start[0])]
-        for i, (way, least) in enumerate(zip(moved.tolist(), self._law(-1.0, rows, ends).tolist(), strict=True)):
-            values.append(float(self.start[i + 1]) if i in restarts else min(1.0, max(values[-1] + way, least)))
-        return np.asarray(values)
+        way, least, most = np.diff(path) * self.rate[:-1], self._law(-1.0, rows, ends), np.ones(len(rows))
+        least[self.restarts] = most[self.restarts] = self.start[self.restarts + 1]
+        length = int(np.sqrt(len(rows))) + 1
+        limited = (way.clip(-2.0, 2.0), least, most)  # from end to end
+        ways, lowest, highest = (np.pad(row, (0, -len(row) % length)).reshape(-1, length).T for row in limited)
+        moved, reached = np.cumsum(ways, axis=0), np.empty((length, 2, ways.shape[1]))
+        extremes: FloatArray = np.array([[-np.inf], [np.inf]])
+        for k in range(length):
+            reached[k] = extremes = np.minimum(highest[k], np.maximum(extremes + ways[k], lowest[k]))
+        begins = [float(self.start[0])]
+        for way_of_part, (low, high) in zip(moved[-1].tolist(), extremes.T.tolist(), strict=True):
+            begins.append(min(high, max(begins[-1] + way_of_part, low)))
+        values = np.clip(begins[:-1] + moved, reached[:, 0], reached[:, 1]).T.ravel()[: len(rows)]
+        return np.concatenate([begins[:1], values])
 
     def between(self, interval: IntArray, share: FloatArray) -> FloatArray:
         """Return the values at shares (0 to 1) of the intervals that begin at rows, shape (m,)."""
