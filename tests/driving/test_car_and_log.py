@@ -189,6 +189,20 @@ def test_what_the_estimate_explains_of_the_steering_is_no_refusal(change, car):
     checked(turning(change), car)
 
 
+@pytest.mark.parametrize("angle", [0.3, 1.7])
+def test_a_circle_at_rising_speed_explains_itself_and_a_slalom_with_held_steering_does_not(angle, car):
+    t = 0.01 * np.arange(4000)
+    speed = 5.0 + 0.3 * t
+    rates = speed * angle / road.CAR["ratio"] / road.CAR["wheelbase"], 0.3 * np.sin(t)
+    circle, slalom = (
+        read_log(pd.DataFrame({"t": t, "steer": angle, "speed": speed, "yaw_rate": rate, "ay": speed * rate}))
+        for rate in rates
+    )
+    checked(circle, car)
+    with pytest.raises(DataError, match="steer hardly changes"):
+        checked(slalom, car)
+
+
 def test_braking_that_is_faster_than_the_steering_shortens_the_intervals(car):
     t = 0.01 * np.arange(2000)
     steer = 0.3 * np.sin(0.5 * t)

@@ -52,7 +52,6 @@ from tirefmu.applications.driving.verdict import (
 )
 from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.commands.cli import main
-from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.symbolic.vehicle.quantities import CORNERS
 from tirefmu.tires import read_tir
 
