@@ -17,7 +17,7 @@ from .forces import Forces
 from .signs import MIRRORED, TABLE_INPUTS, convert_signs, reversed_columns
 from .states.equilibrium import equilibrium
 from .states.simulation import StateSimulation
-from .states.transient import lagged_course, lateral_slip, rolled_distance, with_pauses
+from .states.transient import Course, lagged_course, lateral_slip, rolled_distance, with_pauses
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -59,6 +59,30 @@ def forces(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike], code: str 
     chosen, parameters = _code(tire.symbolic_model, code, rows.shape[1]), tire.parameters()
     results = chosen.forces(equilibrium(tire.symbolic_model, chosen, rows, parameters, tire.states), parameters)
     return Forces({name: row.reshape(shape) for name, row in zip(tire.outputs, results, strict=True)})
+
+
+def forces_over_time(
+    tire: TireDefinition, t: FloatArray, inputs: Mapping[str, FloatArray], tolerance: float
+) -> FloatArray:
+    """Return the forces in the tire's own signs over times with lagged slips and states, shape (n_outputs, n).
+
+    What `evaluate` does, in a tenth of its time and less exact: forces that drive states are linear between rows, and
+    the states are iterated until they change by less than `tolerance`, as a share of their largest value.
+
+    `t`, shape (n,): s; where it goes backward, a new recording begins. `inputs`, shape (n,): by name, SI.
+
+    >>> from tirefmu.tires import published
+    >>> t, slips = np.arange(3.0), {"alpha": np.array([0.0, 0.02, 0.04]), "Fz": np.full(3, 1000.0)}
+    >>> forces_over_time(published("trento_hoosier"), t, slips, 1e-5)[1].round(-1).tolist()
+    [-90.0, -1050.0, -1590.0]
+    """
+    rows, _ = _broadcast(tire, inputs)
+    code, parameters = _code(tire.symbolic_model, "auto", rows.shape[1]), tire.parameters()
+    if tire.lags or tire.states:
+        slips = _lagging(tire, t, rows, parameters, code) if tire.lags else {}
+        simulation = StateSimulation(tire.symbolic_model, code, t, rows, parameters, False, slips, tire.states)
+        rows = simulation.acting_with_linear_forces({}, tolerance)
+    return code.forces(rows, parameters)
 
 
 def quantities(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike]) -> dict[str, FloatArray]:
@@ -155,19 +179,24 @@ def _acting(
     given = np.arange(len(t))
     if not hold and any(tire.symbolic_model.states[name].is_temperature for name in tire.states):
         t, rows, given = with_pauses(t, rows, [tire.inputs.index(name) for name in ("kappa", "alpha")])
-    slips = {}
-    if tire.lags:
-        named = dict(zip(tire.inputs, rows, strict=True))
-        sigma = dict(zip(code.quantities_names, code.quantities(rows, parameters), strict=True))
-        along, across = (sigma[tire.symbolic_model.quantity(role)] for role in ("relaxation_x", "relaxation_y"))
-        slips = {
-            "kappa": lagged_course(t, named["kappa"], named["V"], along, hold=hold),
-            "alpha": lagged_course(t, lateral_slip(named["alpha"]), named["V"], across, hold=hold),
-        }
+    slips = _lagging(tire, t, rows, parameters, code, hold) if tire.lags else {}
     fitted = [name for name in tire.states if tire.symbolic_model.states[name].start_is_fitted and name in table]
     starts = {name: rows[tire.inputs.index(name)] for name in fitted}
     simulation = StateSimulation(tire.symbolic_model, code, t, rows, parameters, hold, slips, tire.states, starts)
     return simulation.acting()[:, given], tuple(slips)
+
+
+def _lagging(
+    tire: TireDefinition, t: FloatArray, rows: FloatArray, parameters: FloatArray, code: Code, hold: bool = False
+) -> dict[str, Course]:
+    """Return the time histories of the slips, by input."""
+    named = dict(zip(tire.inputs, rows, strict=True))
+    sigma = dict(zip(code.quantities_names, code.quantities(rows, parameters), strict=True))
+    along, across = (sigma[tire.symbolic_model.quantity(role)] for role in ("relaxation_x", "relaxation_y"))
+    return {
+        "kappa": lagged_course(t, named["kappa"], named["V"], along, hold=hold),
+        "alpha": lagged_course(t, lateral_slip(named["alpha"]), named["V"], across, hold=hold),
+    }
 
 
 def _turned(rows: FloatArray, names: Collection[str], mirror: bool) -> FloatArray:

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
-import pandas as pd
 from scipy.integrate import cumulative_trapezoid
 
 from ...diagnosis.diagnose import with_library
 from ...diagnosis.probing.candidates import candidates_for, counts_from_neutral
 from ...symbolic.detection import Form
 from ...tires import Tire
+from ...tires.evaluation import forces_over_time
 from .dynamics.lagging import wheel_motion
 from .estimate import Estimate
 from .inputs.car import Car, loads_of
@@ -27,6 +28,8 @@ FloatArray = npt.NDArray[np.float64]
 INPUTS = frozenset({"kappa", "alpha", "Fz", "V", "t", "Fy", "distance"})
 #: Prior standard deviation of the logarithm of a coefficient without a declared spread.
 SCALE_SPREAD = 0.7
+#: Share by which the iterations of a state change its largest value last.
+TOLERANCE = 1e-5
 #: Smallest change of a force, per static load, that is a change: that of rounding is none.
 MIN_CHANGE = 1e-5
 
@@ -43,16 +46,16 @@ class Motion:
     inputs: Mapping[str, FloatArray]
     loads: tuple[float, float]
 
-    def evaluated(self, tires: Mapping[str, Tire]) -> list[pd.DataFrame]:
-        """Return forces and states of each axle: rows of its left wheel, then of its right wheel."""
-        tables = []
-        distance = cumulative_trapezoid(self.inputs["V"], self.t, initial=0)
-        for i, axle in enumerate(AXLES):
-            inputs = {**self.inputs, "distance": distance}
-            wheels = {name: values[2 * i : 2 * i + 2].ravel() for name, values in inputs.items()}
-            table = tires[axle].evaluate(pd.DataFrame({"t": np.tile(self.t, 2), **wheels}), signs="iso")
-            tables.append(table.assign(distance=wheels["distance"]))
-        return tables
+    @cached_property
+    def wheels(self) -> list[dict[str, FloatArray]]:
+        """The inputs of each axle: rows of its left wheel, then of its right wheel."""
+        inputs = {**self.inputs, "distance": cumulative_trapezoid(self.inputs["V"], self.t, initial=0)}
+        return [{name: values[2 * i : 2 * i + 2].ravel() for name, values in inputs.items()} for i in range(len(AXLES))]
+
+    @property
+    def times(self) -> FloatArray:
+        """The times of these rows."""
+        return np.tile(self.t, 2)
 
     def turned(self, angle: float) -> Motion:
         """Return the motion with larger slip angles, rad."""
@@ -60,7 +63,11 @@ class Motion:
 
     def side_forces(self, tires: Mapping[str, Tire]) -> FloatArray:
         """Return the side force of each axle per static load, shape (n, 2)."""
-        forces = [table["Fy"].to_numpy().reshape(2, -1).sum(axis=0) for table in self.evaluated(tires)]
+        forces = []
+        for axle, wheels in zip(AXLES, self.wheels, strict=True):
+            tire = tires[axle].in_signs("iso")
+            Fy = forces_over_time(tire, self.times, wheels, TOLERANCE)[tire.outputs.index("Fy")]
+            forces.append(Fy.reshape(2, -1).sum(axis=0))
         return np.stack(forces, axis=1) / self.loads
 
 

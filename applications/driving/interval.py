@@ -358,7 +358,12 @@ class Linear:
 
     def cost(self, z: FloatArray) -> float:
         """Return half the sum of squares, priors included."""
-        return 0.5 * float(np.sum(self.values**2) + z @ z)
+        return cost_of(self.values, z)
+
+
+def cost_of(values: FloatArray, z: FloatArray) -> float:
+    """Return half the sum of squares of residuals and of the unknowns."""
+    return 0.5 * float(np.sum(values**2) + z @ z)
 
 
 @dataclass(frozen=True)
@@ -387,14 +392,16 @@ class AddedForces:
         both = np.concatenate([self.columns, columns], axis=2)
         return replace(self, columns=both, further=self.further + columns.shape[2], relative=relative)
 
-    def act(self, linear: Linear, z: FloatArray, left: FloatArray, right: FloatArray) -> None:
-        """Add these forces to the residuals of tires and car, per static load."""
-        n, last, moving = left.shape[1], self.columns.shape[2], len(MOTION)
-        middle = (left + right)[:, :moving] / 2
-        linear.values[:] += self.correction
-        forces = self.offset + self.columns @ z[len(z) - last :] + np.einsum("kim,km->ki", self.slopes, middle)
-        balance = slice(-len(BALANCE), None)
-        linear.values[:, balance] -= forces
-        linear.jacobian[:, balance, linear.jacobian.shape[2] - last :] -= self.columns
+    def act(self, values: FloatArray, z: FloatArray, left: FloatArray, right: FloatArray) -> None:
+        """Add these forces to the values of the residuals of tires and car, per static load."""
+        middle = (left + right)[:, : len(MOTION)] / 2
+        values[:] += self.correction
+        forces = self.offset + self.columns @ z[len(z) - self.columns.shape[2] :]
+        values[:, -len(BALANCE) :] -= forces + np.einsum("kim,km->ki", self.slopes, middle)
+
+    def slant(self, jacobian: FloatArray, n: int) -> None:
+        """Add the derivatives of these forces to those of the residuals; `n`: number of states of a node."""
+        last, moving, balance = self.columns.shape[2], len(MOTION), slice(-len(BALANCE), None)
+        jacobian[:, balance, jacobian.shape[2] - last :] -= self.columns
         for first in (0, n):
-            linear.jacobian[:, balance, first : first + moving] -= self.slopes / 2
+            jacobian[:, balance, first : first + moving] -= self.slopes / 2

@@ -15,6 +15,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import numpy.typing as npt
+import pandas as pd
 
 from ...fmu.packaging.export import export
 from ...fmu.simulation.simulate import Coupled, instances
@@ -203,7 +204,9 @@ class _Vehicle:
 def states_of(motion: Motion, tires: Mapping[str, Tire]) -> dict[str, FloatArray]:
     """Return the states of effects over a recorded motion, and as "alpha" by how much the slip angle lags: (4, n)."""
     states: dict[str, FloatArray] = {}
-    for i, (axle, table) in enumerate(zip(AXLES, motion.evaluated(tires), strict=True)):
+    for i, (axle, wheels) in enumerate(zip(AXLES, motion.wheels, strict=True)):
+        table = tires[axle].evaluate(pd.DataFrame({"t": motion.times, **wheels}), signs="iso")
+        table = table.assign(distance=wheels["distance"])
         columns = {name: table[name] for name in (*tires[axle].symbolic_model.states, "distance") if name in table}
         if "alpha_lagged" in table:
             columns["alpha"] = table["alpha_lagged"] - table["alpha"]

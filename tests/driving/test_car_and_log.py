@@ -14,7 +14,7 @@ from scipy.io import savemat
 from tirefmu.applications.driving.inputs.car import Car, read_car
 from tirefmu.applications.driving.inputs.car_entries import ENTRIES, car_schema
 from tirefmu.applications.driving.inputs.clock import clock_problem
-from tirefmu.applications.driving.inputs.grid import forward_speed, gridded
+from tirefmu.applications.driving.inputs.grid import forward_speed, gridded, with_delays
 from tirefmu.applications.driving.inputs.log import read_log
 from tirefmu.applications.driving.inputs.plausibility import check_log, exchanged_axles
 from tirefmu.boundary.errors import DataError, TirefmuError
@@ -134,6 +134,37 @@ def turning(change):
     return read_log(pd.DataFrame(table))
 
 
+@pytest.mark.parametrize("noise", [0.0, 1e-4])
+@pytest.mark.parametrize("lag", [0.0, 0.05])
+def test_a_delayed_steering_has_the_same_errors_at_every_delay(noise, lag, car):
+    rng = np.random.default_rng(8)
+    recorded = turning(lambda t, steer, rate: (steer + noise * rng.standard_normal(len(t)), rate))
+    grid = gridded(recorded, car, forward_speed(recorded, car))
+    late = {**car.values, "lag": lag}
+    fine = 1e-3 * np.arange(40001)
+    state, true = 0.0, 0.03 * np.sin(2 * np.pi * (0.1 * fine + 0.014 * fine**2))
+    if lag:
+        kept = np.exp(-1e-3 / lag)
+        held = (true + np.concatenate([true[:1], true[:-1]])) / 2
+        true = np.array([state := value + (state - value) * kept for value in held])
+    whole = np.concatenate([[0.0], np.cumsum(true[1:] + true[:-1]) / 2e3])
+    errors = []
+    for delay in 1e-3 * np.arange(10):  # within a sample
+        delayed = with_delays(grid, recorded, car, {**late, "delay": delay})
+        ends = grid.t - delay + np.array([[-0.5], [0.5]]) * grid.step
+        mean = np.diff(np.interp(ends, fine, whole), axis=0)[0] / grid.step
+        errors.append((delayed.steer.mean(axis=0) - mean)[40:-40])
+        later = with_delays(grid, recorded, car, {**late, "delay": delay + 1e-5})
+        assert (later.steer - delayed.steer) / 1e-5 == pytest.approx(delayed.steer_slopes[:2], abs=2e-3)
+    sizes = np.std(errors, axis=1)
+    if noise:
+        assert sizes.max() < 0.6 * noise  # the mean of 2.5 samples has 0.63
+        assert np.ptp(sizes) < 0.1 * sizes.mean()
+    else:
+        assert sizes.max() < 1e-3 * np.std(true)
+        assert np.ptp(sizes) < 2e-5 * np.std(true)
+
+
 def sliding(t, steer, rate):
     """Return steering and yaw rate of a driver who counter-steers in three turns of four."""
     slides = (t % 8.0 > 2.0) & (np.abs(steer) > 0.02)
@@ -156,6 +187,20 @@ def checked(log, car):
 @pytest.mark.parametrize("change", OWN.values(), ids=OWN)
 def test_what_the_estimate_explains_of_the_steering_is_no_refusal(change, car):
     checked(turning(change), car)
+
+
+@pytest.mark.parametrize("angle", [0.3, 1.7])
+def test_a_circle_at_rising_speed_explains_itself_and_a_slalom_with_held_steering_does_not(angle, car):
+    t = 0.01 * np.arange(4000)
+    speed = 5.0 + 0.3 * t
+    rates = speed * angle / road.CAR["ratio"] / road.CAR["wheelbase"], 0.3 * np.sin(t)
+    circle, slalom = (
+        read_log(pd.DataFrame({"t": t, "steer": angle, "speed": speed, "yaw_rate": rate, "ay": speed * rate}))
+        for rate in rates
+    )
+    checked(circle, car)
+    with pytest.raises(DataError, match="steer hardly changes"):
+        checked(slalom, car)
 
 
 def test_braking_that_is_faster_than_the_steering_shortens_the_intervals(car):

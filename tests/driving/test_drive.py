@@ -52,7 +52,6 @@ from tirefmu.applications.driving.verdict import (
 )
 from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.commands.cli import main
-from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.symbolic.vehicle.quantities import CORNERS
 from tirefmu.tires import read_tir
 
@@ -510,11 +509,23 @@ def test_a_drive_estimated_with_an_effect_has_it_in_its_tires(relaxing):
 
 def test_each_wheel_rolls_its_own_distance(answer):
     motion = motion_of(answer.grid, answer.estimate, answer.unknowns, answer.car)
-    tables = motion.evaluated({axle: with_library(tire) for axle, tire in answer.tires.items()})
-    distances = np.concatenate([table["distance"].to_numpy().reshape(2, -1) for table in tables])
+    distances = np.concatenate([wheels["distance"].reshape(2, -1) for wheels in motion.wheels])
     assert not distances[:, 0].any()
     duration = motion.t[-1] - motion.t[0]
     np.testing.assert_allclose(distances[:, -1], motion.inputs["V"].mean(axis=1) * duration, rtol=0.01)
+
+
+@pytest.mark.parametrize("effect", ["heat_friction", "relax_lat", "load_lag", "break_in", "hysteresis_force"])
+def test_side_forces_of_an_effect_are_those_of_the_table(effect, answer):
+    motion = motion_of(answer.grid, answer.estimate, answer.unknowns, answer.car)
+    same = {axle: {} for axle in answer.tires}
+    columns = effect_columns(motion, answer.tires, same)
+    missing, u, added = next(column for column in columns if column[0].name == effect)
+    tires = missing.on(u, same)
+    tables = [pd.DataFrame({"t": np.tile(motion.t, 2), **wheels}) for wheels in motion.wheels]
+    forces = [tire.evaluate(table, signs="iso")["Fy"] for tire, table in zip(tires.values(), tables, strict=True)]
+    exact = np.stack([Fy.to_numpy().reshape(2, -1).sum(axis=0) for Fy in forces], axis=1) / motion.loads
+    assert np.abs(motion.side_forces(tires) - exact).max() < 5e-3 * np.abs(added).max()
 
 
 def test_a_car_that_slides_beyond_90_degrees_has_forces(answer):

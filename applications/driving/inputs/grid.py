@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
+from scipy.interpolate import BSpline, make_interp_spline, make_lsq_spline
 
 from ....boundary.errors import DataError
 from ....measurements.units import GRAVITY
@@ -33,8 +34,8 @@ LARGEST_SLIP = 0.2
 SHORTEST_CHAIN, LONGEST_GAP = 1.0, 0.25
 #: Time at both ends of a log within which a delayed steering is unknown, s.
 MARGIN = 0.2
-#: Time over which the steering is averaged, s: its noise is not a motion.
-STEERING_WINDOW = 0.02
+#: Samples of the steering between knots of its curve, of which the noise chooses.
+KNOTS = (1, 2, 4, 8, 16)
 #: The channels of a grid, in the order of the residuals of the estimate.
 MEASURED = (
     "yaw_rate", "ax", "ay", "speed", "beta", "vy", "x", "y", "heading", "rim_front", "rim_rear", "speed_rate",
@@ -57,6 +58,7 @@ class Grid:
     - `left`, `right`, shape (n,): numbers of the nodes at its ends; intervals of a chain share nodes.
     - `means`, `noise`, shape (n_measured, n): mean of each of `MEASURED`, NaN if not sampled, and its
       standard deviation.
+    - `course`: angle of the front wheels over time, as logged.
     - `steer`, shape (2, n): angle of the front wheels, without offset: a line over the interval with the mean of the
       channel, at both ends.
     - `steer_slopes`, shape (4, n): its derivatives by delay and lag, at both ends.
@@ -75,6 +77,7 @@ class Grid:
     right: IntArray
     means: FloatArray
     noise: FloatArray
+    course: BSpline
     steer: FloatArray
     steer_slopes: FloatArray
     rims: FloatArray
@@ -194,28 +197,49 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
     change = np.gradient(means[row]) if len(chosen) > 1 else 0.0 * means[row]
     noise[row] = np.hypot(noise[row], EDGE_ERROR * np.nan_to_num(change))
     empty = np.zeros((16, len(chosen)))
-    grid = Grid(step, middle[chosen], left, left + 1, means, noise, empty[:2], empty[:4], empty[:4], empty[:4], empty)
+    course = _course(*_wheel_angle(log, car))
+    parts = empty[:2], empty[:4], empty[:4], empty[:4], empty
+    grid = Grid(step, middle[chosen], left, left + 1, means, noise, course, *parts)
     return with_delays(grid, log, car, car.values)
 
 
 def with_delays(grid: Grid, log: Log, car: Car, entries: Mapping[str, float]) -> Grid:
     """Return a grid with steering and wheel speeds at the delays and the lag of entries of the car."""
-    t, angle = _wheel_angle(log, car)
+    t = log.channels["steer"][0]
     delay, lag = entries["delay"], max(entries["lag"], 0.0)
-    ends = grid.t + np.array([[-0.5], [0.5]]) * grid.step
+    ends = np.clip(grid.t - delay + np.array([[-0.5], [0.5]]) * grid.step, t[0], t[-1])
 
-    def at(delay: float, lag: float) -> FloatArray:
-        behind = _lagged(t, angle, lag)
-        line = _windowed(t, behind, ends - delay, STEERING_WINDOW)
-        return np.asarray(line - line.mean(axis=0) + _windowed(t, behind, grid.t - delay, grid.step))
+    def line(curve: BSpline) -> FloatArray:
+        at_ends, integral = curve(ends), curve.antiderivative()(ends)
+        mean = np.diff(integral, axis=0) / np.maximum(np.diff(ends, axis=0), 1e-9)
+        return np.asarray(at_ends - at_ends.mean(axis=0) + mean)
 
-    change = grid.step / 4
-    by_delay = (at(delay + change, lag) - at(delay - change, lag)) / (2 * change)
-    by_lag = (at(delay, lag * 1.05) - at(delay, lag * 0.95)) / (0.1 * lag) if lag else np.zeros_like(by_delay)
-    slopes, late = np.concatenate([by_delay, by_lag]), entries["wheel_delay"]
+    def behind(lag: float) -> BSpline:
+        return make_interp_spline(t, _lagged(t, grid.course(t), lag)) if lag else grid.course
+
+    curve = behind(lag)
+    steer, by_delay = line(curve), -line(curve.derivative())
+    by_lag = (line(behind(lag * 1.05)) - line(behind(lag * 0.95))) / (0.1 * lag) if lag else np.zeros_like(by_delay)
+    slopes, late, change = np.concatenate([by_delay, by_lag]), entries["wheel_delay"], grid.step / 4
     before, rims, after = (_rims(log, car, grid.t + late + more, grid.step) for more in (-change, 0.0, change))
     rim_slopes, used = (after - before) / (2 * change), (delay, lag, late, *grid.used[3:])
-    return replace(grid, steer=at(delay, lag), steer_slopes=slopes, rims=rims, rim_slopes=rim_slopes, used=used)
+    return replace(grid, steer=steer, steer_slopes=slopes, rims=rims, rim_slopes=rim_slopes, used=used)
+
+
+def _course(t: FloatArray, angle: FloatArray) -> BSpline:
+    """Return the steering as a smooth curve: a cubic spline with the knots that predict best (Mallows' C_p).
+
+    Lines between samples have errors and noise that depend on where in a sample a delayed interval begins, so that the
+    probability of a log would be rough over its delay, by more than an effect of the tires changes it.
+    """
+    curves = []
+    for every in KNOTS:
+        inner = t[2:-2:every]
+        knots = np.concatenate([np.repeat(t[0], 4), inner, np.repeat(t[-1], 4)])
+        curve = make_lsq_spline(t, angle, knots)
+        excess = np.mean((curve(t) - angle) ** 2) + 2.0 * _scatter(angle) ** 2 * len(curve.c) / len(t)
+        curves.append((excess, curve))
+    return min(curves, key=lambda pair: pair[0])[1]
 
 
 def _wheel_angle(log: Log, car: Car) -> tuple[FloatArray, FloatArray]:

@@ -21,8 +21,9 @@ FloatArray = npt.NDArray[np.float64]
 #: a track over that of the car. An understeering car has 0.3 at high speed; another unit of an angle has 57 or 1/57,
 #: one of acceleration 9.8 or 0.1.
 YAW_GAIN, LATERAL_GAIN, TYPICAL_GAIN = (0.15, 3.0), (0.5, 2.0), 0.7
-#: Smallest correlation of yaw rate with v delta / l, and smallest angle of the front wheels with a turn, rad.
-MIN_CORRELATION, MIN_STEER = 0.5, 0.002
+#: Smallest correlation of yaw rate with v delta / l, and smallest angle of the front wheels with a turn, rad; remainder
+#: that is an error of rounding, whatever its correlation, relative.
+MIN_CORRELATION, MIN_STEER, ROUNDING = 0.5, 0.002, 1e-9
 #: Lateral acceleration below which a car does not slide, over the one that 5 % of a drive exceed: as driven, and as the
 #: steering wants it. Delays of the yaw rate behind the steering at which both are compared, s: of the car and the log.
 CALM, DELAYS = 0.5, (0.0, -0.1, 0.1, 0.2, 0.3)
@@ -168,7 +169,8 @@ def _calm(lateral: FloatArray) -> npt.NDArray[np.bool_]:
 
 def _beyond(offset: FloatArray, values: FloatArray) -> FloatArray:
     """Return values without what is proportional to another one."""
-    return values - _slope(offset, values)[0] * offset
+    rest = values - _slope(offset, values)[0] * offset
+    return np.asarray(rest * (np.abs(rest) > ROUNDING * np.abs(values).max(initial=0.0)))
 
 
 def _within(gain: float, limits: tuple[float, float]) -> bool:
