@@ -120,7 +120,7 @@ def proof_of(after: Screen, coefficients: Collection[str]) -> float:
 
 
 def certainty_of(gains: FloatArray, left_out: FloatArray) -> float:
-    """Return the gain of all parts of a recording in standard errors, at most 0 if left-out parts are worse, most and all.
+    """Return the gain of all parts in standard errors, at most 0 if left-out parts are worse: most, and their sum.
 
     >>> fit, left_out = np.array([3.0, 2.0, 4.0, 3.0]), np.array([1.0, 2.0, 1.0, -9e9])
     >>> round(certainty_of(fit, left_out), 2), certainty_of(fit, -left_out)
