@@ -102,8 +102,8 @@ def proof_of(after: Screen, coefficients: Collection[str]) -> float:
 
     Compared with the optimum without the effect. The gain over `STRETCHES` parts of the recording, each with an equal
     share of the effect, has to exceed `CERTAIN` of its standard errors, and left-out blocks, predicted from the others,
-    must not be worse in the median of these parts. There, all coefficients follow linearly, and those that one block
-    alone determines follow too far, so that these gains have no useful sum or standard error.
+    must not be worse both in most of these parts and in their sum. There, all coefficients follow linearly, and those
+    that one block alone determines follow too far, so that these gains have no useful standard error.
 
     `after`: of the model with all effects. `coefficients`: free ones of the effect.
     """
@@ -120,7 +120,7 @@ def proof_of(after: Screen, coefficients: Collection[str]) -> float:
 
 
 def certainty_of(gains: FloatArray, left_out: FloatArray) -> float:
-    """Return the gain of all parts of a recording in standard errors, at most 0 if most left-out parts are worse.
+    """Return the gain of all parts in standard errors, at most 0 if left-out parts are worse: most, and their sum.
 
     >>> fit, left_out = np.array([3.0, 2.0, 4.0, 3.0]), np.array([1.0, 2.0, 1.0, -9e9])
     >>> round(certainty_of(fit, left_out), 2), certainty_of(fit, -left_out)
@@ -129,7 +129,7 @@ def certainty_of(gains: FloatArray, left_out: FloatArray) -> float:
     if len(gains) < 2:
         return 0.0
     certainty = float(gains.sum()) / max(error_of_sum(gains), 1e-300)
-    return certainty if np.median(left_out) > 0.0 else min(certainty, 0.0)
+    return certainty if max(np.median(left_out), left_out.sum()) > 0.0 else min(certainty, 0.0)
 
 
 def without_effect(after: Screen, coefficients: Collection[str]) -> Screen:
