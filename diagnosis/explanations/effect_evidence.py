@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.special import chdtrc, ndtri
 
-from ...numerics.arrays import FloatArray, IntArray
+from ...numerics.arrays import BoolArray, FloatArray, IntArray
 from ...numerics.block_regression import error_of_sum
 from ..least_squares import density_gains
 from ..probing.effect_probing import Screen
@@ -20,6 +20,8 @@ STRETCHES = 8
 #: Gain of the stretches, in standard errors, above which an effect is in the tire and may be called missing.
 #: Convention, as of the correction of the form.
 CERTAIN = 2.0
+#: Largest change of the residual of a block that is not used, in root mean squares of the channel. Convention.
+LARGEST_CHANGE = 3.0
 #: Share of what an effect explains by which the fit without it may still fall. Convention: a tenth of a standard error
 #: of a gain of ten of them.
 EXACT = 0.01
@@ -98,38 +100,31 @@ def effect_evidence(after: Screen, coefficients: Collection[str]) -> Evidence:
 
 
 def proof_of(after: Screen, coefficients: Collection[str]) -> float:
-    """Return how well the recording proves an effect (`certainty_of`): all channels together, by predictive density.
+    """Return how well the recording proves an effect: all channels together, by predictive density.
 
-    Compared with the optimum without the effect. The gain over `STRETCHES` parts of the recording, each with an equal
-    share of the effect, has to exceed `CERTAIN` of its standard errors, and left-out blocks, predicted from the others,
-    must not be worse both in most of these parts and in their sum. There, all coefficients follow linearly, and those
-    that one block alone determines follow too far, so that these gains have no useful standard error.
+    Compared with the optimum without the effect. The result is the gain over `STRETCHES` parts of the recording, each
+    with an equal share of the effect, in its standard errors; 0 at most if left-out blocks, predicted from the others,
+    are not better with the effect. There, all coefficients follow linearly, and those that one block alone determines
+    would follow too far: the prediction of a block differs from the fit by `LARGEST_CHANGE` of its misfit at most.
 
     `after`: of the model with all effects. `coefficients`: free ones of the effect.
     """
     used, without = after.problem.inverse_noise > 0.0, without_effect(after, coefficients)
-    fitted, judged = np.hstack([used, used & False]), np.hstack([used & False, used])
     before, now = without.solution.residual, after.solution.residual
-    apart, together = before + without.change_without_block, now + after.change_without_block
+    apart, together = (screen.solution.residual + _change_without_block(screen, used) for screen in (without, after))
     change = after.problem.weighted(before - now)
     begins = _equal_shares(np.cumsum(np.sum(change**2, axis=0)))[:-1]
-    of_fit = density_gains(before, now, used, used)
-    of_left_out = density_gains(np.hstack([before, apart]), np.hstack([now, together]), fitted, judged)
-    parts = [np.add.reduceat(gains.sum(axis=0), begins) for gains in (of_fit, of_left_out[:, used.shape[1] :])]
-    return certainty_of(*parts)
+    gains = np.add.reduceat(density_gains(before, now, used, used).sum(axis=0), begins)
+    proven = float(gains.sum()) / max(error_of_sum(gains), 1e-300) if len(gains) > 1 else 0.0
+    return proven if density_gains(apart, together, used, used).sum() > 0.0 else min(proven, 0.0)
 
 
-def certainty_of(gains: FloatArray, left_out: FloatArray) -> float:
-    """Return the gain of all parts in standard errors, at most 0 if left-out parts are worse: most, and their sum.
-
-    >>> fit, left_out = np.array([3.0, 2.0, 4.0, 3.0]), np.array([1.0, 2.0, 1.0, -9e9])
-    >>> round(certainty_of(fit, left_out), 2), certainty_of(fit, -left_out)
-    (7.35, 0.0)
-    """
-    if len(gains) < 2:
-        return 0.0
-    certainty = float(gains.sum()) / max(error_of_sum(gains), 1e-300)
-    return certainty if max(np.median(left_out), left_out.sum()) > 0.0 else min(certainty, 0.0)
+def _change_without_block(screen: Screen, used: BoolArray) -> FloatArray:
+    """Return the limited change of the residuals of each block that is not used, shape (n_channels, n)."""
+    squares = np.sum(screen.solution.residual**2, axis=1, where=used, keepdims=True)
+    misfit = np.sqrt(squares / np.maximum(used.sum(axis=1, keepdims=True), 1))
+    limit = LARGEST_CHANGE * misfit
+    return np.clip(screen.change_without_block, -limit, limit)
 
 
 def without_effect(after: Screen, coefficients: Collection[str]) -> Screen:
