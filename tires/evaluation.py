@@ -74,7 +74,7 @@ def forces_over_time(
     >>> from tirefmu.tires import published
     >>> t, slips = np.arange(3.0), {"alpha": np.array([0.0, 0.02, 0.04]), "Fz": np.full(3, 1000.0)}
     >>> forces_over_time(published("trento_hoosier"), t, slips, 1e-5)[1].round(-1).tolist()
-    [-90.0, -1050.0, -1590.0]
+    [90.0, 760.0, 1250.0]
     """
     rows, _ = _broadcast(tire, inputs)
     code, parameters = _code(tire.symbolic_model, "auto", rows.shape[1]), tire.parameters()
