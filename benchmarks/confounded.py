@@ -2,8 +2,8 @@
 
 The tires, their hidden effects and the errors of the bench are those of `missing_effects/generator` (plain NumPy). The
 first recording has few sweeps, and two of its inputs vary together, or none varies. A diagnosis of it that does not
-tell the hidden effect from another one is followed by a program of 2 min on the same bench and a second diagnosis. Run
-by `make confounded`.
+separate the hidden effect from another one is followed by a program of 2 min on the same bench and a second diagnosis.
+Run by `make confounded`.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def kind_of(names: list[str], effect: str) -> str:
 def outcome(seed: int) -> tuple[str, str, str] | None:
     """Return how the most probable explanation and the identified effects of the second diagnosis are, and a line.
 
-    None if the first diagnosis tells the hidden effect from all others, or does not name it.
+    None if the first diagnosis separates the hidden effect from all others, or does not name it.
     """
     draws = Draws(seed, 38)
     effect = draws.choice(list(TOGETHER))

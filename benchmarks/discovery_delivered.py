@@ -68,9 +68,9 @@ def delivered(case: Case, result: Diagnosis) -> Delivered:
     start, final = (
         recomputed(result, tire, case.table, case.signs, end) for tire, end in zip(tires, ("_base", ""), strict=True)
     )
-    usual = _usual_rows(case, result)
+    typical = _typical_rows(case, result)
     on_rows = {
-        part: [tuple(_rms(one[name][rows & usual[name]]) for one in (start, final)) for name in channels]
+        part: [tuple(_rms(one[name][rows & typical[name]]) for one in (start, final)) for name in channels]
         for part, rows in (("train", ~held), ("holdout", held))
     }
     noise = np.array([_noise(case, name) for name in channels])
@@ -105,7 +105,7 @@ def delivered(case: Case, result: Diagnosis) -> Delivered:
     )
 
 
-def _usual_rows(case: Case, result: Diagnosis) -> dict[str, npt.NDArray[np.bool_]]:
+def _typical_rows(case: Case, result: Diagnosis) -> dict[str, npt.NDArray[np.bool_]]:
     """Return the rows of each channel that are measured, that are compared, and that are not listed as outliers."""
     found, skipped = {}, np.arange(len(case.table)) % result.recording["compared_every"] > 0
     for name, outliers in result.recording["outlier_rows"].items():

@@ -111,7 +111,7 @@ def main() -> None:
         print(f"{name}: {100 * np.mean(shares):.1f} % inside 95 % bands")
     family, neutral = (np.sqrt(np.mean(errors[name])) for name in ("family", "neutral"))
     print(f"combined slip: rms error {family:.0f} N, {neutral:.0f} N with neutral coefficients")
-    print(f"{outside} of {left_out + 1} tires said to be outside", flush=True)
+    print(f"{outside} of {left_out + 1} tires reported as outside", flush=True)
 
 
 def without_combined(tire: Tire) -> Tire:

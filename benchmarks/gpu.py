@@ -147,7 +147,7 @@ class Jax:
         return lambda rows: compiled(rows).block_until_ready()
 
     def memory(self) -> float | None:
-        """Return the largest memory of the device so far, bytes; None if the device does not tell."""
+        """Return the largest memory of the device so far, bytes; None if the device does not report it."""
         statistics = self.jax.devices()[0].memory_stats()
         return float(statistics["peak_bytes_in_use"]) if statistics else None
 

@@ -33,7 +33,7 @@ PAGE = DOCS / "performance.md"
 #: ns a point on the reference machine.
 REFERENCE_NS = 386.0
 MANY = 1_000_000
-#: Load of the machine above which the page says that others were computing.
+#: Load of the machine above which the page states that others were computing.
 QUIET = 0.5
 PARTS = ("startup", "fit", "evaluation")
 

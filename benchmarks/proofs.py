@@ -114,10 +114,12 @@ def main() -> int:
                 result = repeat_proof(fmu)
                 total += 1
                 repeated += result.ok and run.returncode == 0
-                said = (run.stdout + run.stderr).strip().splitlines()[-1].partition(";")[0]
+                printed = (run.stdout + run.stderr).strip().splitlines()[-1].partition(";")[0]
                 direct = direct_difference(fmu, tire) if inputs == "hub" else result.difference
                 agreeing += direct <= TOLERANCE
-                print(f"{model:<6} {fmi}   {inputs:<6} {result.difference:<20.1e} {direct:<11.1e} {said}", flush=True)
+                print(
+                    f"{model:<6} {fmi}   {inputs:<6} {result.difference:<20.1e} {direct:<11.1e} {printed}", flush=True
+                )
                 for variant in changed(files, rng).values():
                     with zipfile.ZipFile(other, "w") as archive:
                         for entry, content in variant.items():

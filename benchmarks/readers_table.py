@@ -1,6 +1,6 @@
 """One file, many readers: forces of a folder of .tir files by other programs, and how far they are from tirefmu's.
 
-The files and programs are fetched by whoever runs this: the folder is the argument, `readers.py` has the variables of
+The files and programs are fetched by the user: the folder is the argument, `readers.py` has the variables of
 the environment with the path of each program. A row has the largest difference of each force at 20 points, in percent
 of its largest value: with side slip only, longitudinal slip only and both, all without camber, and both with camber.
 

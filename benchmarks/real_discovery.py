@@ -4,7 +4,7 @@ Every fourth sweep belongs to the hold-out set. A tire without some effects is f
 diagnosis gets this tire and these sweeps. Baseline and improved tire are then compared on the hold-out set, without
 any correction of its data. The recordings (cornering.mat, drivebrake.mat) are not part of the project.
 
-The cases full and no-temperature compare the two tires once more: each is fitted, with its effects, to the recording
+The cases full and no-temperature compare the two tires again: each is fitted, with its effects, to the recording
 without some of its operating conditions, and predicts these, for all conditions in turn.
 
     python benchmarks/real_discovery.py --data FOLDER [--cases pressure,camber,all-camber,combined,full,no-temperature]
@@ -32,9 +32,10 @@ from tirefmu.fitting import fit
 from tirefmu.measurements import Recording, read_recording
 from tirefmu.symbolic.models import model_named
 
-#: Every n-th sweep is held out. n is coprime to the number of camber angles (three) and of loads in the test program.
+#: Every n-th sweep is in the hold-out set. n is coprime to the number of camber angles (three) and of loads in the test
+#: program.
 EVERY = 4
-#: Parts of the operating conditions that are held out in turn.
+#: Parts of the operating conditions that are excluded in turn.
 PARTS = 15
 #: The recording to which effects of the other one are carried over.
 OTHER = "drivebrake.mat"
@@ -163,12 +164,12 @@ def print_cross_validated(diagnosis: Diagnosis, recording: Recording, channels: 
             squares[name] += (error**2).sum().to_numpy()
     for i, channel in enumerate(channels):
         before, after = (np.sqrt(squares[name][i] / len(part)) for name in tires)
-        print(f"  {channel}, all rows, {condition.max() + 1} conditions held out in {PARTS} parts: "
+        print(f"  {channel}, all rows, {condition.max() + 1} conditions excluded in {PARTS} parts: "
               f"{before:.1f} N before, {after:.1f} N after")  # fmt: skip
 
 
 def print_carried_over(diagnosis: Diagnosis, file: Path, not_used: tuple[str, ...]) -> None:
-    """Print errors in another recording of a tire without and with each effect, as found and fitted once more.
+    """Print errors in another recording of a tire without and with each effect, as identified and fitted again.
 
     All other coefficients are fitted to that recording.
     """

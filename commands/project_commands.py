@@ -56,7 +56,7 @@ def init(
 ) -> int:  # fmt: skip
     """Write a project file for the bench files TABLES.
 
-    In a terminal, without TABLES, it asks for what it needs. The JSON Schema beside the file is for editors.
+    In a terminal, without TABLES, it requests what it needs. The JSON Schema beside the file is for editors.
     """
     check_output_paths(output, json_file)
     if output.exists():
@@ -64,7 +64,7 @@ def init(
     if not tables:
         if not sys.stdin.isatty():
             raise TirefmuError("no bench file: name the tables, or run tirefmu init in a terminal")
-        tables, model, nominal = _asked(model, nominal)
+        tables, model, nominal = _requested(model, nominal)
     for table in tables:
         if not table.is_file():
             raise TirefmuError(f"{table}: no such file")
@@ -97,7 +97,7 @@ def _write_project(context: click.Context, path: Path, text: str) -> None:
     write_toml(path, text, schema("project", all_commands(context)))
 
 
-def _asked(model: str | None, nominal: dict[str, float] | None) -> tuple[tuple[Path, ...], str, dict[str, float]]:
+def _requested(model: str | None, nominal: dict[str, float] | None) -> tuple[tuple[Path, ...], str, dict[str, float]]:
     """Return tables, model and nominal values as the user enters them."""
     entered = click.prompt("Bench files, separated by blanks")
     tables = tuple(map(Path, entered.split()))

@@ -189,7 +189,9 @@ class LeastSquares:
         signals = self.simulator.signals
         holdout, training = signals.present & signals.holdout, self.inverse_noise > 0.0
         powers = np.sum(before.residual**2, axis=1, where=training) / np.maximum(training.sum(axis=1), 1)
-        scale = np.where(training.any(axis=1), powers, np.inf)[:, None]  # a channel without training rows says nothing
+        scale = np.where(training.any(axis=1), powers, np.inf)[
+            :, None
+        ]  # a channel without training rows states nothing
         squares = np.array([np.sum(s.residual**2 / scale, axis=0, where=holdout) for s in (before, after)])
         total = float(squares[0].sum())
         blocks = signals.block[signals.holdout]
@@ -279,7 +281,7 @@ def density_gains(before: FloatArray, after: FloatArray, fitted: BoolArray, judg
     Residuals are normal with the standard deviation that they have in the fitted rows of their channel: a tire that
     fits these better is more certain, and loses more where it is wrong.
 
-    All have the shape (n_channels, n), as the result. A channel without fitted rows says nothing.
+    All have the shape (n_channels, n), as the result. A channel without fitted rows states nothing.
     """
     determined = fitted.any(axis=1, keepdims=True)
 

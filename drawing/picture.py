@@ -82,7 +82,7 @@ def html_image(figure: Figure) -> str:
 def rendered(figure: MatplotlibFigure, suffix: str, dpi: float, **options: Any) -> bytes:
     """Return a drawn figure as a file's bytes; a letter that the font lacks is drawn as a box, without a warning.
 
-    Axes are placed before: to place them, `savefig` would draw the whole figure once more.
+    Axes are placed before: to place them, `savefig` would draw the whole figure again.
     """
     buffer = BytesIO()
     with warnings.catch_warnings():

@@ -2,7 +2,7 @@
 
 One tire, and four together: two front and two rear tires of different values, each with its own inputs. The inputs are
 constant for 1 s, so that the slips have settled: the forces are then those of `Tire.forces` for the slips and the load
-that the FMU reports. Every kind that a program has an interface for is tried, also what it says that it does not read.
+that the FMU reports. Every kind that a program has an interface for is tried, also those that it does not read.
 
 Programs that cannot be installed beside tirefmu have a Python of their own; TIREFMU_PYTHONS lists such Pythons.
 """

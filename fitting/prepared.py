@@ -21,7 +21,7 @@ from .setup import Setup
 class PreparedStage:
     """A stage of a fit.
 
-    - `recipe`: what the recipe says of it.
+    - `recipe`: what the recipe states of it.
     - `channels`: its channels among the fitted ones.
     - `names`: the coefficients that it may free: those that influence its channels, by section and effect.
     - `kind`: "intermediate", "penultimate" (before a stage with all rows) or "final".
@@ -120,9 +120,9 @@ def _names(setup: Setup, stage: Stage, channels: Sequence[str]) -> tuple[str, ..
     if stage.effects is not None:
         live &= model.live(effects.intersection(stage.effects))
     # A section whose coefficients are not fitted by default is freed as a whole by a stage that names it.
-    asked = set(stage.sections) - {c.section for c in model.coefficients.values() if c.fitted}
+    requested = set(stage.sections) - {c.section for c in model.coefficients.values() if c.fitted}
     return tuple(
         name
         for name, c in model.coefficients.items()
-        if name in live and (c.fitted or c.section in asked) and (not stage.sections or c.section in stage.sections)
+        if name in live and (c.fitted or c.section in requested) and (not stage.sections or c.section in stage.sections)
     )

@@ -40,7 +40,7 @@ class Channel:
         The probable unit of values beyond the limits, and words for it. Empty: unknown.
     reversed_in : tuple of str
         What changes its sign: sign conventions other than "iso", and "mirror" for the mirror in the wheel plane.
-    usual : tuple of float, optional
+    typical : tuple of float, optional
         Range of a slider, in SI units, where neither the tire nor a recording has a range.
     stream : int
         Number of its random stream on the virtual bench. Never changed: a seed gives the same recording as before.
@@ -58,7 +58,7 @@ class Channel:
     hint: str = ""
     wrong_unit: tuple[str, str] = ("", "in another unit")
     reversed_in: tuple[str, ...] = ()
-    usual: tuple[float, float] | None = None
+    typical: tuple[float, float] | None = None
     stream: int = 0
     bench_unit: str = ""
 
@@ -74,7 +74,8 @@ class Channel:
 # pressure, 0.5 m/s for the speed, 2 K for the temperature.
 _DECLARATIONS = (
     Channel(
-        "t", "time", "s", "time", "input", ("ET",), ("time", "elapsed_time", "timestamp"), usual=(0.0, 600.0), stream=0
+        "t", "time", "s", "time", "input", ("ET",), ("time", "elapsed_time", "timestamp"), typical=(0.0, 600.0),
+        stream=0,
     ),
     Channel(
         "kappa", "longitudinal slip (omega R_e - V_x)/|V_x|, a fraction", "1", "ratio", "controlled", ("SL",),
@@ -110,21 +111,21 @@ _DECLARATIONS = (
     Channel(
         "T", "temperature at the tread's center", "deg C", "temperature", "input", ("TSTC",),
         ("temperature", "tread_temperature", "tire_temperature", "tyre_temperature"), (-80.0, 250.0), 2.0,
-        "in deg C (in kelvin? 300 K is 26.85)", ("K", "in kelvin"), usual=(0.0, 120.0), stream=7,
+        "in deg C (in kelvin? 300 K is 26.85)", ("K", "in kelvin"), typical=(0.0, 120.0), stream=7,
     ),
     Channel(
         "T_ambient", "temperature of the air around the tire", "K", "absolute temperature", "input", ("AMBTMP",),
         ("ambient_temperature", "air_temperature"), (200.0, 350.0), 2.0,
-        _KELVIN, ("deg C", "in deg C"), usual=(253.15, 333.15), stream=14,
+        _KELVIN, ("deg C", "in deg C"), typical=(253.15, 333.15), stream=14,
     ),
     Channel(
         "T_road", "temperature of the surface of the road", "K", "absolute temperature", "input", ("RST",),
         ("road_temperature", "road_surface_temperature", "track_temperature"), (200.0, 400.0), 2.0,
-        _KELVIN, ("deg C", "in deg C"), usual=(253.15, 353.15), stream=15,
+        _KELVIN, ("deg C", "in deg C"), typical=(253.15, 353.15), stream=15,
     ),
     Channel(
         "phit", "turn slip", "1/m", "curvature", "controlled", (), ("turn_slip",), tolerance=0.01,
-        reversed_in=("mirror",), usual=(-0.2, 0.2), stream=8,
+        reversed_in=("mirror",), typical=(-0.2, 0.2), stream=8,
     ),
     Channel(
         "Fx", "longitudinal force", "N", "force", "output", ("FX",), ("longitudinal_force", "tractive_force"), stream=9

@@ -108,7 +108,7 @@ def _characteristics(tire: Tire) -> list[dict[str, float]]:
 def limits_of(tire: TireDefinition) -> list[str]:
     """Return sentences on effects that do nothing, on slips that do not lag, and on what was not measured.
 
-    The effects of a model do nothing in most tires; only further ones, which were asked for, are named.
+    The effects of a model do nothing in most tires; only further ones, which were requested, are named.
     """
     idle = (name for name in idle_effects(tire) if name not in tire.symbolic_model.default_effects)
     return [*idle_notes(idle), *transient_notes(tire), *not_measured(tire).values()]

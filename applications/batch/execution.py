@@ -69,7 +69,7 @@ def _pool(workers: int) -> ProcessPoolExecutor:
 
 
 def _end_with_ctrl_c() -> None:
-    """End this process without a message if the user interrupts the batch; in the background nobody does."""
+    """End this process without a message if the user interrupts the batch; in the background that cannot happen."""
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
 

@@ -24,7 +24,7 @@ WIDTH = 1.96
 #: side force exceeds `PEAK_SHARE` of the peak (at a factor one standard deviation higher) for this time, s.
 MAX_SPREAD, PEAK_TIME = 0.1, 0.5
 #: Share of the largest side force to one side that an axle must reach to the other one. Turns to one side do not
-#: separate a tire from an asymmetry of steering, road or sensors, so that ISO 4138 asks for both. Judgement: half.
+#: separate a tire from an asymmetry of steering, road or sensors, so that ISO 4138 requires both. Judgement: half.
 OTHER_SIDE = 0.5
 #: Slip angles at which a peak is sought, rad.
 _SLIPS = np.linspace(-0.6, 0.6, 241)
@@ -47,7 +47,7 @@ class Factor:
 
     @property
     def differs(self) -> bool:
-        """Whether the drive says that it differs from 1, by more than two tires of one kind do."""
+        """Whether the drive states that it differs from 1, by more than two tires of one kind do."""
         beyond = self.low > 1.0 + SAME or self.high < 1.0 - SAME
         return self.determined and self.changed > CERTAIN and beyond
 
@@ -75,7 +75,7 @@ def factors_of(
             low, value, high = (float(np.exp(center + k * WIDTH * spread)) for k in (-1, 0, 1))
             reason = "" if spread <= MAX_SPREAD else "the drive has too little information on it"
             if not reason and one_sided:
-                reason = "the car turns to one side only: an asymmetry looks alike"
+                reason = "the car turns to one side only: an asymmetry is confounded with it"
             if not reason and name == "LMUY":
                 share = used_share(estimate, axle, tires[axle], float(np.exp(center + spread)))
                 reason = lacking_peak("Fy", _exceeded(share, step))

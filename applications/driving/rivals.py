@@ -64,7 +64,7 @@ def probabilities_of(grid: Grid, estimate: Estimate, unknowns: Unknowns) -> Prob
     """Return the probabilities over all explanations."""
     places = np.arange(len(unknowns.car), len(unknowns))
     information, score = estimate.information(grid, np.zeros((len(grid.t), 2, 0)))
-    # The scatter over parts of the drive is a further error of what the log says.
+    # The scatter over parts of the drive is a further error of what the log states.
     noise = np.eye(len(score)) + information @ (estimate.scatter + np.zeros_like(information))
     information, score = np.split(np.linalg.solve(noise, np.column_stack([information, score])), [len(score)], axis=1)
     score = score[:, 0]

@@ -33,8 +33,8 @@ from .interval import BODY, OUTPUTS, SUSPENSION, relaxation_of
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 
-#: Length of a piece of a usual car, s; longest Heun step, s, and in the shorter time constant of lateral speed and yaw
-#: rate.
+#: Length of a piece of a typical car, s; longest Heun step, s, and in the shorter time constant of lateral speed and
+#: yaw rate.
 HORIZON, MAX_STEP, MAX_SHARE = 2.0, 0.01, 0.5
 #: kappa, alpha, gamma, Fz, V and states of effects, shape (4, n) each, and the length of the step that follows with
 #: these inputs, s (0: none); the answer is Fx and Fy, shape (2, 4, n).

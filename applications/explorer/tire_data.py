@@ -1,6 +1,6 @@
 """A tire as plain values for the page: coefficients, effects, inputs, outputs, and which coefficient acts when.
 
-The .tir file is prepared so that the page can write it with changed values and effects.
+The .tir file is divided so that the page can write it with changed values and effects.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from ...tires.property_file.writing import tir_text
 _SHOWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3), "1": ("", 1.0)}
 _SHOWN |= {"degC": ("deg C", 1.0), "K": ("deg C", 1.0)}
 #: Ranges of the sliders of inputs, in SI units, where neither the tire nor a recording has a range.
-RANGES = {name: channel.usual for name, channel in CHANNELS.items() if channel.usual} | {"distance": (0.0, 5000.0)}
+RANGES = {name: channel.typical for name, channel in CHANNELS.items() if channel.typical} | {"distance": (0.0, 5000.0)}
 #: Range of a temperature of the tire, K.
 NODE_RANGE = (253.15, 423.15)
 #: Range of an input that is positive, as shares of its nominal value.

@@ -1,4 +1,4 @@
-"""The program that tells effects apart: which of two the tire has, whatever the other coefficients are.
+"""The program that separates effects: which of two the tire has, whatever the other coefficients are.
 
 T-optimality (Atkinson and Fedorov, The design of experiments for discriminating between two rival models, Biometrika
 62, 1975): the response of an effect that the tire has is large in what remains after all coefficients, the offsets of
@@ -49,7 +49,7 @@ def plan_between(
     tire: TireLike, bench: Bench, pairs: Sequence[tuple[str, str]], *, minutes: float = 2.0,
     progress: Progress | None = None,
 ) -> PlanResult:  # fmt: skip
-    """Plan the program that tells effects apart.
+    """Plan the program that separates effects.
 
     `tire`: what is known of it; effects of the pairs are removed first. `bench`: the tire on it is warm. `pairs`:
     effects of which the tire has one. `progress`: as for `plan`. Pairs that no program of this bench and time
@@ -95,7 +95,7 @@ def _inseparable(separations: Sequence[Separation], minutes: float, tire: Tire) 
             declared = [c for part in (pair, other) if part.effect in detections
                         for c in detections[part.effect].confounded if c.other == part.rival]  # fmt: skip
             reasons[name] = (
-                f"{limit} tells {pair.effect} and {pair.rival} apart: the expected evidence is {best:.2g} nats"
+                f"{limit} separates {pair.effect} and {pair.rival}: the expected evidence is {best:.2g} nats"
                 + "".join(f"; {part.separate_by}" for part in declared[:1])
             )
     return reasons
@@ -209,7 +209,7 @@ def _forms(tire: Tire, name: str) -> list[Mapping[str, float]]:
 
 
 def pairs_of(answer: str | Path) -> tuple[Path, list[tuple[str, str]]]:
-    """Return the base tire of a diagnosis and the effects that it does not tell apart (`pairs_in`).
+    """Return the base tire of a diagnosis and the effects that it does not separate (`pairs_in`).
 
     `answer`: the folder of ``tirefmu diagnose -o``. Raises `PlanError` if it has no diagnosis, or the diagnosis has
     nothing that a program can separate.
@@ -228,7 +228,7 @@ def pairs_of(answer: str | Path) -> tuple[Path, list[tuple[str, str]]]:
 
 
 def pairs_in(content: Mapping[str, Any], model: Model) -> list[tuple[str, str]]:
-    """Return the effects that a diagnosis does not tell apart.
+    """Return the effects that a diagnosis does not separate.
 
     `content`: of diagnosis.json. An effect of a plausible explanation has the effects of another one, which lacks it,
     as rivals; an identified effect has those that are confounded with it.

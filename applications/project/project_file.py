@@ -144,7 +144,7 @@ class Project:
     def rows(self, *, fitted: bool = False) -> str | None:
         """Return the expression or file that selects the rows of all steps; None for all rows.
 
-        `fitted`: that of the fit, without the rows that are held out.
+        `fitted`: that of the fit, without the hold-out set.
         """
         where = self.get("data", "where")
         excluded = [*self.get("data", "exclude", ()), *(self.get("fit", "hold_out", ()) if fitted else ())]

@@ -33,7 +33,7 @@ def benchmark(
 
     A seed gives 24 recordings of tires and 6 of other systems, some of which lack nothing. A method answers with names,
     probabilities and the forces on other maneuvers (answer.schema.json). To be measured blind, take recordings
-    whose seed somebody else chose; benchmark.json has a digest of the seed.
+    whose seed another person chose; benchmark.json has a digest of the seed.
     """
     from tirefmu.commands.terminal import Terminal
 

@@ -43,7 +43,7 @@ class RankedExplanation:
 
 @dataclass(frozen=True)
 class OneOf:
-    """Effects of which one is missing; the recording does not tell which.
+    """Effects of which one is missing; the recording does not separate them.
 
     Attributes
     ----------

@@ -317,7 +317,7 @@ def extended_boldly(table: Table, refit: Refitted) -> Move:
 def exchanged(table: Table, refit: Refitted) -> Move:
     """Refit explanations in which a confounded effect takes the place of one of the effects.
 
-    The linear problem at the explanation without it says little about what acts through time: all others follow then.
+    The linear problem at the explanation without it states little about what acts through time: all others follow then.
     """
     table, possible = table.possible(refit.linear)
     for part in refit.explanation.effects if possible else ():

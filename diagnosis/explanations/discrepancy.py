@@ -74,10 +74,10 @@ def fast_drift(signals: Signals, inverse_noise: FloatArray) -> tuple[FloatArray,
 
     `inverse_noise`, shape (n_channels, n): reciprocal standard deviation of the noise, 1/N and 1/(N m).
     """
-    waves, rows = _fast_waves(signals), np.ones_like(inverse_noise)
-    functions = np.stack(list(waves.values()), axis=-1) if waves else np.zeros((len(signals.rows), 0))
+    waves, rows = _waves(signals)[:, DRIFT_WAVES:], np.ones_like(inverse_noise)
     noise = [1.0 / float(np.median(row[row > 0.0])) if (row > 0.0).any() else 1.0 for row in inverse_noise]
-    return _by_channel(rows, functions), np.array([size * FAST_DRIFT_PRIOR / k for size in noise for k in waves])
+    numbers = 1.0 + DRIFT_WAVES + np.arange(waves.shape[1])
+    return _by_channel(rows, waves), np.concatenate([size * FAST_DRIFT_PRIOR / numbers for size in noise])
 
 
 def grip_drift(signals: Signals, forces: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -88,24 +88,20 @@ def grip_drift(signals: Signals, forces: FloatArray) -> tuple[FloatArray, FloatA
     `forces`, shape (n_channels, n): of the baseline model.
     """
     waves = _waves(signals)
-    functions = np.stack(list(waves.values()), axis=-1) if waves else np.zeros((len(signals.rows), 0))
-    return np.nan_to_num(forces)[:, :, None] * functions, np.array([GRIP_DRIFT / k for k in waves])
+    deviation = np.asarray(GRIP_DRIFT / (1.0 + np.arange(waves.shape[1])))
+    return np.nan_to_num(forces)[:, :, None] * waves, deviation
 
 
-def _fast_waves(signals: Signals) -> dict[int, FloatArray]:
-    return {k: wave for k, wave in _waves(signals).items() if k > DRIFT_WAVES}
-
-
-def _waves(signals: Signals) -> dict[int, FloatArray]:
-    """Return half waves over the recording that are slower than sweeps from side to side, by their numbers."""
+def _waves(signals: Signals) -> FloatArray:
+    """Return half waves over the recording that are slower than sweeps from side to side, shape (n, k)."""
     if not signals.timed:
-        return {}
+        return np.zeros((len(signals.rows), 0))
     named, reversals = signals.named(), 0
     for slip in (named["alpha"], named["kappa"]):
         large = slip[np.abs(slip) > 0.5 * np.abs(slip).max()]
         reversals += int(np.count_nonzero(np.diff(np.sign(large))))
     waves = half_waves(passed(signals, signals.t[signals.rows]), min(FAST_DRIFT_WAVES, reversals // 2))
-    return dict(enumerate(waves[1:], 1))
+    return np.stack(waves, axis=-1)[:, 1:]
 
 
 def effect_discrepancy(response: FloatArray, inputs: Mapping[str, FloatArray], seed: int = 0) -> FloatArray:
@@ -179,7 +175,7 @@ def input_noise_responses(simulator: Simulator, parameters: FloatArray) -> Float
     """Return the change of the forces if fast variations of an input are noise, shape (n_channels, n, k).
 
     They are the differences from moving averages of the input, up to three deviations of the noise that was removed:
-    larger ones are movements of the bench. A coefficient of 1 says that all of the variation is noise.
+    larger ones are movements of the bench. A coefficient of 1 states that all of the variation is noise.
     """
     signals, at = simulator.signals, simulator.forces(parameters)
     if not signals.timed:

@@ -139,7 +139,7 @@ def without_effect(after: Screen, coefficients: Collection[str]) -> Screen:
 def _stretches(screen: Screen, change: FloatArray, z: float) -> IntArray:
     """Return the edges of the stretches in which an effect with a change of the weighted forces is judged.
 
-    A stretch in which the significance of the effect would be less than one standard deviation says nothing about it.
+    A stretch in which the significance of the effect would be less than one standard deviation states nothing about it.
     If more than a quarter are of that kind, as for an effect that ends soon, they contain equal shares of the effect.
     """
     marks = np.round(np.linspace(0, screen.n_blocks, STRETCHES + 1)).astype(np.int64)

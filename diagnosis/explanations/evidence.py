@@ -46,7 +46,7 @@ def inflation(explained: float) -> float:
 def caution(explained: float, inexact: float) -> float:
     """Return the factor by which probabilities divide the logarithm of the evidence of a comparison, at least 1.
 
-    The form of an effect may err by `FORM_ERROR` of its response: this share, squared, of what is explained says
+    The form of an effect may err by `FORM_ERROR` of its response: this share, squared, of what is explained states
     nothing about which effect explains it. `explained`: as in `inflation`, by the explanation; `inexact`: that of the
     noise of the comparison.
 

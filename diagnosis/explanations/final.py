@@ -40,7 +40,7 @@ MAX_WHITENED_MISFIT = 1.02
 BALANCING = 2
 
 
-#: Finer forms, each with its effect.
+#: Refinements, each with its effect.
 Refinements = tuple[tuple[str, Form], ...]
 
 
@@ -52,7 +52,7 @@ class Final:
     - `errors`: standard errors of the coefficients and disturbances of `after`, from whitened rows.
     - `effects`: those of the explanation, and their free coefficients.
     - `evidence`: for the same effects.
-    - `refinements`: finer forms that the recording needs, each with its effect.
+    - `refinements`: those that the recording needs, each with its effect.
     - `unknown`: the unknown component; at most one.
     - `unknown_evidence`: for its formula, if this was added.
     - `answer`: the probabilities, smaller ones for what the recording does not prove.
@@ -168,9 +168,8 @@ def with_proven(
     left out, the least certain one first: of two that are in each other's place, one remains. Only those that were not
     proven are judged again at once, and all when these are proven or left out.
 
-    `refinements`: finer forms, which are no names: they are absent with their effects. `formula`: coefficients of the
-    formula of an unknown component, which is judged with the effects. If it is the one to leave out, the fit ends: the
-    others were fitted together with it.
+    `refinements`: they are absent with their effects. `formula`: coefficients of the formula of an unknown component,
+    which is judged with the effects. If it is the one to omit, the fit ends: the others were fitted together with it.
     """
     absent, doubtful = list[str](), list[str]()
     while (explanation.effects or formula) and not problem.stop():

@@ -1,4 +1,4 @@
-"""The correction of the formula's own form: what is left of friction, slip stiffness and trail over load and slip.
+"""The correction of the formula's own form: errors of friction, slip stiffness and trail over load and slip.
 
 Every explanation contains a discrepancy of the form; this is what the tire is given of it. The quantities are
 multiplied by 1 plus smooth bumps over the tested loads and slips, each with a coefficient whose prior has the deviation
@@ -99,7 +99,7 @@ def _smoothed(problem: LeastSquares, solution: Solution, weights: FloatArray) ->
 
 
 def _without_block(problem: LeastSquares, solution: Solution) -> FloatArray:
-    """Return what is left of each block of time after a fit to the others in which all coefficients follow linearly."""
+    """Return the residual of each block of time after a fit to the others in which all coefficients follow linearly."""
     screen = Screen(problem, problem.at(solution.parameters, solution.free))
     return np.asarray(screen.solution.residual + screen.change_without_block)
 

@@ -123,7 +123,7 @@ class Linearization:
 
     @cached_property
     def skew(self) -> float:
-        """The time by which the inputs are recorded before the forces, s: of the simulator, and what is left of it.
+        """The time by which the inputs are recorded before the forces, s: of the simulator, and the remaining one.
 
         A rest of less than two standard deviations is none.
         """
@@ -235,7 +235,7 @@ class Linearization:
         """Return the refinements of the effects without which there would be less evidence, with odds as of an effect.
 
         They are among the columns of every explanation. Errors of the core are no effects: its refinements would
-        extrapolate what is left of them. The ratio of the evidences with and without a column is that of
+        extrapolate the remaining ones. The ratio of the evidences with and without a column is that of
         Savage and Dickey.
         """
         first = self.skew_index + _contents(self).bench

@@ -24,7 +24,7 @@ from .refit import Refitted, Shared
 Parts = tuple[str, ...]
 
 #: Score, relative to the largest one, below which an explanation is not tried again under another noise, and not at all
-#: if the linear problem says so: three margins. Convention: computing time.
+#: if the linear problem states so: three margins. Convention: computing time.
 FAR = 3.0 * REFIT_MARGIN
 
 

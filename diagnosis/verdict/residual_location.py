@@ -57,7 +57,7 @@ def _pairs(varying: Sequence[str]) -> list[tuple[str, str]]:
 
 
 def scale_errors(screen: Screen) -> dict[str, str]:
-    """Return by channel where the tire gives too much or too little, in words; '' if that says little.
+    """Return by channel where the tire gives too much or too little, in words; '' if that states little.
 
     In parts of the range of one input the residual is compared with the force. The input is the one with which most of
     the squared residual disappears if the force of each part is scaled, at least `SCALED_SHARE`; the part is the one

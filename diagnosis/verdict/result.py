@@ -151,7 +151,7 @@ class Diagnosis:
 
     @property
     def one_of(self) -> tuple[OneOf, ...]:
-        """Effects of which one is missing, where the recording does not tell which: one of them is in `found`."""
+        """Effects of which one is missing, which the recording does not separate: one of them is in `found`."""
         return self.answer.one_of(finding.effect for finding in self.found)
 
     @property

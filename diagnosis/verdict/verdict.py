@@ -28,7 +28,7 @@ def verdict_sentences(
     `confounded`: correlation with other explanations, by effect. `refined`: refinements of effects of the baseline
     model. `detectable`: smallest detectable sizes, by effect and channel. `against`: reasons why the improved tire is
     not delivered. `recording`: errors of the recording. `one_of`: effects of which one is missing. `stopped`:
-    whether explanations remained, so that nobody knows that nothing is missing.
+    whether explanations remained, so that it is not known that nothing is missing.
     """
     parts = _missing(findings, unknown, confounded, one_of)
     if refined:
@@ -86,13 +86,13 @@ def _missing(
     """Return the sentences on effects that are more probable than not, and on others of the improved tire."""
     missing, uncertain = list[str](), list[str]()
     in_class = {name: alternatives for alternatives in one_of for name in alternatives.effects}
-    told = set[OneOf]()
+    reported = set[OneOf]()
     for finding in findings:
         if finding.effect in in_class:
             alternatives = in_class[finding.effect]
-            if alternatives not in told:
+            if alternatives not in reported:
                 missing.append(_one_of_text(alternatives, findings))
-            told.add(alternatives)
+            reported.add(alternatives)
             continue
         certain = missing if finding.probability >= NAMED else uncertain
         if finding.effect == "UNKNOWN":

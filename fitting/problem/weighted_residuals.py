@@ -219,7 +219,7 @@ class Problem:
         for block in self._blocks():
             stop = start + len(block.group)
             residual = self._residual(block, parameters)
-            for output in block.present:  # zeros that nobody writes need no memory
+            for output in block.present:  # zeros that are never written need no memory
                 residuals[output, start:stop] = residual[output]
             start = stop
         return residuals

@@ -36,7 +36,7 @@ def verdict_lines(verdict: Verdict) -> Iterator[str]:
 
 
 def short_fit_lines(result: Fitted, verdict: Verdict) -> Iterator[Table | str]:
-    """Yield the first screen of a fit: verdict, most important reasons and warnings, goodness of fit, what is left."""
+    """Yield the first screen of a fit: verdict, most important reasons and warnings, goodness of fit, the rest."""
     from .report_text import bootstrap_summary
 
     reasons, findings = [_with_short_names(reason) for reason in verdict.reasons], result.data_findings

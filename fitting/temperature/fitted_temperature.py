@@ -41,6 +41,6 @@ class FittedTemperature:
         rest = f"; not determined: {', '.join(unclear)}" if unclear else ""
         rest += f"; {self.optimum.text()}" if self.optimum else ""
         return (
-            f"temperature {self.column}: rms error {self.rmse:.2f} K, {self.holdout_rmse:.2f} K where it was held out "
+            f"temperature {self.column}: rms error {self.rmse:.2f} K, {self.holdout_rmse:.2f} K on the hold-out set "
             f"(a constant: {self.constant_rmse:.2f} K){sensor}{rest}"
         )

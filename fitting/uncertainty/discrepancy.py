@@ -4,7 +4,7 @@ A Magic Formula describes no tire exactly, and a tire whose state changes with t
 described as an unknown relative change of a channel, F (1 + d): a random smooth function of the inputs (form), and of
 time (state). A fit absorbs much of it in its coefficients, so its residual is smaller than the error. What a fit of
 weights W with Jacobian J leaves of a function f is f - J H^-1 J^T W f, with H = J^T W J. The variances of both random
-functions are those for which the sums of squared projections of the residual on what is left of them have their
+functions are those for which the sums of squared projections of the residual on their remainders have their
 expected values (method of moments, as Rao's MINQUE, 1971). The noise in these sums is that of projections on functions
 that change faster than any tire, or that of neighboring rows if it is smaller: in a long recording the sampled rows are
 too few for such functions.
@@ -149,8 +149,8 @@ class Discrepancy:
     ) -> Discrepancy:
         """Return the same with errors of predictions that are known.
 
-        The rows near zero slip and at the peak are few among the sampled ones; what is read from all of them says much
-        more about these places.
+        The rows near zero slip and at the peak are few among the sampled ones; all of them contain much more
+        information about these places.
 
         `slopes`, `values`, `inputs`: as for `variance`. `error`, `deviation`, shape (n,): prediction minus the value
         that was read from the data, and its standard deviation.

@@ -65,7 +65,7 @@ def embedded_tire(folder: Path, fmu_path: str | os.PathLike[str], outputs: Itera
     if not path.is_file():
         return None
     try:
-        tire = read_tir_with_notes(path).tire  # who exported it was told its notes
+        tire = read_tir_with_notes(path).tire  # the export reported its notes
     except TirefmuError as error:
         raise FmuError(f"{fmu_path}: {str(error).replace(str(path), 'resources/tire.tir')}") from error
     missing = [name for name in outputs if name not in tire.outputs]

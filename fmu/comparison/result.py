@@ -39,7 +39,7 @@ class CheckResult(Compared):
     not_fitted : tuple of str
         Measured outputs that the data of the embedded tire did not show: they say nothing about it.
     without_slip : tuple of str
-        Measured outputs whose slips stay at zero in the recording: a low R2 of theirs says nothing about the tire.
+        Measured outputs whose slips stay at zero in the recording: a low R2 of theirs states nothing about the tire.
     """
 
     def _repr_html_(self) -> str:

@@ -161,7 +161,7 @@ def _parsed(text: str, source: str) -> dict[str, Any]:
 
 
 def effect_text(effect: AddedEffect) -> str:
-    """Return the text of an effect's file. It is stored in the effect: every tire with the effect asks for it."""
+    """Return the text of an effect's file. It is stored in the effect: every tire with the effect requests it."""
     stored = vars(effect)
     if "_text" not in stored:
         stored["_text"] = _written(effect)

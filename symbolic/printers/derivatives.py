@@ -36,7 +36,7 @@ class NamedExpression:
 
 @dataclass(frozen=True)
 class SplitLine:
-    """A line prepared for the chain rule.
+    """A line preprocessed for the chain rule.
 
     - `steps`: in an order in which each uses only earlier ones; the last is the line itself.
     - `shared`: common terms of several steps or partials, computed before them.

@@ -55,7 +55,7 @@ def loaded_radius_lines(model: Model) -> list[Equation]:
 
 
 def c_loaded_radius(model: Model) -> str:
-    """Return a header with the loaded radius under a load; its macro says whether the radius depends on the forces.
+    """Return a header with the loaded radius under a load; its macro states whether the radius depends on the forces.
 
     Returns: without the function if the model has no loaded radius.
 

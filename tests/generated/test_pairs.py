@@ -67,9 +67,9 @@ def arguments(name):
     """Return numbers of every size, the special ones in both places of a pair."""
     rng = np.random.default_rng(7)
     drawn = rng.choice([-1.0, 1.0], 400) * 10 ** rng.uniform(-12, 12, 400)
-    usual = rng.uniform(-20.0, 20.0, 400)
+    typical = rng.uniform(-20.0, 20.0, 400)
     special = np.concatenate([np.insert(rng.uniform(0.5, 2.0, 3), k, value) for value in SPECIAL for k in range(4)])
-    x = np.concatenate([drawn, usual, special])
+    x = np.concatenate([drawn, typical, special])
     y = rng.uniform(-3.0, 3.0, len(x)) if name == "pow" else rng.choice([0.0, 0.5], len(x))
     return (np.abs(x) if name == "pow" else x), y
 

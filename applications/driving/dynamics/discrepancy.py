@@ -31,8 +31,8 @@ FORM = 0.01
 #: Numbers of the columns of an axle and, of these, of the curve; which of all columns have the estimated size.
 N_COLUMNS, N_FORM = 12, 3
 SIZED = np.arange(2 * N_COLUMNS) % N_COLUMNS >= N_FORM
-#: Longitudinal acceleration per g that changes a force by one coefficient; time by which the force of a usual car is
-#: late, s, and its square for masses that move against the body, s^2. Judgement: of the usual size they are 10 ms and
+#: Longitudinal acceleration per g that changes a force by one coefficient; time by which the force of a typical car is
+#: late, s, and its square for masses that move against the body, s^2. Judgement: of the typical size they are 10 ms and
 #: (40 ms)^2; relaxation, roll and compliance between body and wheels make forces late by 10 to 40 ms.
 ACCELERATION, TIME, INERTIA = 0.3, 2.0, 0.3
 #: Smallest and largest size. Judgement: a drive does not show less of what it cannot see; what is larger is no small

@@ -183,7 +183,7 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
         means[-1] = np.gradient(_windowed(*speed, middle, RATE_WINDOW), middle)[chosen]
         noise[-1] = RATE_DEVIATION
     for axle, (wheels, axle_channels) in zip(("front", "rear"), _axle_speeds(log, car), strict=False):
-        if axle == car.driven:  # its slip grows in a turn, beyond what its longitudinal force says
+        if axle == car.driven:  # its slip grows in a turn, beyond what its longitudinal force states
             continue
         row = MEASURED.index(f"rim_{axle}")
         means[row], noise[row] = _averaged(axle_channels, edges, usable, wheels)

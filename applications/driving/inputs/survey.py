@@ -226,7 +226,7 @@ def _text(column: Column, name: str, values: FloatArray) -> str:
         return header
     size = float(np.nanquantile(np.abs(values), 0.99))
     if LOG_CHANNELS[name].quantity == "acceleration" and 0.0 < size < 0.25 * GRAVITY and name in ("ax", "ay"):
-        return header  # g and a gentle drive in m/s^2 look alike
+        return header  # g cannot be distinguished from a gentle drive in m/s^2
     degrees = {"angle": ("deg", 3.5 if name == "steer" else 1.6), "rotation": ("deg/s", LOG_CHANNELS[name].limit)}
     unit, most = degrees.get(LOG_CHANNELS[name].quantity, ("", np.inf))
     return f"{header} [{unit}]" if size > most and name != "heading" else header

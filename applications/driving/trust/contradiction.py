@@ -46,7 +46,7 @@ class Contradiction:
 
     @property
     def certain(self) -> bool:
-        """Whether car and tires together contradict the drive: an estimate that is not at its optimum says nothing."""
+        """Whether car and tires together contradict the drive: an estimate beside its optimum states nothing."""
         return self.converged and self.p < IMPROBABLE
 
     @property
@@ -64,8 +64,8 @@ def contradiction_of(estimate: Estimate, unknowns: Unknowns, without: str = "") 
     """Return the joint deviation of an estimate.
 
     If the file is right, standardized deviations scatter about 0 with the part of their variance that the drive takes
-    away, and with what parts of the drive differ by. `without`: an entry of which the file says nothing; the others may
-    then be elsewhere (linearized).
+    away, and with what parts of the drive differ by. `without`: an entry of which the file states nothing; the others
+    may then be elsewhere (linearized).
     """
     z, covariance = estimate.z, estimate.covariance - estimate.scatter
     kept = [i for i, name in enumerate(unknowns.car) if name != without]

@@ -35,7 +35,7 @@ PARTS, FEWEST = 10, 3
 #: One-sided probability of a gain by chance at which it is none. Convention.
 CHANCE = 0.025
 #: Time constant with which a simulated car returns to the recorded motion, in the length of a piece. Convention: 0.5 s
-#: of a usual car, longer than its response, and short enough to forget the start of a piece.
+#: of a typical car, longer than its response, and short enough to forget the start of a piece.
 MEMORY = 0.25
 #: Standard deviations by which an entry of the car may explain what a factor that is fixed would. Convention.
 MOST = 2.0
@@ -136,7 +136,7 @@ def parts_of(grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> Pa
 def widened(estimate: Estimate, parts: Parts | None) -> Estimate:
     """Return an estimate whose deviations are at least those of the scatter over its parts (jackknife).
 
-    A model that is wrong says something else in each manoeuvre, with a precision that only noise deserves (Huggins and
+    A wrong model has another answer in each manoeuvre, with a precision that only noise deserves (Huggins and
     Miller, Bayesian Analysis 18, 2023, average over resamples for the same reason).
     """
     if not parts:

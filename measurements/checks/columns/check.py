@@ -107,7 +107,7 @@ def _facts(result: Readings, signs: str) -> str:
         elif abs(SIZES[name].deviation(claimed.sizes[name])) > NOTABLE and gains[name] > 0.0:
             size = SIZES[name]
             unit = f" {size.unit}".rstrip()
-            texts.append(f"{size.text} is {claimed.sizes[name]:.3g}{unit} (tires: {size.usual})")
+            texts.append(f"{size.text} is {claimed.sizes[name]:.3g}{unit} (tires: {size.typical})")
     return "; ".join(texts)
 
 

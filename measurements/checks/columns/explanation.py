@@ -34,7 +34,7 @@ class Readings:
     """The claimed reading of a table, and better ones.
 
     `claimed`: the reading of the file. `better`: readings that are clearly better, the best one first, with those that
-    cannot be told apart from it; empty if the claim stands. `mirrored`: other signs of the same columns, which only the
+    cannot be separated from it; empty if the claim stands. `mirrored`: other signs of the same columns, which only the
     direction of the camber thrust excludes.
     """
 

@@ -81,7 +81,7 @@ def _evidence(name: str, traits: Traits) -> Iterator[str]:
         if size in traits.sizes:
             declared = SIZES[size]
             unit = f" {declared.unit}".rstrip()
-            yield f"{declared.text} {traits.sizes[size]:.3g}{unit} (tires: {declared.usual})"
+            yield f"{declared.text} {traits.sizes[size]:.3g}{unit} (tires: {declared.typical})"
 
 
 def _sign_is_tested(name: str, traits: Traits) -> bool:

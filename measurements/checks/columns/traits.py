@@ -60,7 +60,7 @@ class SizeDistribution:
         return 0.5 * deviation**2 if deviation <= FAR else FAR * (deviation - 0.5 * FAR)
 
     @property
-    def usual(self) -> str:
+    def typical(self) -> str:
         """The range of two standard deviations on either side."""
         low, high = self.median * np.exp(-2.0 * self.below), self.median * np.exp(2.0 * self.above)
         return f"{low:.2g} to {high:.2g}"

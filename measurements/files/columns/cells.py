@@ -114,7 +114,7 @@ def _clock(objects: Any) -> FloatArray | None:
     present = [cell for cell in objects if not (is_missing(cell) or cell is None or cell != cell)]
     if all(isinstance(cell, (time, timedelta)) or _ELAPSED.fullmatch(str(cell).strip()) for cell in present):
         seconds = np.array([_elapsed(cell) for cell in objects])
-        # A time of day begins again at midnight.
+        # A time of day restarts at midnight.
         steps = np.diff(seconds, prepend=seconds[:1])
         return np.asarray(seconds + DAY * np.cumsum(np.nan_to_num(steps) < -0.5 * DAY))
     if all(is_time(cell) or isinstance(cell, datetime) for cell in present):

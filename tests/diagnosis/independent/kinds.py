@@ -202,14 +202,14 @@ def _baseline(rng: np.random.Generator, kind: str, layout: str, hidden: tuple[st
     None is hidden or needs what was not recorded. None is confounded with a hidden effect: what the baseline model has
     is estimated together with the hidden effect, and cannot be missing.
     """
-    usual = USUAL[:2] if layout in ("cornering", "pure") else USUAL
+    typical = USUAL[:2] if layout in ("cornering", "pure") else USUAL
     more = [str(name) for name in rng.permutation(COMMON)][: int(rng.integers(0, 4))]
     barred = {*hidden, *MISSING.get(gone, ())}
     if kind == "confounded":
         barred |= {name for _, one, _, others, _ in CONFOUNDED if one in hidden for name in others.split()}
     if layout == "cornering":
         barred.add("Mz_from_Fx")
-    return tuple(name for name in (*usual, *more) if name not in barred)
+    return tuple(name for name in (*typical, *more) if name not in barred)
 
 
 def _in_signs(table: pd.DataFrame, signs: str) -> pd.DataFrame:

@@ -39,7 +39,7 @@ def recorded(
         A recording has every n-th row.
     tire : Specimen
     noise : float
-        Factor on the noise of a usual bench.
+        Factor on the noise of a typical bench.
     errors : collection of str
         Names of `ERRORS`.
     """
@@ -52,8 +52,8 @@ def recorded(
     waves = _waves(rng, table, tire, errors)
     degrees = float(rng.uniform(3.0, 6.0))
     for name in channels:
-        usual = tire.load * (1.0 if name in ("Fx", "Fy") else 0.1 * tire.radius)
-        size = max(float(np.quantile(np.abs(late[name]), 0.995)), SMALLEST * usual)
+        typical = tire.load * (1.0 if name in ("Fx", "Fy") else 0.1 * tire.radius)
+        size = max(float(np.quantile(np.abs(late[name]), 0.995)), SMALLEST * typical)
         deviation = noise * np.hypot(0.004 * size, 0.008 * late[name])
         values = forces[name] + deviation * _heavy(rng, len(table), degrees) + size * rng.uniform(0.3, 1.0) * waves
         values = values + noise * (0.006 if "pink" in errors else 0.001) * size * _pink(rng, len(table))

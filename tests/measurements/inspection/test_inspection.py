@@ -83,7 +83,7 @@ def test_every_channel_is_drawn():
     ramp = np.linspace(0.0, 1.0, 301)
     table = pd.DataFrame({"t": ramp})
     for name, declared in CHANNELS.items():
-        low, high = declared.usual or (0.0, 500.0)
+        low, high = declared.typical or (0.0, 500.0)
         table[name] = low + (high - low) * ramp
     figures = inspection_figures(inspected(Recording(table, "iso", "a.csv")))
     (over_time,) = (figure for figure in figures if "time (s)" in {panel.x for panel in figure.panels})
