@@ -94,8 +94,8 @@ def run(name: str, folder: Path, tires: Path | None) -> None:
     for one in diagnosis.found:
         values = [f"{name} {c.value:.4g} ({c.lower:.4g} to {c.upper:.4g})" for name, c in one.coefficients.items()]
         print(f"  {one.effect}: gain {100 * one.cv_gain:.1f} +- {100 * one.cv_gain_se:.1f} %; {', '.join(values)}")
-    for name, confounded in diagnosis.confounded_with.items():
-        print(f"  {name} is confounded with {', '.join(f'{other} ({r:.2f})' for other, r in confounded.items())}")
+    for effect, confounded in diagnosis.confounded_with.items():
+        print(f"  {effect} is confounded with {', '.join(f'{other} ({r:.2f})' for other, r in confounded.items())}")
     for one in diagnosis.unknown:
         print(f"  unexplained: {one.formula} ({one.not_added_because or 'added'})")
     for line in (*diagnosis.next_measurement, *map(str, diagnosis.extrapolation)):

@@ -88,7 +88,7 @@ def final_fits(
     own form.
     """
     linear, given = comparison.leader.linear, problem
-    disturbances = problem.disturbances.without(linear.unneeded_cross_talk())
+    disturbances = problem.disturbances.without(linear.unneeded_bench_errors())
     signals = problem.simulator.signals
     aligned = signals.delayed(linear.skew - signals.skew)
     problem = replace(problem, disturbances=disturbances, stop=lambda: budget.late).over(

@@ -36,9 +36,10 @@ from .simulation import Simulator
 #: bench and repaired.
 DRIFT_PRIOR = 1.0
 
-#: How the names of cross-talk begin, before Fx_in_Fy, and those of all disturbances of a recording.
-CROSS_TALK = "cross_talk_"
-OF_RECORDING = ("offset_", "drift", CROSS_TALK, "wave")
+#: How the names of offsets begin, before Fx, those of cross-talk, before Fx_in_Fy, and of all disturbances of a
+#: recording.
+OFFSET, CROSS_TALK = "offset_", "cross_talk_"
+OF_RECORDING = (OFFSET, "drift", CROSS_TALK, "wave")
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +105,7 @@ def _slow(share: FloatArray, number: int, channels: Sequence[str]) -> Changes:
     """Yield offset and drift of each channel at shares of the recording that have passed, with a number of waves."""
     for i, channel in enumerate(channels):
         for k, wave in enumerate(half_waves(share, number)):
-            yield f"drift{k}_{channel}" if k else f"offset_{channel}", i, wave
+            yield f"drift{k}_{channel}" if k else f"{OFFSET}{channel}", i, wave
 
 
 def _cross_talk(channels: Sequence[str], measured: FloatArray, radius: float) -> Changes:
@@ -139,7 +140,7 @@ def disturbances_of(signals: Signals, noise: FloatArray, radius: float) -> Distu
     deviation = [
         CROSS_TALK_PRIOR_SHARE * MAX_CROSS_TALK[name.removeprefix(CROSS_TALK)]
         if name.startswith(CROSS_TALK)
-        else noise[i] * (FREE_PRIOR if name.startswith("offset") else DRIFT_PRIOR)
+        else noise[i] * (FREE_PRIOR if name.startswith(OFFSET) else DRIFT_PRIOR)
         for name, i in zip(names, channels, strict=True)
     ]
     return Disturbances(names, columns, np.array(deviation))
@@ -162,7 +163,7 @@ def reported_disturbances(disturbances: Disturbances, values: FloatArray, signal
     named = dict(zip(disturbances.names, values.tolist(), strict=True))
     removed: dict[str, dict[str, Any]] = {
         channel: {
-            "offset": named[f"offset_{channel}"],
+            "offset": named.get(f"{OFFSET}{channel}", 0.0),
             "drift": [v for name, v in named.items() if name.startswith("drift") and name.endswith(f"_{channel}")],
         }
         for channel in signals.channels
