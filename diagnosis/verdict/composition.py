@@ -294,10 +294,10 @@ def _finding(outcome: DiagnosisOutcome, name: str, evidence: Evidence) -> FoundE
     problem, solution, names = fits.after.problem, fits.after.solution, fits.effects[name]
     quantile = float(stdtrit(fits.after.n_blocks - 1, 0.975))
     declarations, coefficients = fits.start.symbolic_model.coefficients, {}
-    for coefficient, *bounds in zip(names, *np.stack(problem.bounds(names)).tolist(), strict=True):
+    for coefficient, least, most in zip(names, *np.stack(problem.bounds(names)).tolist(), strict=True):
         value = float(solution.parameters[problem.simulator.index[coefficient]])
         error = float(fits.errors[solution.free.index(coefficient)]) * quantile
-        coefficients[coefficient] = CoefficientInterval.within(bounds, value, error)
+        coefficients[coefficient] = CoefficientInterval(value, max(value - error, least), min(value + error, most))
     return FoundEffect(
         name,
         _shown(evidence, fits.after),
