@@ -319,16 +319,10 @@ def _stretches(evidence: Evidence, screen: Screen) -> tuple[tuple[float, float],
     cumulative = np.cumsum(np.maximum(evidence.gains[order], 0.0))
     if cumulative[-1] <= 0.0:
         return ()
-    chosen = sorted(order[: int(np.searchsorted(cumulative, REPORTED_EVIDENCE * cumulative[-1])) + 1].tolist())
+    most = order[: int(np.searchsorted(cumulative, REPORTED_EVIDENCE * cumulative[-1])) + 1]
     t, edges = screen.signals.t[screen.signals.rows], screen.edges
-    spans: list[tuple[float, float]] = []
-    for g in chosen:
-        first, last = float(t[edges[g]]), float(t[min(edges[g + 1], len(t)) - 1])
-        if spans and first - spans[-1][1] < 0.5:
-            spans[-1] = (spans[-1][0], last)
-        else:
-            spans.append((first, last))
-    return tuple(spans)
+    ends = np.flatnonzero(np.diff(np.isin(np.arange(screen.n_blocks), most), prepend=False, append=False))
+    return tuple((float(t[edges[first]]), float(t[edges[end] - 1])) for first, end in ends.reshape(-1, 2))
 
 
 def confounded_with(outcome: DiagnosisOutcome, tested: Sequence[Tried]) -> dict[str, dict[str, float]]:
