@@ -194,7 +194,7 @@ class Table:
         divided, parts = self.divided(), self.leader.explanation.parts
         share = float(np.exp(divided[parts] - np.logaddexp.reduce(list(divided.values()))))
         compared = f" {len(divided)} explanations, probability {percent(share)}" if len(divided) > 1 else ""
-        self.shared.budget.report(f"{sentence}; {', '.join(parts) or 'the baseline model'} leads{compared}")
+        self.shared.budget.tell(f"{sentence}; {', '.join(parts) or 'the baseline model'} leads{compared}")
 
     def without(self, refit: Refitted, less: Explanation) -> FloatArray:
         """Return the coefficients of a refit, those of the effects that another explanation lacks absent."""
