@@ -167,12 +167,10 @@ class Table:
     @property
     def doubts(self) -> list[Parts]:
         """For each part that all near explanations have, the best refit without it, unless that is far behind."""
-        certain, order = set.intersection(*map(set, self.near())), sorted(self.refits, key=self._rank)
+        certain = set.intersection(*map(set, self.near()))
+        order = sorted(self.refits, key=lambda parts: -graded(self.refits[parts].score))
         lacking = [next(parts for parts in order if part not in parts) for part in sorted(certain)]
         return [parts for parts in dict.fromkeys(lacking) if not self.is_far(parts)]
-
-    def _rank(self, parts: Parts) -> float:
-        return -float(graded(self.refits[parts].score))
 
     def behind(self, score: float) -> frozenset[Parts]:
         """Return the refits whose divided scores are less than the largest one by more than this (negative) score."""
