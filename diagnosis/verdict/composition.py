@@ -129,6 +129,7 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
     errors_of_form = {} if fits.form is None else Size.by_channel(signals.channels, fits.form)
     form = FormCorrection(errors_of_form, fits.form is not None and not against)
     sentences += [form.sentence] * form.delivered
+    stretches = np.flatnonzero(np.diff(signals.holdout, prepend=False, append=False)).reshape(-1, 2) - [0, 1]
     source = _source_of_temperature(outcome, findings)
     sentences += [source] * bool(source)
     if outcome.stopped:
@@ -156,7 +157,7 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
             delivery.computed,
             signals.table_rows,
             fits.start.added,
-            tuple(tuple(signals.table_rows[list(ends)].tolist()) for ends in signals.holdout_stretches()),
+            tuple(map(tuple, signals.table_rows[stretches].tolist())),
             round(time.perf_counter() - began, 2),
             outcome.stopped,
         ),
