@@ -65,7 +65,9 @@ class LeastSquares:
 
     def over(self, simulator: Simulator) -> LeastSquares:
         """Return the problem with another simulator, for the same rows."""
-        return self._with_same_columns(replace(self, simulator=simulator))
+        other = replace(self, simulator=simulator)
+        other.__dict__["disturbance_products"] = self.disturbance_products  # they are not computed again
+        return other
 
     def with_effect(
         self, effect: AddedEffect, solution: Solution, values: Mapping[str, float]
@@ -81,15 +83,6 @@ class LeastSquares:
         parameters = tire.parameters()
         parameters[[simulator.index[name] for name in given]] = list(given.values())
         return replace(self, simulator=simulator.driven_at(parameters)), parameters
-
-    def with_deviation(self, deviation: FloatArray) -> LeastSquares:
-        """Return the problem with other prior deviations of the disturbances, shape (n_disturbances,)."""
-        return self._with_same_columns(replace(self, disturbances=replace(self.disturbances, deviation=deviation)))
-
-    def _with_same_columns(self, other: LeastSquares) -> LeastSquares:
-        """Return a problem with the same disturbances and weights, which does not compute their products again."""
-        other.__dict__["disturbance_products"] = self.disturbance_products
-        return other
 
     def extended(self, names: tuple[str, ...], columns: FloatArray, deviation: FloatArray) -> LeastSquares:
         """Return the problem with additional columns among its disturbances (`Disturbances.extended`)."""

@@ -9,9 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..measurements.virtual_bench.bench_errors import DRIFT_WAVES as DRIFT_WAVES
-from ..measurements.virtual_bench.bench_errors import MAX_SKEW as MAX_SKEW
-
 # ------------------------------------------------------------------ the recording
 
 #: Maximum number of compared rows; of longer recordings every n-th row is compared. Convention: computing time.

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Any
 
 from ...fitting.solvers.interruption import Interruption
 
@@ -19,43 +17,28 @@ class Ended(Exception):
 COMPARING_SHARE, FITTING_SHARE = 0.6, 0.85
 
 
-@dataclass(eq=False)
-class Budget:
+class Budget(Interruption):
     """When a comparison ends although explanations remain: at a time limit, by Ctrl-C or by the progress callback.
-
-    In the ``with`` block the first Ctrl-C or SIGTERM requests the end, a second one ends the program.
 
     - `progress`: called with a sentence; a `KeyboardInterrupt` of it requests the end.
     - `seconds`: time limit of the whole diagnosis, s; none for None.
     - `answered`: whether there is an answer: `check` raises nothing before.
 
     >>> with Budget(print, None) as budget:
-    ...     budget.report("adding an effect")
+    ...     budget.tell("adding an effect")
     adding an effect
     >>> budget.ended
     ''
     """
 
-    progress: Callable[[str], None]
-    seconds: float | None
-    answered: bool = False
-    _began: float = field(default_factory=time.monotonic)
-    _interruption: Interruption = field(init=False)
+    def __init__(self, progress: Callable[[str], None], seconds: float | None) -> None:
+        super().__init__(lambda sentence, *_: progress(sentence))
+        self.seconds, self.answered, self._began = seconds, False, time.monotonic()
 
-    def __post_init__(self) -> None:
-        self._interruption = Interruption(lambda sentence, *_: self.progress(sentence))
-
-    def __enter__(self) -> Budget:
-        self._interruption.__enter__()
-        return self
-
-    def __exit__(self, *error: Any) -> None:
-        self._interruption.__exit__(*error)
-
-    def report(self, sentence: str) -> None:
+    def tell(self, sentence: str) -> None:
         """Report a sentence."""
-        self._interruption.report(sentence, 0, 0.0)
-        self._interruption.raise_failure()
+        self.report(sentence, 0, 0.0)
+        self.raise_failure()
 
     def check(self) -> None:
         """Raise `Ended` if the comparison has to end and has an answer: called before each part of the work."""
@@ -65,7 +48,7 @@ class Budget:
     @property
     def ended(self) -> str:
         """Why the comparison has to end; empty while it goes on."""
-        if self._interruption.requested:
+        if self.requested:
             return "stopped on request"
         return f"stopped by the time limit of {self.seconds:g} s" if self._passed(COMPARING_SHARE) else ""
 

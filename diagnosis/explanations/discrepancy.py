@@ -10,18 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from ...measurements.virtual_bench.bench_errors import half_waves
+from ...measurements.virtual_bench.bench_errors import DRIFT_WAVES, MAX_SKEW, half_waves
 from ...numerics.arrays import FloatArray
 from ..signals.disturbances import LAGS, load_error_responses, passed
 from ..signals.signals import Signals
 from ..signals.simulation import Simulator
 from ..signals.skew import time_derivatives
-from ..thresholds import BLOCK_LENGTH, DRIFT_WAVES, MAX_SKEW
+from ..thresholds import BLOCK_LENGTH
 from ..unexplained.features import CORE_INPUTS
 
 #: Drift that may explain structure: largest number of half waves, and prior standard deviation of the k-th one times k,
@@ -135,23 +134,12 @@ def smooth_functions(inputs: Mapping[str, FloatArray], number: int, seed: int = 
     Combined with independent coefficients of variance 1 they are a Gaussian process of variance 1 whose length scale is
     the standard deviation of each input. The same inputs and the same seed always give the same functions.
     """
-    axes = [np.abs(column) if name in SYMMETRIC else column for name, column in inputs.items()]
-    return _smooth_functions(tuple(axis.tobytes() for axis in axes), number, seed)
-
-
-@lru_cache(maxsize=32)  # most explanations ask for those of the same inputs
-def _smooth_functions(columns: tuple[bytes, ...], number: int, seed: int) -> FloatArray:
-    """Return the same for columns as bytes, by which they are stored."""
-    axes, rows = [], len(columns[0]) // 8
-    for values in map(np.frombuffer, columns):
-        if (spread := float(np.std(values))) > 1e-9:
-            axes.append((values - values.mean()) / spread)
+    columns = np.stack([np.abs(column) if name in SYMMETRIC else column for name, column in inputs.items()])
+    spread = np.std(columns, axis=1, keepdims=True)
+    axes = ((columns - columns.mean(axis=1, keepdims=True)) / np.where(spread > 1e-9, spread, 1.0))[spread[:, 0] > 1e-9]
     rng = np.random.default_rng(seed)
     frequencies, phases = rng.standard_normal((len(axes), number)), rng.uniform(0.0, 2.0 * np.pi, number)
-    arguments = np.tensordot(np.array(axes), frequencies, axes=(0, 0)) if axes else 0.0
-    functions = np.sqrt(2.0 / number) * np.cos(arguments + np.broadcast_to(phases, (rows, number)))
-    functions.flags.writeable = False  # shared by all callers
-    return np.asarray(functions)
+    return np.asarray(np.sqrt(2.0 / number) * np.cos(axes.T @ frequencies + phases))
 
 
 def bench_errors(simulator: Simulator, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:

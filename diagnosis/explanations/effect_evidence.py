@@ -81,8 +81,7 @@ def effect_evidence(after: Screen, coefficients: Collection[str]) -> Evidence:
     without = screen.solution
     # In the linear case the change by the effect alone, but right, too, if the other coefficients follow nonlinearly.
     columns = problem.weighted(without.residual - solution.residual)[:, :, None]
-    screen.learn_noise([columns])
-    response = screen.response(columns)
+    (response,) = screen.responses([columns])
     size = float(response.estimate[0] / response.error[0]) if np.isfinite(response.error[0]) else 0.0
     z = joint_z(size, len(coefficients))
     edges = _stretches(screen, columns[:, :, 0], z)

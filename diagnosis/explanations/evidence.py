@@ -181,8 +181,10 @@ class NormalEquations:
 
     def extended(self, added: NormalEquations, cross: FloatArray) -> NormalEquations:
         """Return the equations with those of further columns; `cross`, shape (m, k): their products with these."""
-        parts = zip(_vectors(self), _vectors(added), strict=True)
-        target, precision, gradient = (np.concatenate(part) for part in parts)
+        target, precision, gradient = (
+            np.concatenate([getattr(equations, name) for equations in (self, added)])
+            for name in ("target", "precision", "gradient")
+        )
         matrix = np.block([[self.matrix, cross], [cross.T, added.matrix]])
         limits = None if self.limits is None or added.limits is None else np.hstack([self.limits, added.limits])
         return NormalEquations(matrix, target, self.power, precision, gradient, limits)
@@ -193,10 +195,6 @@ def _log_share(limits: FloatArray) -> FloatArray:
     low, high = np.where(limits[0] > -limits[1], -limits[::-1], limits)  # the share on the other side is the same
     above, below = log_ndtr(high), log_ndtr(low)
     return np.asarray(above + np.log1p(-np.exp(below - above)))
-
-
-def _vectors(equations: NormalEquations) -> tuple[FloatArray, FloatArray, FloatArray]:
-    return equations.target, equations.precision, equations.gradient
 
 
 @dataclass(frozen=True, eq=False)

@@ -112,7 +112,7 @@ def final_fits(
     if formula and (terms := linear.explanation.terms):
         features = tuple(term.feature for term in terms)
         structure = UnexplainedStructure(terms[0].location, features, comparison.leader.term_sizes)
-        budget.report("adding the proposed formula to the model equations")
+        budget.tell("adding the proposed formula to the model equations")
         part, with_formula = proposed(structure, extended, solution, no_formula)
         unknown, (extended, solution) = (part,), with_formula or (extended, solution)
     if correct_form and not budget.late and (corrected := form_of(extended, solution)):

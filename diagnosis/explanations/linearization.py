@@ -7,23 +7,21 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
-from ...numerics.arrays import FloatArray
+from ...measurements.virtual_bench.bench_errors import MAX_SKEW
+from ...numerics.arrays import FloatArray, IndexArray
 from ...symbolic.detection import Form
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import CORE, Candidate, is_testable, refinements_for
 from ..probing.effect_probing import probed, unfitted
 from ..signals.disturbances import CROSS_TALK, OFFSET
 from ..signals.simulation import Simulator
-from ..thresholds import EFFECT_ODDS, MAX_SKEW
+from ..thresholds import EFFECT_ODDS
 from ..weighted_columns import WeightedColumns, joined
 from .discrepancy import bench_errors
 from .evidence import NormalEquations
 from .explanation import UNKNOWN, Explanation, FormErrors, form_errors, unknown_terms
 from .responses import Responses
-
-IntArray = npt.NDArray[np.intp]
 
 #: How the names of the terms in the disturbances begin; their numbers follow.
 TERM = "term_"
@@ -170,7 +168,7 @@ class Linearization:
         limits = unlimited(added.number)
         return NormalEquations(added.times(added), cross[-1], base.power, precision, zeros, limits), cross
 
-    def products(self, rows: IntArray) -> FloatArray:
+    def products(self, rows: IndexArray) -> FloatArray:
         """Return the cross products of all columns, and of the misfit as the last one, over some of the rows."""
         some = _contents(self).columns.at(rows)
         return some.times(some)

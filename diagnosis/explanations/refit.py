@@ -10,6 +10,7 @@ from itertools import chain
 import numpy as np
 from scipy.linalg import cho_solve, solve_triangular
 
+from ...measurements.virtual_bench.bench_errors import MAX_SKEW
 from ...numerics.arrays import FloatArray
 from ...numerics.noise_model import Whitening, noise_parts
 from ...numerics.ties import graded
@@ -17,7 +18,7 @@ from ..least_squares import AT_BOUND, LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..signals.disturbances import Disturbances
 from ..signals.simulation import Simulator
-from ..thresholds import DISCREPANCIES, MAX_ROWS, MAX_SKEW
+from ..thresholds import DISCREPANCIES, MAX_ROWS
 from .budget import Budget
 from .discrepancy import fast_drift, grip_drift, input_noise_responses, model_discrepancy
 from .evidence import NormalEquations, inflation, likelihood_power
@@ -176,9 +177,9 @@ def shared_problem(
     noisy = _with_noise(extended, saturated_residual(replace(linear, problem=extended), additions), explained)
     budget.check()
     normal = replace(linear, problem=noisy).equations(effects)
-    chosen = noisy.with_deviation(_best_deviation(normal, noisy.disturbances))
-    if of_terms := {name for name in chosen.disturbances.names if name.startswith(TERM)}:
-        chosen = replace(chosen, disturbances=chosen.disturbances.without(of_terms))  # the leading explanation's only
+    disturbances = replace(noisy.disturbances, deviation=_best_deviation(normal, noisy.disturbances))
+    of_leader = {name for name in disturbances.names if name.startswith(TERM)}
+    chosen = replace(noisy, disturbances=disturbances.without(of_leader) if of_leader else disturbances)
     return Shared(chosen, baseline.free, linear.candidates, explained, budget)
 
 

@@ -41,11 +41,9 @@ class Responses:
 
     def without(self, effect: str) -> FloatArray:
         """Return the forces without an effect of the explanation, shape (n_channels, n)."""
-        simulator, absent = self.simulator, self.solution.parameters.copy()
+        simulator = self.simulator
         owned = self.explanation.only_of(effect, simulator.symbolic_model.owned(effect)) & simulator.index.keys()
-        indices = [simulator.index[name] for name in owned]
-        absent[indices] = simulator.tire.parameters()[indices]
-        return simulator.forces(absent)
+        return simulator.forces(simulator.without(self.solution.parameters, owned))
 
     @property
     def static(self) -> Explanation:

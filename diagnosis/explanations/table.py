@@ -167,12 +167,10 @@ class Table:
     @property
     def doubts(self) -> list[Parts]:
         """For each part that all near explanations have, the best refit without it, unless that is far behind."""
-        certain, order = set.intersection(*map(set, self.near())), sorted(self.refits, key=self._rank)
+        certain = set.intersection(*map(set, self.near()))
+        order = sorted(self.refits, key=lambda parts: -graded(self.refits[parts].score))
         lacking = [next(parts for parts in order if part not in parts) for part in sorted(certain)]
         return [parts for parts in dict.fromkeys(lacking) if not self.is_far(parts)]
-
-    def _rank(self, parts: Parts) -> float:
-        return -float(graded(self.refits[parts].score))
 
     def behind(self, score: float) -> frozenset[Parts]:
         """Return the refits whose divided scores are less than the largest one by more than this (negative) score."""
@@ -194,7 +192,7 @@ class Table:
         divided, parts = self.divided(), self.leader.explanation.parts
         share = float(np.exp(divided[parts] - np.logaddexp.reduce(list(divided.values()))))
         compared = f" {len(divided)} explanations, probability {percent(share)}" if len(divided) > 1 else ""
-        self.shared.budget.report(f"{sentence}; {', '.join(parts) or 'the baseline model'} leads{compared}")
+        self.shared.budget.tell(f"{sentence}; {', '.join(parts) or 'the baseline model'} leads{compared}")
 
     def without(self, refit: Refitted, less: Explanation) -> FloatArray:
         """Return the coefficients of a refit, those of the effects that another explanation lacks absent."""

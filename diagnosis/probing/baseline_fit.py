@@ -131,10 +131,9 @@ def _starts(simulator: Simulator, free: tuple[str, ...]) -> list[FloatArray]:
     tire, signals = simulator.tire, simulator.signals
     inputs = signals.named()
     measured = dict(zip(signals.channels, signals.measured, strict=True))
-    starts = []
-    model = tire.symbolic_model
+    model, starts = tire.symbolic_model, []
     for shape in model.baseline.starts:
-        values = {**model.prior_center, **shape}
+        values = {name: value for name, value in {**model.prior_center, **shape}.items() if name in free}
         for channel, slip in OWN_SLIP.items():
             axis = channel[1]
             if channel not in measured:
@@ -147,14 +146,8 @@ def _starts(simulator: Simulator, free: tuple[str, ...]) -> list[FloatArray]:
             for role, target in ((f"friction_{axis}", peak), (f"stiffness_{axis}", stiffness)):
                 leading = model.leading(role)
                 if leading in free:
-                    values[leading] = target / _per_unit(
-                        simulator, role, {n: v for n, v in values.items() if n in free}
-                    )
-        parameters = tire.parameters()
-        for name, value in values.items():
-            if name in free:
-                parameters[simulator.index[name]] = value * tire.rescaled.get(name, 1.0)
-        starts.append(parameters)
+                    values[leading] = target / _per_unit(simulator, role, values)
+        starts.append(replace(tire, values={**tire.values, **values}).parameters())
     return starts
 
 

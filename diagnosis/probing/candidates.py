@@ -56,46 +56,31 @@ def candidates_for(tire: Tire) -> dict[str, Candidate]:
     model = tire.symbolic_model
     present = [detection for name, detection in model.detections.items() if name in tire.has]
     names = sorted(model.effects.keys() - tire.has - {detection.contains for detection in present})
-    candidates = {name: declared_candidate(name, model, tire.has) or _undeclared(name, model) for name in names}
+    candidates = {name: declared_candidate(name, model, tire.has) for name in names}
     return {name: candidate for name, candidate in candidates.items() if candidate}
 
 
 def declared_candidate(name: str, model: Model, present: frozenset[str] = frozenset()) -> Candidate | None:
     """Return the candidate that an effect file or the model declares, or None.
 
-    `present`: the effects that a tire has. Returns: if the model has none of the declared coefficients, its own
-    coefficients of the effect are probed by their bounds.
+    `present`: the effects that a tire has. Returns: if the model has none of the declared coefficients, or none is
+    declared, the coefficients of the effect are probed by their bounds.
     """
-    detection, declarations = model.detections.get(name), model.coefficients
-    if detection and any(set(form.free) & declarations.keys() for form in detection.forms):
-        forms = tuple(form for form in detection.forms if form.given in present)
-        forms = forms or tuple(form for form in detection.forms if not form.given)
-        return _candidate(name, model, detection, forms)
-    of_model = name in {effect.name for effect in model.source.own_effects}
-    if name not in model.effects or name in {effect.name for effect in model.added} or not (detection or of_model):
-        return None
-    owned = [
-        declaration
-        for key, declaration in declarations.items()
-        if key in model.owned(name) and declaration.neutral is not None
-    ]
-    channels = tuple(dict.fromkeys(channel for declaration in owned for channel in declaration.channels))
-    requires = detection.requires if detection else ()
-    reads = model.read_by(name).union(requires)
-    return Candidate((_by_bounds(owned),), requires, channels, reads=reads) if owned else None
-
-
-def _undeclared(name: str, model: Model) -> Candidate | None:
-    """Return the candidate of a user-defined effect without declared forms."""
-    for effect in model.added:
-        if effect.name == name:
-            return _candidate(name, model, effect.detection or Detection(), (_by_bounds(effect.declarations),))
-    return None
-
-
-def _candidate(name: str, model: Model, detection: Detection, forms: tuple[Form, ...]) -> Candidate:
+    detection, declarations = model.detections.get(name, Detection()), model.coefficients
+    channels, forms, added = detection.channels or OUTPUTS, detection.forms, {effect.name for effect in model.added}
+    if any(set(form.free) & declarations.keys() for form in forms):
+        given = present.intersection(form.given for form in forms) or {""}
+        forms = tuple(form for form in forms if form.given in given)
+    else:
+        declaring = added.union(model.detections, (effect.name for effect in model.source.own_effects))
+        names = model.owned(name) if name in declaring.intersection(model.effects) else ()
+        owned = [declarations[key] for key in declarations if key in names and declarations[key].neutral is not None]
+        if not owned:
+            return None
+        forms = (_by_bounds(owned),)
+        if name not in added:
+            channels = tuple(dict.fromkeys(channel for declaration in owned for channel in declaration.channels))
     stateful = any(effect.states for effect in model.added if effect.name == name)
-    channels = detection.channels or OUTPUTS
     reads = model.read_by(name).union(detection.requires)
     return Candidate(forms, detection.requires, channels, detection.contains, stateful, detection.rate, reads)
 

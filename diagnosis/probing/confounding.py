@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -38,12 +39,12 @@ def alias_columns(screen: Screen) -> dict[str, FloatArray]:
     Each has the shape (n_channels, n, 1).
     """
     simulator, parameters = screen.problem.simulator, screen.solution.parameters
-    at, named = simulator.forces(parameters), simulator.signals.named()
-    changes = {
-        name: simulator.forces(parameters, {slip: error}) - at
-        for name, (slip, error) in ALIASES.items()
-        if slip in named
-    }
+    at, signals, named = simulator.forces(parameters), simulator.signals, simulator.signals.named()
+    changes = {}
+    for name, (slip, error) in ALIASES.items():
+        if slip in named:
+            shifted = signals.inputs + error * (np.array(signals.names) == slip)[:, None]
+            changes[name] = simulator.with_signals(replace(signals, inputs=shifted)).forces(parameters) - at
     for name, (role, slip) in FRICTION_ALIASES.items():
         leading = simulator.symbolic_model.leading(role)
         if slip in named and leading in simulator.index:

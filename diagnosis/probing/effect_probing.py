@@ -106,21 +106,6 @@ class Screen:
         cross = self.tangent.reshape(-1, q).T @ columns.reshape(-1, k)
         return np.asarray(columns - self.tangent @ (self.baseline.inverse @ cross))
 
-    @cached_property
-    def covariance(self) -> FloatArray:
-        """The autocovariance of the noise, which is the residual (`autocovariance`)."""
-        return self._autocovariance(self.residual)
-
-    def learn_noise(self, responses: Sequence[FloatArray]) -> None:
-        """Let the noise be the part of the residual that no combination of responses explains."""
-        if responses:
-            combined = np.concatenate([self.project(columns) for columns in responses], axis=-1)
-            flat = combined.reshape(-1, combined.shape[-1])
-            matrix = flat.T @ flat
-            matrix += np.diag(1e-3 * np.diag(matrix) + 1e-9)
-            explained = combined @ np.linalg.solve(matrix, flat.T @ self.residual.ravel())
-            self.covariance = self._autocovariance(self.residual - explained)
-
     def _autocovariance(self, noise: FloatArray) -> FloatArray:
         t, used = self.signals.t[self.signals.rows], self.problem.inverse_noise > 0.0
         step = float(np.median(np.diff(t))) if self.signals.timed else MAX_CORRELATION_TIME / 25.0
@@ -133,47 +118,49 @@ class Screen:
         They are those of the sandwich estimator for coloured noise, or the mean with the jackknife's if that is larger.
         """
         inverse = self.baseline.inverse
-        coloured = np.diag(inverse @ coloured_covariance(self.tangent, self.covariance) @ inverse)
+        coloured = np.diag(inverse @ coloured_covariance(self.tangent, self._autocovariance(self.residual)) @ inverse)
         blocks = np.maximum(np.diag(self.baseline.jackknife), 0.0)
         # With few correlated rows the sandwich estimate can be negative. It is then ignored.
         return np.sqrt(np.where(coloured > 0.0, np.maximum(coloured, 0.5 * (coloured + blocks)), blocks))
 
-    def response(self, columns: FloatArray) -> Response:
-        """Return the regression of the residual on columns of responses."""
-        k = columns.shape[-1]
+    def responses(self, groups: Sequence[FloatArray]) -> list[Response]:
+        """Return the regressions of the residual on groups of columns, each of shape (n_channels, n, k).
+
+        The noise is the part of the residual that no combination of all of them explains.
+        """
+        if not groups:
+            return []
+        columns, q = np.concatenate(groups, axis=-1), self.tangent.shape[-1]
         free = self.project(columns)
+        flat = free.reshape(-1, free.shape[-1])
+        matrix = flat.T @ flat
+        matrix += np.diag(1e-3 * np.diag(matrix) + 1e-9)
+        explained = free @ np.linalg.solve(matrix, flat.T @ self.residual.ravel())
+        covariance = self._autocovariance(self.residual - explained)
+        sums = block_sums(np.concatenate([self.tangent, columns], axis=-1), self.residual, self.edges)
+        ends = np.cumsum([0, *(group.shape[-1] for group in groups)]).tolist()
+        responses = []
+        for group, begin, end in zip(groups, ends, ends[1:], strict=False):
+            at = np.r_[:q, q + begin : q + end]
+            beside = BlockSums(sums.matrix[:, at[:, None], at], sums.target[:, at], sums.power)
+            responses.append(self._response(group, free[:, :, begin:end], beside, covariance))
+        return responses
+
+    def _response(self, columns: FloatArray, free: FloatArray, sums: BlockSums, covariance: FloatArray) -> Response:
+        """Return the regression on columns, which are the last ones of the cross products; `free`: projected."""
+        k, q = columns.shape[-1], self.tangent.shape[-1]
         independent, size = np.sqrt(np.sum(free**2, axis=(0, 1))), np.sqrt(np.sum(columns**2, axis=(0, 1)))
         testable = independent > np.maximum(MIN_INDEPENDENT_SHARE * size, 1e-6)
         share = float(np.max(independent / np.maximum(size, 1e-300)))
         if not testable.any():
             return Response(columns, np.zeros(k), np.full(k, np.inf), np.full(k, np.inf), share)
-        sums = self._extended(columns)
-        q = self.tangent.shape[-1]
         prior = np.concatenate([self.prior_precision, np.full(k, FREE_PRIOR**-2.0)])
         fit = regression(sums, prior, np.concatenate([self.prior_gradient, np.zeros(k)]))
         inner = fit.inverse[q:, q:]
-        coloured = np.diag(inner @ coloured_covariance(free, self.covariance) @ inner)
+        coloured = np.diag(inner @ coloured_covariance(free, covariance) @ inner)
         variance = np.maximum(coloured, np.diag(fit.jackknife)[q:])
         alone, larger = (np.sqrt(np.maximum(square, 1e-300)) for square in (coloured, variance))
         return Response(columns, fit.estimate[q:], alone, larger, share)
-
-    def _extended(self, columns: FloatArray) -> BlockSums:
-        """Return the cross products by block of the tangent space with columns appended."""
-        q, k = self.tangent.shape[-1], columns.shape[-1]
-        matrix, target = np.empty((self.n_blocks, q + k, q + k)), np.empty((self.n_blocks, q + k))
-        matrix[:, :q, :q], target[:, :q] = self.sums.matrix, self.sums.target
-        for g, (first, last) in enumerate(pairwise(self.edges.tolist())):
-            part = columns[:, first:last].reshape(-1, k)
-            cross = self._tangent_blocks[g].T @ part
-            matrix[g, :q, q:], matrix[g, q:, :q], matrix[g, q:, q:] = cross, cross.T, part.T @ part
-            target[g, q:] = part.T @ self.residual[:, first:last].ravel()
-        return BlockSums(matrix, target, self.sums.power)
-
-    @cached_property
-    def _tangent_blocks(self) -> list[FloatArray]:
-        """The rows of all channels of each block, one after another."""
-        q, starts = self.tangent.shape[-1], self.edges.tolist()
-        return [self.tangent[:, first:last].reshape(-1, q) for first, last in pairwise(starts)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,9 +183,8 @@ def tried(screen: Screen, candidates: Mapping[str, Candidate]) -> list[Tried]:
         for point in declared.points()
         if (form := unfitted(point, simulator, free)) is not None
     ]
-    responses = [screen.columns(form) for _, form in forms]
-    screen.learn_noise(responses)
-    return [Tried(name, form, screen.response(columns)) for (name, form), columns in zip(forms, responses, strict=True)]
+    responses = screen.responses([screen.columns(form) for _, form in forms])
+    return [Tried(name, form, response) for (name, form), response in zip(forms, responses, strict=True)]
 
 
 def probed(simulator: Simulator, solution: Solution, form: Form, probe: Probe) -> FloatArray:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from itertools import chain
 from math import hypot, sqrt
 from typing import Any
@@ -229,22 +228,14 @@ def load_error_responses(simulator: Simulator, parameters: FloatArray) -> FloatA
 
     `simulator`: of a recording with time. `parameters`, shape (n_parameters,).
     """
-    at, step = simulator.forces(parameters), 0.01
-    moved = [simulator.with_signals(wrong).forces(parameters) for wrong in _with_load_errors(simulator.signals, step)]
-    return np.stack([(forces - at) / step for forces in moved], axis=-1)
-
-
-@lru_cache(maxsize=2)
-def _with_load_errors(signals: Signals, size: float) -> tuple[Signals, ...]:
-    """Return signals with an error of the load of a relative size behind each of `LAGS`."""
+    signals, at, step, responses = simulator.signals, simulator.forces(parameters), 0.01, []
     named = dict(zip(signals.names, signals.inputs, strict=True))
     rate = rate_of(np.hypot(np.tan(named["alpha"]), named["kappa"]), signals.t)
     direction = np.tanh(rate / (TURNING * float(np.sqrt(np.mean(rate**2))) + 1e-12))
-    wrong = []
     for seconds in LAGS:
         rates = np.full(len(direction), 1.0 / seconds if seconds else np.inf)
         error = followed(signals.t, direction, rates, direction, hold=False).value
         inputs = signals.inputs.copy()
-        inputs[signals.names.index("Fz")] *= 1.0 + size * error
-        wrong.append(replace(signals, inputs=inputs))
-    return tuple(wrong)
+        inputs[signals.names.index("Fz")] *= 1.0 + step * error
+        responses.append((simulator.with_signals(replace(signals, inputs=inputs)).forces(parameters) - at) / step)
+    return np.stack(responses, axis=-1)

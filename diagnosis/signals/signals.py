@@ -108,11 +108,6 @@ class Signals:
         inputs = np.concatenate([_delayed(self.t[part], self.inputs[:, part], seconds) for part in parts], axis=1)
         return replace(self, inputs=inputs, skew=self.skew + seconds)
 
-    def holdout_stretches(self) -> list[tuple[int, int]]:
-        """Return first and last compared row of each stretch of the hold-out set."""
-        edges = np.flatnonzero(np.diff(self.holdout.astype(int), prepend=0, append=0)).reshape(-1, 2)
-        return [(int(first), int(end) - 1) for first, end in edges]
-
     def with_inputs_of(self, tire: Tire) -> Signals:
         """Return the signals with the inputs of a tire, in their order; those without signals are at nominal values."""
         by_name = dict(zip(self.names, self.inputs, strict=True))

@@ -297,18 +297,9 @@ class Simulator:
             if length.max() > 0.0
         }
 
-    def forces(self, parameters: FloatArray, shifts: Mapping[str, float] | None = None) -> FloatArray:
-        """Return the forces of the measured channels, shape (n_channels, n).
-
-        `parameters`, shape (n_parameters,). `shifts`: offsets added to inputs by name, as by a sensor with a zero
-        error.
-        """
-        if not shifts:
-            return self._forces(parameters.tobytes())
-        rows = self.effective_inputs(parameters).copy()
-        for name, shift in shifts.items():
-            rows[self.signals.names.index(name)] += shift
-        return self._code.forces(rows, parameters)[self._outputs]
+    def forces(self, parameters: FloatArray) -> FloatArray:
+        """Return the forces of the measured channels, shape (n_channels, n); `parameters`, shape (n_parameters,)."""
+        return self._forces(parameters.tobytes())
 
     def _computed_forces(self, parameters: bytes) -> FloatArray:
         values = np.frombuffer(parameters)

@@ -37,7 +37,7 @@ class Feature:
     - `values`, shape (n,): dimensionless, of order 1.
     - `odd`: whether the sign changes under mirroring left to right. Odd features are terms; even ones are factors, or
       scale a term.
-    - `formula`: of a rate or memory: a formula that reads states and resembles it.
+    - `formula`: the same as in an effect file: of a rate or memory, it reads states and resembles it.
     - `states`: the states that this formula requires, of `STATES`.
     - `slips`: the slips that it contains other than as the magnitude of both.
     """
@@ -51,28 +51,18 @@ class Feature:
     slips: frozenset[str] = frozenset()
 
     @property
-    def in_effect_file(self) -> str:
-        """The formula in an effect file."""
-        return self.formula or self.text
-
-    @property
     def inclined(self) -> bool:
         """Whether it is 0 at an upright wheel, since the inclination is a factor of it."""
         return "gamma" in self.depends_on
 
     def __mul__(self, other: Feature) -> Feature:
-        text, written = (
-            "*".join(map(bracketed, both))
-            for both in ((self.text, other.text), (self.in_effect_file, other.in_effect_file))
-        )
-        states = tuple(dict.fromkeys((*self.states, *other.states)))
         return Feature(
-            text,
+            f"{bracketed(self.text)}*{bracketed(other.text)}",
             self.depends_on | other.depends_on,
             self.values * other.values,
             self.odd != other.odd,
-            written if states else "",
-            states,
+            f"{bracketed(self.formula)}*{bracketed(other.formula)}",
+            tuple(dict.fromkeys((*self.states, *other.states))),
             self.slips | other.slips,
         )
 
@@ -259,7 +249,7 @@ def _of_inputs(named: Mapping[str, FloatArray], tire: Tire) -> Iterator[Feature]
         inputs = read & named.keys()
         if read - inputs <= tire.values.keys():
             values = eval(text, {**FUNCTIONS, **{name: named.get(name, tire.values.get(name)) for name in read}})
-            yield Feature(text, frozenset(inputs), values, text in ODD)
+            yield Feature(text, frozenset(inputs), values, text in ODD, text)
 
 
 def _of_the_past(t: FloatArray, named: Mapping[str, FloatArray]) -> Iterator[Feature]:

@@ -52,7 +52,7 @@ def effect_of(structure: UnexplainedStructure) -> AddedEffect:
     """Return structure as an effect; rates and memories become states."""
     location, depends_on = structure.location, structure.depends_on
     numbered = {f"FOUND{number}": term for number, term in enumerate(structure.terms, start=1)}
-    total = " + ".join(f"{name}*({term.in_effect_file})" for name, term in numbered.items())
+    total = " + ".join(f"{name}*({term.formula})" for name, term in numbered.items())
     value = f"1 + {total}" if location.how == "factor" else f"{location.per}{'*' * bool(location.per)}({total})"
     bounds = [max(abs(float(size)), 1e-4) * COEFFICIENT_BOUND_FACTOR for size in structure.sizes]
     flips = {"flips": True} if location.flips else {}

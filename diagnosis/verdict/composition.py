@@ -129,6 +129,7 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
     errors_of_form = {} if fits.form is None else Size.by_channel(signals.channels, fits.form)
     form = FormCorrection(errors_of_form, fits.form is not None and not against)
     sentences += [form.sentence] * form.delivered
+    stretches = np.flatnonzero(np.diff(signals.holdout, prepend=False, append=False)).reshape(-1, 2) - [0, 1]
     source = _source_of_temperature(outcome, findings)
     sentences += [source] * bool(source)
     if outcome.stopped:
@@ -156,7 +157,7 @@ def composed(outcome: DiagnosisOutcome, began: float) -> Diagnosis:
             delivery.computed,
             signals.table_rows,
             fits.start.added,
-            tuple(tuple(signals.table_rows[list(ends)].tolist()) for ends in signals.holdout_stretches()),
+            tuple(map(tuple, signals.table_rows[stretches].tolist())),
             round(time.perf_counter() - began, 2),
             outcome.stopped,
         ),
@@ -294,10 +295,10 @@ def _finding(outcome: DiagnosisOutcome, name: str, evidence: Evidence) -> FoundE
     problem, solution, names = fits.after.problem, fits.after.solution, fits.effects[name]
     quantile = float(stdtrit(fits.after.n_blocks - 1, 0.975))
     declarations, coefficients = fits.start.symbolic_model.coefficients, {}
-    for coefficient, *bounds in zip(names, *np.stack(problem.bounds(names)).tolist(), strict=True):
+    for coefficient, least, most in zip(names, *np.stack(problem.bounds(names)).tolist(), strict=True):
         value = float(solution.parameters[problem.simulator.index[coefficient]])
         error = float(fits.errors[solution.free.index(coefficient)]) * quantile
-        coefficients[coefficient] = CoefficientInterval.within(bounds, value, error)
+        coefficients[coefficient] = CoefficientInterval(value, max(value - error, least), min(value + error, most))
     return FoundEffect(
         name,
         _shown(evidence, fits.after),
@@ -319,16 +320,10 @@ def _stretches(evidence: Evidence, screen: Screen) -> tuple[tuple[float, float],
     cumulative = np.cumsum(np.maximum(evidence.gains[order], 0.0))
     if cumulative[-1] <= 0.0:
         return ()
-    chosen = sorted(order[: int(np.searchsorted(cumulative, REPORTED_EVIDENCE * cumulative[-1])) + 1].tolist())
+    most = order[: int(np.searchsorted(cumulative, REPORTED_EVIDENCE * cumulative[-1])) + 1]
     t, edges = screen.signals.t[screen.signals.rows], screen.edges
-    spans: list[tuple[float, float]] = []
-    for g in chosen:
-        first, last = float(t[edges[g]]), float(t[min(edges[g + 1], len(t)) - 1])
-        if spans and first - spans[-1][1] < 0.5:
-            spans[-1] = (spans[-1][0], last)
-        else:
-            spans.append((first, last))
-    return tuple(spans)
+    ends = np.flatnonzero(np.diff(np.isin(np.arange(screen.n_blocks), most), prepend=False, append=False))
+    return tuple((float(t[edges[first]]), float(t[edges[end] - 1])) for first, end in ends.reshape(-1, 2))
 
 
 def confounded_with(outcome: DiagnosisOutcome, tested: Sequence[Tried]) -> dict[str, dict[str, float]]:

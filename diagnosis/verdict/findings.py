@@ -19,15 +19,6 @@ class CoefficientInterval:
     lower: float
     upper: float
 
-    @classmethod
-    def within(cls, bounds: Sequence[float], value: float, error: float) -> CoefficientInterval:
-        """Return the interval of a value with an error to both sides, without what is beyond its bounds.
-
-        >>> CoefficientInterval.within((0.0, 9.0), 0.5, 2.0)
-        CoefficientInterval(value=0.5, lower=0.0, upper=2.5)
-        """
-        return cls(value, max(value - error, bounds[0]), min(value + error, bounds[1]))
-
     def mirrored(self) -> CoefficientInterval:
         """Return the interval with the opposite sign."""
         return CoefficientInterval(turned_sign(self.value), turned_sign(self.upper), turned_sign(self.lower))

@@ -7,7 +7,7 @@ import signal
 import threading
 from collections.abc import Callable, Sequence
 from types import FrameType, TracebackType
-from typing import Any
+from typing import Any, Self
 
 from ...tires.tire import Tire
 
@@ -44,7 +44,7 @@ class Interruption:
         self._latest = ("", 0)
         self.requested = False
 
-    def __enter__(self) -> Interruption:
+    def __enter__(self) -> Self:
         """Replace the default handlers of Ctrl-C and of what asks a program to end."""
         if threading.current_thread() is threading.main_thread():
             defaults: dict[int, Any] = {signal.SIGINT: signal.default_int_handler}

@@ -14,7 +14,7 @@ FRICTION = Form(("PDY3",), ({"PDY3": 3.0},))
 
 
 def test_a_missing_effect_is_detected_with_its_size(without_camber):
-    response = without_camber.response(without_camber.columns(THRUST))
+    (response,) = without_camber.responses([without_camber.columns(THRUST)])
     assert abs(response.estimate[0]) > 5.0 * response.coloured[0]
     assert response.estimate == pytest.approx([0.3 / 0.15], rel=0.1)
     assert abs(response.estimate[0] - 2.0) < 4.0 * response.error[0]
@@ -22,7 +22,7 @@ def test_a_missing_effect_is_detected_with_its_size(without_camber):
 
 def test_an_effect_that_is_not_missing_is_not_detected(at_true_values):
     for form in (THRUST, FRICTION):
-        response = at_true_values.response(at_true_values.columns(form))
+        (response,) = at_true_values.responses([at_true_values.columns(form)])
         assert abs(response.estimate[0]) < 3.3 * response.coloured[0]
         assert abs(response.estimate[0]) < 4.0 * response.error[0] < 0.2
 
@@ -31,7 +31,7 @@ def test_a_response_in_the_tangent_space_of_the_baseline_is_not_testable(without
     column = without_camber.tangent[:, :, [2]]
     free = without_camber.project(column)
     assert np.linalg.norm(free) < 0.02 * np.linalg.norm(column)
-    response = without_camber.response(column)
+    (response,) = without_camber.responses([column])
     assert (response.coloured.tolist(), response.estimate.tolist()) == ([np.inf], [0.0])
     assert np.isinf(response.error).all()
 

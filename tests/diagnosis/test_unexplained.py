@@ -66,14 +66,17 @@ def test_an_input_that_does_not_vary_is_in_no_formula(at_true_values, name):
 
 def test_a_product_is_odd_if_one_of_its_factors_is():
     values = np.array([1.0, -2.0])
-    even, odd = Feature("Fz", frozenset({"Fz"}), values), Feature("10*gamma", frozenset({"gamma"}), values, odd=True)
+    even, odd = (
+        Feature(text, frozenset({name}), values, is_odd, text)
+        for text, name, is_odd in (("Fz", "Fz", False), ("10*gamma", "gamma", True))
+    )
     formula = "alpha - late_alpha"
     rate = Feature("rate of alpha", frozenset({"dalpha/dt"}), values, True, formula, states=("late_alpha",))
     assert [(a * b).odd for a, b in ((even, even), (even, odd), (odd, even), (odd, odd))] == [False, True, True, False]
     assert (even * rate).text == "Fz*(rate of alpha)"
-    assert (even * rate).in_effect_file == "Fz*(alpha - late_alpha)"
+    assert (even * rate).formula == "Fz*(alpha - late_alpha)"
     assert (even * rate).states == ("late_alpha",)
-    assert (even * odd).in_effect_file == (even * odd).text
+    assert (even * odd).formula == (even * odd).text
     assert (even * odd).text == "Fz*10*gamma"
     assert (even * odd).depends_on == {"Fz", "gamma"}
     np.testing.assert_array_equal((even * odd).values, values**2)
