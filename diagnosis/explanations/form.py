@@ -153,7 +153,9 @@ def form_effect(roles: tuple[str, ...]) -> AddedEffect:
         "physics": "correction of the formula's own form within the tested loads and slips",
         "source": "diagnosis of a recording",
         "coefficients": {
-            name: {"description": text, "unit": "1", "lower": lower, "upper": 100.0, "neutral": neutral}
+            name: {
+                "description": text, "unit": "1", "lower": lower, "upper": 100.0, "neutral": neutral, "fitted": False
+            }
             for name, text, lower, neutral in centers
         } | {
             name: {"description": "share of a bump", "unit": "1", "lower": -bound, "upper": bound}

@@ -44,6 +44,7 @@ from .state_file import read_states, states_text
 #: Keys of a coefficient declaration, of [[acts]], of an effect of a chapter and of an added effect, with their schemas.
 DECLARATION_KEYS: dict[str, Any] = {
     "description": str, "unit": str, **dict.fromkeys(("lower", "upper", "neutral", "start"), float), "flips": bool,
+    "fitted": bool,
 }  # fmt: skip
 ACT_KEYS: dict[str, Any] = dict.fromkeys(("on", "factor", "term"), FILLED)
 CHAPTER_KEYS: dict[str, Any] = {
@@ -151,7 +152,7 @@ def read_declared(text: str, file: str, *, checked: bool = True) -> Effect | Add
 
 def effect_schema() -> dict[str, Any]:
     """Return the JSON Schema of a user's effect file."""
-    return document("effect", "1.0", "Effect of a tire", object_schema(EFFECT_KEYS, ["name", "physics", "acts"]))
+    return document("effect", "1.1", "Effect of a tire", object_schema(EFFECT_KEYS, ["name", "physics", "acts"]))
 
 
 def _parsed(text: str, source: str) -> dict[str, Any]:
@@ -184,6 +185,8 @@ def _written(effect: AddedEffect) -> str:
         fields |= {key: repr(float(x)) for key, x in numbers.items() if x is not None and isfinite(x)}
         if declaration.flips:
             fields["flips"] = "true"
+        if declaration.fitted is False:
+            fields["fitted"] = "false"
         lines.append(f"{declaration.name} = {{{', '.join(f'{key} = {value}' for key, value in fields.items())}}}")
     lines += states_text(effect.states)
     for act in effect.acts:
@@ -209,7 +212,7 @@ def _check_detection(effect: AddedEffect, source: str) -> None:
 
 
 def _declaration(name: str, table: dict[str, Any], section: str) -> Coefficient:
-    declaration = Coefficient(**{"description": "", **table})
+    declaration = Coefficient(**{"description": "", "fitted": True, **table})
     declaration.name, declaration.section = name, section
     return declaration
 

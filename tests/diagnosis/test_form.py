@@ -11,6 +11,7 @@ from tirefmu.diagnosis.explanations import FORM, form_effect, form_of
 from tirefmu.diagnosis.probing import fit_baseline
 from tirefmu.diagnosis.signals import signals_of
 from tirefmu.diagnosis.verdict import tire_of
+from tirefmu.fitting import fit
 from tirefmu.measurements import recording_from
 from tirefmu.tires import tire_from
 
@@ -68,3 +69,17 @@ def test_the_correction_is_zero_outside_the_tested_range():
         ratios[share] = np.abs(after / before - 1.0).max()
     assert ratios[0.15] == ratios[1.6] == 0.0
     assert ratios[0.8] > 0.02
+
+
+def test_a_fit_keeps_the_loads_and_slips_of_the_bumps():
+    tire = tire_from("trento_hoosier")
+    geometry = {"FORMF0": 0.5, "FORMFW": 0.25, "FORMS0": 0.03, "FORMSW": 0.06}
+    corrected = replace(tire, added=(*tire.added, form_effect(("friction_y",))), effects=(*tire.has, FORM)).with_values(
+        **geometry, FORM_MY22=0.03
+    )
+    load, alpha = (grid.ravel() for grid in np.meshgrid([110.0, 165.0, 220.0], np.linspace(-0.2, 0.2, 81)))
+    table = pd.DataFrame({"Fz": load, "alpha": alpha})
+    table["Fy"] = corrected.with_values(FORM_MY22=0.06).evaluate(table)["Fy"]
+    fitted = fit(table, start=corrected, effects=sorted(corrected.has)).tire
+    assert {name: fitted.values[name] for name in geometry} == geometry
+    assert fitted.values["FORM_MY22"] > corrected.values["FORM_MY22"]
