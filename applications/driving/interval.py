@@ -115,8 +115,8 @@ def interval_of(
     pose = "heading" in sampled
     states, n = MOTION + POSE * pose, len(MEASURED)
     left, right = ca.SX.sym("left", len(states)), ca.SX.sym("right", len(states))
-    data, z = ca.SX.sym("data", 2 * n + 30), ca.SX.sym("z", len(unknowns))
-    used = ca.SX.sym("used", 7)
+    data, z = ca.SX.sym("data", 2 * n + 32), ca.SX.sym("z", len(unknowns))
+    used = ca.SX.sym("used", 8)
     p = _entries(car, unknowns, z)
     middle, rate = ca.vertsplit((left + right) / 2), ca.vertsplit((right - left) / step)
     more = p["delay"] - used[0], p["lag"] - used[1]
@@ -125,6 +125,7 @@ def interval_of(
     steer, turning = p["offset"] + scale * (ends[0] + ends[1]) / 2, scale * (ends[1] - ends[0]) / step
     behind, motion = data[2 * n + 14 :], (*middle[:3], *rate[:3])
     lag = [behind[i] + (p[name] - used[3 + i]) * behind[2 + i] for i, name in enumerate(("pitch_lag", "roll_lag"))]
+    heave = p["lift"] * (behind[16] + (p["heave_period"] - used[7]) * behind[17])
     *turned, gamma = two_track.turned(*motion, *lag, steer, *(p[name] for name in SUSPENSION), xp=ARRAYS)
     factors = {axle: {name: _factor(unknowns, axle, name, z) for name in FACTORS} for axle in AXLES}
     for axle, row in factors.items():
@@ -132,7 +133,7 @@ def interval_of(
     slopes = [slip_stiffness(tires[axle]) * factors[axle]["LKX"] for axle in AXLES]
     relaxations = {(axle, direction): relaxation_of(tires[axle], direction) for axle in AXLES for direction in "xy"}
     stretch = [p["relaxation"] * factors[axle]["LKY"] ** relaxations[axle, "y"].power for axle in AXLES]
-    wheels = _wheels(motion, lag, turned, turning, p)
+    wheels = _wheels(motion, [*lag, heave], turned, turning, p)
     wheels |= {f"gamma_{corner}": gamma for corner in CORNERS}
     for i, corner in enumerate(CORNERS):
         wheels[f"alpha_{corner}"] += behind[4 + i] + (stretch[i // 2] - used[5 + i // 2]) * behind[8 + i]
@@ -199,14 +200,14 @@ def _entries(car: Car, unknowns: Unknowns, z: Any) -> dict[str, Any]:
 
 
 def _wheels(
-    motion: tuple[Any, ...], lag: list[Any], turned: list[Any], turning: Any, p: Mapping[str, Any]
+    motion: tuple[Any, ...], moved: list[Any], turned: list[Any], turning: Any, p: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return slip angle, speed, its rate, and load of each wheel."""
+    """Return slip angle, speed, its rate, and load of each wheel. `moved`: what lags and heave of the body add."""
     symbols = [ca.SX.sym(f"s{i}") for i in range(4)]
     body = [p[entry] for entry in BODY.values()]
     names = [f"{name}_{corner}" for name in ("alpha", "V", "Fz") for corner in CORNERS]
-    wheels = dict(zip(names, two_track.wheels(*motion, *lag, *turned, *body, xp=ARRAYS), strict=True))
-    of_symbols = two_track.wheels(*symbols[:3], *motion[3:], *lag, symbols[3], turned[1], *body, xp=ARRAYS)
+    wheels = dict(zip(names, two_track.wheels(*motion, *moved, *turned, *body, xp=ARRAYS), strict=True))
+    of_symbols = two_track.wheels(*symbols[:3], *motion[3:], *moved, symbols[3], turned[1], *body, xp=ARRAYS)
     point, change = ca.vertcat(*motion[:3], turned[0]), ca.vertcat(*motion[3:], turning)
     by = ca.jacobian(ca.vertcat(*of_symbols[len(CORNERS) : 2 * len(CORNERS)]), ca.vertcat(*symbols))
     rates = ca.substitute(by, ca.vertcat(*symbols), point) @ change

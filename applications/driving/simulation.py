@@ -119,7 +119,8 @@ def simulated_pieces(
             at = rows[:, k]
             ends = speed[grid.left[at]], speed[grid.right[at]]
             held = {name: values[:, :, k] for name, values in past.items()}
-            given = kappa[:, k].T, Fx[:, k].T, held, (ends[1] - ends[0]) / grid.step, grid.behind[0, at], forces
+            body = grid.behind[0, at], p["lift"] * grid.behind[16, at]
+            given = kappa[:, k].T, Fx[:, k].T, held, (ends[1] - ends[0]) / grid.step, body, forces
             before = state
             for i in range(substeps):
                 share = (i + 0.5) / substeps
@@ -178,17 +179,18 @@ class _Vehicle:
 
     def rates(
         self, vx: FloatArray, state: FloatArray, steer: FloatArray, step: float, kappa: FloatArray, Fx: FloatArray,
-        held: Mapping[str, FloatArray], along: FloatArray, pitch: FloatArray, forces: TireForces,
+        held: Mapping[str, FloatArray], along: FloatArray, body: tuple[FloatArray, FloatArray], forces: TireForces,
     ) -> FloatArray:  # fmt: skip
         """Return the rates of lateral speed and yaw rate; loads follow from the last ones. `step`: see `TireForces`.
 
-        `Fx`, shape (4, n): as the recorded motion requires, N. `held`: `states_of` the tires. `pitch`: what the lag of
-        pitch adds to the longitudinal acceleration.
+        `Fx`, shape (4, n): as the recorded motion requires, N. `held`: `states_of` the tires. `body`: what the lag of
+        pitch adds to the longitudinal acceleration, and vertical acceleration.
         """
         motion = vx, *state, along, *self._last
-        lag = pitch, self._rolled - (self._last[0] + vx * state[1])
+        lag = body[0], self._rolled - (self._last[0] + vx * state[1])
         *turned, gamma = two_track.turned(*motion, *lag, steer, *self._suspension)
-        alpha, V, Fz = np.array(two_track.wheels(*motion, *lag, *turned, *self._body)).reshape(3, len(CORNERS), -1)
+        wheels = two_track.wheels(*motion, *lag, body[1], *turned, *self._body)
+        alpha, V, Fz = np.array(wheels).reshape(3, len(CORNERS), -1)
         gamma = np.broadcast_to(gamma, alpha.shape)
         inputs = {**held, "kappa": kappa, "alpha": alpha + held.get("alpha", 0.0), "gamma": gamma, "Fz": Fz, "V": V}
         _, Fy = forces(inputs, step)

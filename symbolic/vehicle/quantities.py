@@ -28,6 +28,7 @@ LAG = (
     Quantity("a_x_lag", "m/s^2", "what the lag of pitch adds to the longitudinal acceleration that moves load"),
     Quantity("a_y_lag", "m/s^2", "what the lag of roll adds to the lateral acceleration that moves load"),
 )
+HEAVE = (Quantity("a_z", "m/s^2", "vertical acceleration of the body, up, that cornering causes"),)
 SUSPENSION = (
     Quantity("steer_f", "rad s^2/m", "angle that lateral acceleration takes from the front wheels: understeer"),
     Quantity("steer_r", "rad s^2/m", "angle that lateral acceleration adds to the rear wheels: understeer"),

@@ -2,6 +2,7 @@
 
 The body moves in the plane. Loads follow from the accelerations, behind which roll and pitch lag: the longitudinal
 transfer from the height of the center of gravity, the lateral one divided between the axles by their roll stiffness.
+Both axles have more load while cornering accelerates the body up.
 Both wheels of an axle have one angle; roll and compliance turn and incline them. After Schramm, Hiller, Bardini,
 Vehicle Dynamics (2018), chapters 10 and 11; the balance at the axles is the balance of lateral force and yaw moment,
 solved for the two axle forces.
@@ -35,6 +36,7 @@ m, Iz, lf, lr, wf, wr, h, roll_front, drag = (quantity.symbol for quantity in ca
 sx, sy, roll_gradient, misalignment = (quantity.symbol for quantity in car.SENSOR)
 delta = dict(zip("fr", (quantity.symbol for quantity in car.TURNED), strict=True))
 ax_lag, ay_lag = (quantity.symbol for quantity in car.LAG)
+(az,) = (quantity.symbol for quantity in car.HEAVE)
 steer_f, steer_r, camber = (quantity.symbol for quantity in car.SUSPENSION)
 steer, g = car.STEER.symbol, Float(GRAVITY)
 Fx = dict(zip(car.CORNERS, (quantity.symbol for quantity in car.FORCES[:4]), strict=True))
@@ -52,7 +54,8 @@ line(WHEELS, "delta_r", steer_r*rolled, "rad", "angle of the rear wheels")
 line(WHEELS, "gamma", camber*rolled, "rad", "inclination angle")
 
 # Slip angles and loads of the wheels.
-static   = {"f": m*g*lr / (lf + lr) / 2, "r": m*g*lf / (lf + lr) / 2}
+weight   = m*(g + az)
+static   = {"f": weight*lr / (lf + lr) / 2, "r": weight*lf / (lf + lr) / 2}
 pitched  = line(BODY, "a_x_pitched", ax + ax_lag, "m/s^2", "longitudinal acceleration that pitches the body")
 pitching = line(WHEELS, "pitch_transfer", m*pitched*h / (lf + lr) / 2, "N", "load of acceleration, to a rear wheel")
 front    = line(WHEELS, "roll_transfer_front", m*rolled*h*roll_front / wf, "N", "load that a left turn moves right")
@@ -107,7 +110,7 @@ FUNCTIONS = tuple(
         ("turned", "Angles of the wheels from steering and lateral acceleration.",
          (*car.MOTION, *car.RATES, *car.LAG, car.STEER, *car.SUSPENSION), car.TURNING),
         ("wheels", "Slip angles, forward speeds and loads of the wheels from the motion.",
-         (*car.MOTION, *car.RATES, *car.LAG, *car.TURNED, *car.CAR), car.WHEELS),
+         (*car.MOTION, *car.RATES, *car.LAG, *car.HEAVE, *car.TURNED, *car.CAR), car.WHEELS),
         ("balance", "Forces at the axles, and what the motion requires beyond them.",
          (*car.MOTION, *car.RATES, *car.TURNED, *car.CAR, *car.FORCES), car.BALANCE),
         ("accelerations", "Rates of the motion that the forces of the tires cause.",

@@ -21,7 +21,7 @@ CAR = {
     "mass": 1250.0, "wheelbase": 2.5, "cg_to_front": 1.2, "cg_height": 0.52, "track_front": 1.5, "track_rear": 1.48,
     "yaw_inertia": 1700.0, "front_roll_share": 0.56, "ratio": 15.0, "offset": 0.0, "radius_front": 0.3,
     "radius_rear": 0.3, "x": 0.15, "y": -0.1, "roll_lag": 0.05, "steer_front": 0.0, "steer_rear": 0.0,
-    "ay_gain": 1.0, "yaw_rate_gain": 1.0, "misalignment": 0.0, "wheel_delay": 0.0,
+    "ay_gain": 1.0, "yaw_rate_gain": 1.0, "misalignment": 0.0, "wheel_delay": 0.0, "lift": 0.0, "heave_period": 0.7,
 }  # fmt: skip
 #: Standard deviations of a workshop's numbers, and what cars and sensors differ by.
 SPREAD = {
@@ -29,6 +29,7 @@ SPREAD = {
     "track_rear": 0.0074, "yaw_inertia": 170.0, "front_roll_share": 0.1, "ratio": 0.15, "offset": 0.005,
     "radius_front": 0.0015, "radius_rear": 0.0015, "x": 0.05, "y": 0.05, "roll_lag": 0.012, "steer_front": 1e-4,
     "steer_rear": 1e-4, "ay_gain": 0.004, "yaw_rate_gain": 0.003, "misalignment": 0.01, "wheel_delay": 0.01,
+    "lift": 1e-4, "heave_period": 0.1,
 }  # fmt: skip
 WHEEL_INERTIA, STEP = 1.0, 0.002
 KINDS = ("slalom", "sweep", "step", "laps", "brake")
@@ -90,7 +91,7 @@ class Road:
     """Simulate drives side by side. `steer`, `speed`, shape (n_steps, n): demands; `truths`: of each drive."""
 
     def __init__(self, truths, tire=tire_forces):
-        self.tire = tire
+        self.tire, self.lifted = tire, 0.0
         self.car = {key: np.array([{**CAR, **truth.car}[key] for truth in truths]) for key in CAR}
         self.factors = {
             name: np.stack(
@@ -116,7 +117,8 @@ class Road:
         share = c["front_roll_share"]
         roll_f = c["mass"] * self.rolled[1] * c["cg_height"] * share / c["track_front"]
         roll_r = c["mass"] * self.rolled[1] * c["cg_height"] * (1 - share) / c["track_rear"]
-        front, rear = c["mass"] * G * lr / c["wheelbase"] / 2, c["mass"] * G * lf / c["wheelbase"] / 2
+        weight = c["mass"] * (G + self.lifted)
+        front, rear = weight * lr / c["wheelbase"] / 2, weight * lf / c["wheelbase"] / 2
         Fz = np.stack([front - shift - roll_f, front - shift + roll_f, rear + shift - roll_r, rear + shift + roll_r])
         Fx, Fy = self.tire(kappa, alpha, Fz, along, self.factors)
         bx, by = Fx * np.cos(angle) - Fy * np.sin(angle), Fx * np.sin(angle) + Fy * np.cos(angle)
@@ -130,7 +132,8 @@ class Road:
         state = np.zeros((7, n))
         state[0] = speed[0]
         state[3:] = speed[0] / 0.3
-        self.rolled = np.zeros((2, n))
+        self.rolled, height = np.zeros((2, n)), np.zeros((2, n))
+        pace = 2.0 * np.pi / self.car["heave_period"]
         rows = {
             name: np.empty((n_steps, n))
             for name in ("vx", "vy", "yaw_rate", "ax", "ay", "turning", "fl", "fr", "rl", "rr")
@@ -153,6 +156,9 @@ class Road:
             k4, *_ = self.rates(state + STEP * k3, later, torque)
             state = state + STEP / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
             self.rolled = last + (self.rolled - last) * np.exp(-STEP / self.car["roll_lag"])
+            self.lifted = pace**2 * (self.car["lift"] * self.rolled[1] ** 2 - height[0]) - 0.6 * pace * height[1]
+            height[1] += STEP * self.lifted
+            height[0] += STEP * height[1]
         return rows
 
 

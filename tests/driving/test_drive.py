@@ -18,9 +18,11 @@ import tirefmu
 from tests.json_schemas import check_file, objections
 from tirefmu.applications.driving import estimate, simulation
 from tirefmu.applications.driving.dynamics import (
+    DAMPING,
     SIZED,
     USUAL,
     behind_lags,
+    heaving,
     measured_slips,
     size_of,
     wheel_motion,
@@ -184,7 +186,10 @@ def test_longitudinal_slips_lag_by_the_relaxation_length_and_differ_by_the_radii
     entries = {**answer.unknowns.car_values(car, answer.estimate.z), "relaxation": 1.0, "unequal_rear": 0.004}
     law = Relaxation(loads, np.full(2, length), 0.0)
     interval = SimpleNamespace(relaxations={(axle, of): law for axle in ("front", "rear") for of in "xy"})
-    added, V = with_lags(grid, interval, states, car, entries).behind[12:], wheel_motion(grid, states, car, entries)[1]
+    added, V = (
+        with_lags(grid, interval, states, car, entries).behind[12:16],
+        wheel_motion(grid, states, car, entries)[1],
+    )
     slips, equal = (measured_slips(grid, V, car, {**entries, "unequal_rear": size}) for size in (0.004, 0.0))
     np.testing.assert_allclose(slips[2:] - equal[2:], np.array([[0.002], [-0.002]]) * (1.0 + equal[2:]), atol=1e-5)
     rate = np.gradient(slips + added, grid.step, axis=1)
@@ -559,6 +564,29 @@ def test_a_signal_behind_a_lag_is_that_of_the_differential_equation():
     exact = (np.sin(omega * t) - omega * lag * np.cos(omega * t)) / (1.0 + (omega * lag) ** 2) - np.sin(omega * t)
     mean = exact * np.sinc(omega * step / 2.0 / np.pi)  # over an interval
     np.testing.assert_allclose(added[20:-5], mean[20:-5], atol=2e-3)
+
+
+def test_a_body_heaves_as_a_damped_mass_on_springs():
+    step, period = 0.05, 0.8
+    t, w = step * np.arange(400), 2 * np.pi / period
+    for omega in (0.2 * w, w, 3.0 * w):
+        gain = (1j * omega) ** 2 / (1.0 - (omega / w) ** 2 + 2j * DAMPING * omega / w)
+        mean = np.imag(gain * np.exp(1j * omega * t)) * np.sinc(omega * step / 2.0 / np.pi)
+        np.testing.assert_allclose(
+            heaving(np.sin(omega * t), period, step)[200:-2], mean[200:-2], atol=0.03 * abs(gain)
+        )
+    assert not heaving(np.full(20, 3.0), period, step).any()  # at rest
+
+
+@pytest.mark.slow
+def test_the_lift_of_a_body_is_none_of_the_tires(tire):
+    truth = replace(SAME, car={"lift": 2e-4, "heave_period": 0.65})
+    logs, _ = road.made_drives([truth], ["slalom"], [True], seed=4, seconds=14.0)
+    answer = tirefmu.drive(logs[0], vehicle=Car.from_content(road.car_content(), "car.toml"), tire=tire)
+    assert not answer.verdict.tires
+    assert all(row["LKY"].low < 1.0 < row["LKY"].high for row in answer.factors.values())
+    lift = answer.to_json()["car"]["entries"]["lift"]
+    assert abs(lift["value"] - 2e-4) < 2.0 * lift["uncertainty"] < 2.0 * lift["given_uncertainty"]
 
 
 @pytest.mark.slow

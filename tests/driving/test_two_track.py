@@ -12,8 +12,8 @@ from tirefmu.tires.code.modules import two_track
 BODY = (1250.0, 1700.0, 1.2, 1.3, 1.5, 1.48, 0.52, 0.56, 0.0)
 
 
-def wheels(vx=15.0, vy=0.0, r=0.0, ax=0.0, vy_dot=0.0, r_dot=0.0, steer=0.0, lag=(0.0, 0.0)):
-    return np.array(two_track.wheels(vx, vy, r, ax, vy_dot, r_dot, *lag, steer, 0.0, *BODY)).reshape(3, 4)
+def wheels(vx=15.0, vy=0.0, r=0.0, ax=0.0, vy_dot=0.0, r_dot=0.0, steer=0.0, lag=(0.0, 0.0), heave=0.0):
+    return np.array(two_track.wheels(vx, vy, r, ax, vy_dot, r_dot, *lag, heave, steer, 0.0, *BODY)).reshape(3, 4)
 
 
 def test_loads_are_the_weight_and_straight_running_has_no_slip():
@@ -22,6 +22,11 @@ def test_loads_are_the_weight_and_straight_running_has_no_slip():
     assert not alpha.any()
     np.testing.assert_allclose(speed, 15.0)
     assert wheels(ax=3.0)[2].sum() == pytest.approx(load.sum())  # a transfer creates no load
+
+
+def test_a_body_that_is_accelerated_up_presses_all_wheels_on_the_road():
+    turn = {"r": 0.3, "ax": 2.0}
+    np.testing.assert_allclose(wheels(**turn, heave=1.0)[2] - wheels(**turn)[2], wheels()[2] / 9.80665)
 
 
 def test_a_mirrored_motion_has_mirrored_wheels():

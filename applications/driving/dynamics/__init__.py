@@ -8,6 +8,6 @@ from ....boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
     from .discrepancy import FORM, N_COLUMNS, SIZED, USUAL, discrepancy_columns, size_of
-    from .lagging import behind_lags, measured_slips, wheel_motion, with_lags
+    from .lagging import DAMPING, behind_lags, heaving, measured_slips, wheel_motion, with_lags
 
 __getattr__, __dir__ = on_demand(__name__)

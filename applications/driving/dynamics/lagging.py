@@ -1,5 +1,7 @@
 """What lags within the car add to the motion of a moment: load transfer behind acceleration, forces behind slip angles.
 
+And what heave adds: side forces lift the body (jacking), a mass on springs; while it rises or falls, all loads differ.
+
 A lag follows from the motion before, which one interval does not have. It is computed from the estimated motion in each
 round; an interval has its derivatives by the time constants.
 """
@@ -12,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicSpline
+from scipy.signal import lsim
 
 from ....symbolic.vehicle.quantities import CORNERS
 from ....tires.code.modules import two_track
@@ -25,6 +28,8 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Change of a time constant for its derivative, relative; parts of an interval in which a lag is computed.
 CHANGE, PARTS = 0.1, 4
+#: Damping of the vertical motion of a body over the critical one. Judgement: cars have 0.25 to 0.4.
+DAMPING = 0.3
 
 
 def wheel_motion(grid: Grid, states: FloatArray, car: Car, entries: Mapping[str, float]) -> FloatArray:
@@ -41,7 +46,9 @@ def wheel_motion(grid: Grid, states: FloatArray, car: Car, entries: Mapping[str,
     bend = np.where(inner, np.diff(steer, 2, prepend=0.0, append=0.0), 0.0)
     angle = entries["offset"] + car.values["ratio"] / entries["ratio"] * (steer - bend / 24)
     *turned, gamma = two_track.turned(*middle, *rate, *grid.behind[:2], angle, *suspension)
-    wheels = np.array(two_track.wheels(*middle, *rate, *grid.behind[:2], *turned, *body)).reshape(3, len(CORNERS), -1)
+    heave = entries["lift"] * grid.behind[16]
+    wheels = two_track.wheels(*middle, *rate, *grid.behind[:2], heave, *turned, *body)
+    wheels = np.array(wheels).reshape(3, len(CORNERS), -1)
     return np.concatenate([wheels, np.broadcast_to(gamma, wheels[:1].shape)])
 
 
@@ -70,14 +77,18 @@ def with_lags(grid: Grid, interval: Interval, states: FloatArray, car: Car, entr
     inputs = np.concatenate([acceleration, slip])
     kappa, late = measured_slips(grid, V, car, entries), np.repeat(along, 2)[:, None] * longitudinal
     behind, changed, of_kappa = np.empty_like(inputs), np.empty_like(inputs), np.empty_like(kappa)
+    period, heave = entries["heave_period"], np.empty((2, len(grid.t)))
     for number in np.unique(grid.segment):
         rows = grid.segment == number
         both = np.concatenate([times[:, rows], (1 + CHANGE) * times[:, rows]])
         behind[:, rows], changed[:, rows] = np.split(behind_lags(inputs[:, rows], both, grid.step), 2)
         of_kappa[:, rows] = behind_lags(kappa[:, rows], late[:, rows], grid.step)
+        rise = (acceleration[1] + behind[1])[rows] ** 2
+        heave[:, rows] = [heaving(rise, longer * period, grid.step) for longer in (1.0, 1.0 + CHANGE)]
+    heave[1] = (heave[1] - heave[0]) / (CHANGE * period)
     by_time = (changed - behind) / np.maximum(CHANGE * constants, 1e-9)
-    parts = behind[:2], by_time[:2], behind[2:], by_time[2:], of_kappa
-    used = (*grid.used[:3], entries["pitch_lag"], entries["roll_lag"], *stretch)
+    parts = behind[:2], by_time[:2], behind[2:], by_time[2:], of_kappa, heave
+    used = (*grid.used[:3], entries["pitch_lag"], entries["roll_lag"], *stretch, period)
     return replace(grid, behind=np.concatenate(parts), used=used)
 
 
@@ -109,20 +120,37 @@ def behind_lags(inputs: FloatArray, constants: FloatArray, step: float) -> Float
     `constants`: time constants, s, which go through the inputs once or more. The inputs are splines; they begin as if
     their first slope had lasted.
     """
-    at = np.arange(inputs.shape[1]) * step
-    curve = CubicSpline(at, inputs, axis=1)
-    fine = np.arange((len(at) - 1) * PARTS + 1) * step / PARTS
-    times = CubicSpline(at, constants, axis=1)(fine)
-    values = np.tile(curve(fine), (len(constants) // len(inputs), 1))
+    times, values = _finer(constants), np.tile(_finer(inputs), (len(constants) // len(inputs), 1))
     slopes = np.diff(values, append=values[:, -1:]) / (step / PARTS)
     kept = np.exp(-step / PARTS / np.maximum(times, 1e-9))
     rest = values - slopes * times
     steady = (1.0 - kept) * rest + slopes * step / PARTS
     result = np.empty_like(values)
     result[:, 0] = rest[:, 0]
-    for k in range(len(fine) - 1):
+    for k in range(values.shape[1] - 1):
         result[:, k + 1] = kept[:, k] * result[:, k] + steady[:, k]
-    inside = np.pad(result - values, ((0, 0), (PARTS // 2, PARTS // 2)), mode="edge")
-    ends = (inside[:, :-PARTS] + inside[:, PARTS:]) / 2
-    between = sum(inside[:, part : part - PARTS] for part in range(1, PARTS))
-    return np.asarray((ends + between)[:, ::PARTS] / PARTS)
+    return _means(result - values)
+
+
+def heaving(rise: FloatArray, period: float, step: float) -> FloatArray:
+    """Return the acceleration of a mass on damped springs whose rest position rises, means over a step, shape (n,).
+
+    `rise`: of the rest position at even times, a spline; the mass begins at rest. `period`: natural, s.
+    """
+    w, fine = 2.0 * np.pi / period, _finer(rise - rise[0])
+    at = np.arange(len(fine)) * step / PARTS
+    return _means(lsim(([w**2, 0.0, 0.0], [1.0, 2.0 * DAMPING * w, w**2]), fine, at)[1])
+
+
+def _finer(values: FloatArray) -> FloatArray:
+    """Return values at even times at `PARTS` of a step: splines along the last axis."""
+    n = values.shape[-1]
+    return np.asarray(CubicSpline(np.arange(n), values, axis=-1)(np.arange((n - 1) * PARTS + 1) / PARTS))
+
+
+def _means(fine: FloatArray) -> FloatArray:
+    """Return the means over a step of values at its parts, along the last axis."""
+    inside = np.pad(fine, [*[(0, 0)] * (fine.ndim - 1), (PARTS // 2, PARTS // 2)], mode="edge")
+    ends = (inside[..., :-PARTS] + inside[..., PARTS:]) / 2
+    between = sum(inside[..., part : part - PARTS] for part in range(1, PARTS))
+    return np.asarray((ends + between)[..., ::PARTS] / PARTS)

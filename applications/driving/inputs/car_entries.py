@@ -36,7 +36,8 @@ class Entry:
 
 # The default uncertainties are judgement: a scale under the wheels knows a mass within 1 %, a car with driver and fuel
 # within 3 %; a yaw inertia from a formula is right within 10 %; a consumer IMU has the offsets below after warm-up, and
-# gains within 0.5 %. Roll and pitch of cars reach two thirds of their value in 30 to 80 ms. A wheel of a car of 1000 kg
+# gains within 0.5 %. Roll and pitch of cars reach two thirds of their value in 30 to 80 ms; roll centers 50 to 100 mm
+# above the road lift a body by 5 to 10 mm at 0.8 g, and its natural period is 0.6 to 0.9 s. A wheel of a car of 1000 kg
 # has 0.5 to 1 kg m^2; rolling radii, or the readings of their speeds, differ by 0.2 %. A floor or wear changes a tire
 # in all directions, but not alike.
 _ENTRIES = (
@@ -57,6 +58,10 @@ _ENTRIES = (
           0.05, 0.6, "time", 0.0, 1.0),
     Entry("body", "pitch_lag", "time constant of the longitudinal load transfer", "s", 0.05, 0.05, 0.6, "time", 0.0,
           1.0),
+    Entry("body", "lift", "rise of the body over the square of the lateral acceleration: jacking by the side forces",
+          "s^4/m", 0.0, 0.0, 4e-5, "wheelbase", -0.01, 0.01),
+    Entry("body", "heave_period", "natural period of the vertical motion of the body", "s", 0.75, 0.75, 0.2, "time",
+          0.01, 10.0),
     Entry("body", "steer_front", "angle that roll and compliance take from the front wheels, over lateral acceleration",
           "rad s^2/m", 0.0, 0.0, 1e-4, "absolute", -0.01, 0.01),
     Entry("body", "steer_rear", "angle that roll and compliance turn the rear wheels into a turn, over lateral "
@@ -174,7 +179,7 @@ def car_schema() -> dict[str, Any]:
     sections["steering"]["properties"]["map"] = {"type": "array", "items": pair, "minItems": 2}
     sections["wheels"]["properties"]["driven"] = {"enum": list(LAYOUTS)}
     sections["columns"] = {"type": "object", "additionalProperties": {"type": "string"}}
-    return document("car", "1.3", "Car of a drive", object_schema(sections, ["body"]))
+    return document("car", "1.4", "Car of a drive", object_schema(sections, ["body"]))
 
 
 def _number(entry: Entry) -> list[dict[str, Any]]:

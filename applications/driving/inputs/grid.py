@@ -64,11 +64,12 @@ class Grid:
     - `steer_slopes`, shape (4, n): its derivatives by delay and lag, at both ends.
     - `rims`, shape (4, n): spin times rolling radius of each of `CORNERS`, m/s; 0 if not logged. `rim_slopes`, shape
       (4, n): their derivatives by the delay of the wheel speeds.
-    - `behind`, shape (16, n): what lags add to longitudinal and lateral acceleration, m/s^2, and its derivatives by the
+    - `behind`, shape (18, n): what lags add to longitudinal and lateral acceleration, m/s^2, and its derivatives by the
       lags; what relaxation adds to the slip angle of each wheel, rad, its derivatives by the relative length, and what
-      it adds to the longitudinal slip of each wheel (`with_lags`).
-    - `used`: delay and lag of the steering, delay of the wheel speeds, lag of pitch and of roll, s, and the relative
-      relaxation lengths of both axles with which these were computed.
+      it adds to the longitudinal slip of each wheel; the vertical acceleration of the body for a lift of 1, and its
+      derivative by the period (`with_lags`).
+    - `used`: delay and lag of the steering, delay of the wheel speeds, lag of pitch and of roll, s, the relative
+      relaxation lengths of both axles, and the period of heave with which these were computed.
     """
 
     step: float
@@ -83,7 +84,7 @@ class Grid:
     rims: FloatArray
     rim_slopes: FloatArray
     behind: FloatArray
-    used: tuple[float, ...] = 7 * (0.0,)
+    used: tuple[float, ...] = 8 * (0.0,)
 
     @property
     def n_nodes(self) -> int:
@@ -196,7 +197,7 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
     row = MEASURED.index("ax")
     change = np.gradient(means[row]) if len(chosen) > 1 else 0.0 * means[row]
     noise[row] = np.hypot(noise[row], EDGE_ERROR * np.nan_to_num(change))
-    empty = np.zeros((16, len(chosen)))
+    empty = np.zeros((18, len(chosen)))
     course = _course(*_wheel_angle(log, car))
     parts = empty[:2], empty[:4], empty[:4], empty[:4], empty
     grid = Grid(step, middle[chosen], left, left + 1, means, noise, course, *parts)
