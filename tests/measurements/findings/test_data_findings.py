@@ -215,9 +215,9 @@ def test_temperature_and_lag_in_the_residual():
     assert re.match(r"a.csv: the residual of Fy is like a lag of (5[5-9]|6[0-5]) ms \(9\d % of", lag.text)
     assert lag.effects == ("relax_lat",)
     (heat,) = residual_findings([given["heat"]], [predicted])
-    assert re.search(r"follows the tread temperature, .* like -(0\.9[7-9]|1\.0[0-3]) % of Fy per K", heat.text)
+    assert re.search(r"like a change of Fy by -(0\.9[7-9]|1\.0[0-3]) % per K", heat.text)
     assert heat.effects == ("temp_friction", "temp_stiffness")
     both = Recording(hot.assign(Mz=0.02 * hot["Fy"]), "iso", "a.csv")
     (merged,) = residual_findings([both], [predicted.assign(Mz=0.02 * predicted["Fy"])])  # one finding for each cause
     assert re.match(r"a.csv: the residuals of Fy and Mz follow the tread temperature, ", merged.text)
-    assert re.search(r" of Fy per K and .* of Mz per K \(\d+ % and \d+ % of their mean square\)$", merged.text)
+    assert re.search(r" of Fy by \S+ % per K and a change of Mz by \S+ % per K \(\d+ % and \d+ % of their", merged.text)
