@@ -49,7 +49,7 @@ def _clock_unit(recording: Recording) -> Iterator[DataFinding]:
     """Yield a finding if the steps of the clock are too long for a bench, and typical in another unit."""
     if "t" not in recording.table or "t" in recording.about.get("declared", "").split():
         return
-    steps = np.diff(recording.table["t"].to_numpy(dtype=np.float64))
+    steps = np.diff(np.sort(recording.table["t"].to_numpy(dtype=np.float64)))  # the rows may be in another order
     step = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
     units = [unit for unit in ("ms", "us", "ns") if CLOCK_STEPS[0] <= step * to_si(1.0, unit) <= CLOCK_STEPS[1]]
     if step > LONGEST_CLOCK_STEP and units:

@@ -9,7 +9,7 @@ import numpy as np
 from ....symbolic.channels import CHANNELS, CONTROLLED_INPUTS, OUTPUTS
 from ...operating_conditions.levels import level_tolerance, levels
 from ...recording import Recording, once
-from ...thresholds import FEW_ROWS, MAX_BACKWARD_STEPS
+from ...thresholds import MAX_BACKWARD_STEPS
 
 #: The slips that cause each output.
 _CAUSES = {"Fx": ("kappa",), "Fy": ("alpha", "gamma"), "Mz": ("alpha", "gamma")}
@@ -92,7 +92,7 @@ def coverage_notes(recording: Recording) -> list[str]:
     Returns
     -------
     list of str
-        One sentence each: few rows, a slip that does not vary, no load or a single one, a constant output, a clock that
+        One sentence each: a slip that does not vary, no load or a single one, a constant output, a clock that
         runs backwards.
 
     Examples
@@ -104,8 +104,6 @@ def coverage_notes(recording: Recording) -> list[str]:
     """
     source, table = recording.source, recording.table
     notes = []
-    if 0 < len(recording) < FEW_ROWS:
-        notes.append(f"{source}: {len(recording)} rows are fewer than a fit of one force needs")
     by_name = {channel.channel: channel for channel in coverage(recording)}
     for output in outputs_without_curve(recording):
         slip = _CAUSES[output][0]

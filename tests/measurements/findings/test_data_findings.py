@@ -51,6 +51,20 @@ def test_sound_recordings_of_one_tire_have_no_finding():
     assert found(bench(), bench(seed=1)) == []
 
 
+def test_the_order_of_rows_is_no_unit_of_the_clock():
+    table = bench()
+    shuffled = table.sample(frac=1.0, random_state=1, ignore_index=True)
+    assert not any(finding.serious for finding in found(shuffled))
+    (finding,) = (finding for finding in found(shuffled.assign(t=1e6 * shuffled["t"])) if finding.serious)
+    assert "in us?" in finding.text
+
+
+@pytest.mark.parametrize(("step", "parts", "few"), [(100, 1, True), (100, 2, False), (200, 2, True), (10, 3, False)])
+def test_few_rows_are_counted_over_all_tables(step, parts, few):
+    tables = [bench(seed=part).iloc[::step] for part in range(parts)]
+    assert ("few rows" in kinds(*tables)) == few
+
+
 def test_a_file_given_twice_in_any_signs():
     twice = bench()
     (finding,) = data_findings([Recording(twice, "iso", "a.csv"), Recording(twice, "iso", "b.csv").with_signs("sae")])
