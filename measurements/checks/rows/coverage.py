@@ -190,14 +190,18 @@ def _constancy(by_name: dict[str, Coverage], slip: str) -> str:
     return f"stays at {0.5 * (channel.lowest + channel.highest) + 0.0:.3g}{CHANNELS[slip].after}"
 
 
-def _clock_notes(recording: Recording) -> list[str]:
-    if "t" not in recording.table or len(recording) < 2:
-        return []
-    steps = np.diff(recording.table["t"].to_numpy(dtype=np.float64))
+def steps_backwards(recording: Recording) -> int:
+    """Return in how many steps the clock runs backwards if the rows are not in the order of time, otherwise 0."""
+    steps = np.diff(recording.table["t"].to_numpy(dtype=np.float64)) if "t" in recording.table else np.empty(0)
     backwards = int(np.count_nonzero(steps < 0.0))
-    if backwards <= MAX_BACKWARD_STEPS * len(steps):
+    return backwards if backwards > MAX_BACKWARD_STEPS * len(steps) else 0
+
+
+def _clock_notes(recording: Recording) -> list[str]:
+    backwards = steps_backwards(recording)
+    if not backwards:
         return []
     return [
-        f"{recording.source}: t runs backwards in {backwards} of {len(steps)} steps: the rows are not in the order of "
-        f"time and are not treated as a time series"
+        f"{recording.source}: t runs backwards in {backwards} of {len(recording) - 1} steps: the rows are not in the "
+        f"order of time and are not treated as a time series"
     ]
