@@ -77,6 +77,8 @@ LEAST_RESISTANCE = -0.005
 SIDE_FORCE_OF_KAPPA = 0.6
 #: Largest plausible resultant in combined slip, as a multiple of the ellipse of both peaks; a square has 1.41.
 ELLIPSE = 1.25
+#: Units of coefficients whose bounds are those of any tire; the bounds of others are those of a fit.
+SIZES = ("m", "N")
 #: Camber of a tire without a range, rad.
 CAMBER = 0.1
 #: Steps of a slip over the range of the tire.
@@ -153,7 +155,8 @@ def _coefficients(tire: Tire) -> Iterator[Doubt]:
             else f"{declared.lower:g} .. {declared.upper:g}"
         )
         converted = "" if value == tire.values[name] else " with the sign of adapted SAE"
-        yield Doubt(name, tire.values[name], ": ".join([f"outside {shown}{converted}", *hints]), within or bool(hints))
+        serious = within or bool(hints) or declared.unit in SIZES
+        yield Doubt(name, tire.values[name], ": ".join([f"outside {shown}{converted}", *hints]), serious)
 
 
 def _plausible(tire: Tire, declared: Coefficient) -> tuple[float, float]:
