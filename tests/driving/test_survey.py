@@ -89,7 +89,13 @@ def test_a_name_counts_in_any_spelling_and_with_its_unit(tmp_path, monkeypatch, 
 
 @pytest.mark.parametrize(
     ("name", "channel"),
-    [("yawrate", "yaw_rate"), ("latacc", "ay"), ("Time Stamp", "t"), ("front_left wheel speed", "omega_fl")],
+    [
+        ("yawrate", "yaw_rate"),
+        ("latacc", "ay"),
+        ("Lateral G", "ay"),
+        ("Time Stamp", "t"),
+        ("front_left wheel speed", "omega_fl"),
+    ],
 )
 def test_a_name_counts_joined_separated_and_in_another_order(name, channel):
     assert nearest_channel(Column(name, [])) == channel

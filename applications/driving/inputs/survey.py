@@ -135,7 +135,7 @@ def _nearest(column: Column) -> _Nearest:
         if quantity in ("", declared.quantity):
             plain, ending = (name, "") if quantity else unit_at_end(name, declared.quantity)
             for alias in (channel, *declared.aliases):
-                if _is_named(plain, alias):
+                if _is_named(plain, alias) or _is_named(name, alias):
                     candidates.append(_Nearest(0, -len(alias), channel, ending))
                 elif len(alias) >= SHORTEST_CONTAINED and f"_{_words(alias)}_" in f"_{_words(plain)}_":
                     candidates.append(_Nearest(1, -len(alias), channel, ending))
