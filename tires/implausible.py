@@ -77,8 +77,6 @@ LEAST_RESISTANCE = -0.005
 SIDE_FORCE_OF_KAPPA = 0.6
 #: Largest plausible resultant in combined slip, as a multiple of the ellipse of both peaks; a square has 1.41.
 ELLIPSE = 1.25
-#: Units of coefficients whose bounds are those of any tire; the bounds of others are those of a fit.
-SIZES = ("m", "N")
 #: Camber of a tire without a range, rad.
 CAMBER = 0.1
 #: Steps of a slip over the range of the tire.
@@ -155,7 +153,7 @@ def _coefficients(tire: Tire) -> Iterator[Doubt]:
             else f"{declared.lower:g} .. {declared.upper:g}"
         )
         converted = "" if value == tire.values[name] else " with the sign of adapted SAE"
-        serious = within or bool(hints) or declared.unit in SIZES
+        serious = within or bool(hints) or name in SIZES
         yield Doubt(name, tire.values[name], ": ".join([f"outside {shown}{converted}", *hints]), serious)
 
 
