@@ -154,6 +154,8 @@ def nearest(name: str, valid: Iterable[str], listed_by: str = "") -> str:
     (': did you mean gamma?', ': known are gamma, alpha')
     >>> nearest("PDYI", [f"PDY{i}" for i in range(20)], "tirefmu info")
     ': did you mean PDY9? Also near: PDY8, PDY7, PDY6; tirefmu info lists all 20'
+    >>> nearest("lfz0", ["LFZ0", *"ABCDEFGHIJKLMNOPQR"], "tirefmu info")
+    ': did you mean LFZ0? tirefmu info lists all 19'
     """
     names = list(dict.fromkeys(valid))
     folded = {candidate.casefold(): candidate for candidate in names}
@@ -168,7 +170,8 @@ def nearest(name: str, valid: Iterable[str], listed_by: str = "") -> str:
     if not meant:
         return f": {'; '.join(others)}" if others else ""
     end = "; ".join(others)
-    return f": {meant[0]} {end[:1].upper()}{end[1:]}".rstrip()
+    first = end[:1] if listed_by and end.startswith(listed_by) else end[:1].upper()  # a command is written as it is
+    return f": {meant[0]} {first}{end[1:]}".rstrip()
 
 
 def path_from(value: Any, parameter: str = "path") -> Path:

@@ -185,7 +185,10 @@ def check_input_paths(*paths: Path | None) -> None:
         if path and path.exists() and any(path.samefile(output) for output in written):
             raise TirefmuError(f"{path}: is an input of this command: give its result another name")
         if path and path.suffix and not path.exists():
-            near = get_close_matches(path.name, _neighbors(path), n=1)
+            neighbors = [Path(name) for name in _neighbors(path)]
+            of_kind = {file.stem: file.name for file in neighbors if file.suffix == path.suffix}
+            near = [of_kind[stem] for stem in get_close_matches(path.stem, of_kind, n=1)]
+            near = near or [file.name for file in neighbors if file.stem == path.stem]
             raise TirefmuError(f"{path}: no such file{f': did you mean {near[0]}?' if near else ''}")
 
 

@@ -6,7 +6,8 @@ A column under a wrong name would silently be ignored, and the nominal value wou
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable
+import shlex
+from collections.abc import Collection, Iterable, Mapping
 
 from ..boundary.errors import DataError, UnknownName
 from ..symbolic.channels import CHANNELS, INPUTS, channel
@@ -18,6 +19,8 @@ _QUALIFIERS = frozenset(
 )
 #: Characters. A shorter name is not compared for typing errors with a channel, or with another name of one.
 SHORTEST_CHANNEL, SHORTEST_ALIAS = 4, 6
+#: Characters. A longer name is not repeated in a message.
+LONGEST_NAME = 60
 
 # Bench names are case-sensitive: "ET" is the time, "Et" the curvature factor of the trail.
 _BENCH_NAMES = {alias: declared.name for declared in CHANNELS.values() for alias in declared.bench_names}
@@ -90,14 +93,31 @@ def check_names(names: Iterable[str], source: str, required: Collection[str] = I
 
     `required`: the channels that the caller reads. Outputs are required where data are compared with a tire
     (`Recording.measured`). A table to evaluate may have columns such as FX as a reference. Raises `DataError` with the
-    column, and the name or the header that was probably meant.
+    column, the name or the header that was probably meant, and the option that reads all such columns.
     """
     given = list(names)
-    for name in given:
-        intended = None if name in CHANNELS else intended_channel(name)
-        if intended in required and intended not in given:
-            hint = f"did you mean {_suggestion(name, str(intended))}? Channels are {', '.join(CHANNELS)}"
-            raise DataError(f"{source}: column {name!r} is not a channel: {hint}")
+    meant = {name: intended_channel(name) for name in given if name not in CHANNELS}
+    missing = {name: channel for name, channel in meant.items() if channel is not None and channel not in given}
+    name = next((name for name, channel in missing.items() if channel in required), None)
+    if name is not None:
+        hint = f"did you mean {_suggestion(name, missing[name])}? "
+        option = _option({channel: name for name, channel in reversed(missing.items())})
+        hint += f"All such columns: {option}" if option else f"Channels are {', '.join(CHANNELS)}"
+        raise DataError(f"{source}: column {name!r} is not a channel: {hint}")
+
+
+def _option(columns: Mapping[str, str]) -> str:
+    """Return the option that reads several columns, by channel, with the units at the end of their names.
+
+    Empty for a single column, and for names that the option cannot contain.
+    """
+    texts = []
+    for meant in filter(columns.__contains__, CHANNELS):
+        name = columns[meant]
+        unit = None if _BRACKETED.match(name) else unit_in_name(name)
+        texts.append(f"{meant}={name} [{unit[1]}]" if unit else f"{meant}={name}")
+    writable = all("," not in text and text.isprintable() and len(text) < LONGEST_NAME for text in texts)
+    return f"--columns {shlex.quote(','.join(texts))}" if writable and len(texts) > 1 else ""
 
 
 def _suggestion(name: str, intended: str) -> str:

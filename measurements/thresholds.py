@@ -159,7 +159,7 @@ MIN_CAMBER_RESPONSE = 0.01
 
 # ---------------------------------------------------------------- coverage: `quality.coverage`, `findings.two_tires`
 
-#: Rows. With fewer, a note is given: the pure side force alone has a dozen coefficients.
+#: Rows. With fewer, a fit would be misleading: the pure side force alone has a dozen coefficients.
 FEW_ROWS = 50
 #: Fraction of the clock's steps. If more are negative, the rows are not in the order of time. Judgement.
 MAX_BACKWARD_STEPS = 0.1

@@ -66,8 +66,9 @@ UNITS: dict[str, Unit] = {
     **_spelled("length", {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "km": 1e3, "in inch": FOOT / 12.0, "ft": FOOT}),
     **_spelled("curvature", {"1/m rad/m m1": 1.0, "1/km": 1e-3}),
     **_spelled("rotation", {
-        "rad/s radians/s rads1": 1.0,
-        "deg/s degrees/s degree/s dps degs1": _DEGREE, "mrad/s": 1e-3, "rpm 1/min rev/min r/min min1": np.pi / 30.0,
+        "rad/s radians/s rads1 radps": 1.0,
+        "deg/s degrees/s degree/s dps degs1 degps": _DEGREE, "mrad/s": 1e-3,
+        "rpm 1/min rev/min r/min min1": np.pi / 30.0,
         "rev/s rps": 2.0 * np.pi,
     }),
     **_spelled("acceleration", {"m/s2 ms2 mps2": 1.0, "g": GRAVITY, "mg": 1e-3 * GRAVITY, "ft/s2": FOOT}),

@@ -153,7 +153,8 @@ def _coefficients(tire: Tire) -> Iterator[Doubt]:
             else f"{declared.lower:g} .. {declared.upper:g}"
         )
         converted = "" if value == tire.values[name] else " with the sign of adapted SAE"
-        yield Doubt(name, tire.values[name], ": ".join([f"outside {shown}{converted}", *hints]), within or bool(hints))
+        serious = within or bool(hints) or name in SIZES
+        yield Doubt(name, tire.values[name], ": ".join([f"outside {shown}{converted}", *hints]), serious)
 
 
 def _plausible(tire: Tire, declared: Coefficient) -> tuple[float, float]:

@@ -255,10 +255,8 @@ def _car_lines(
 
 
 def _deviation(entry: CarFinding) -> str:
-    return (
-        f"{entry.value:.4g} instead of {entry.given:.4g} {ENTRIES[entry.name].unit}, {abs(entry.deviation):.1f} "
-        "standard deviations"
-    )
+    unit = f" {ENTRIES[entry.name].unit}".removesuffix(" 1")
+    return f"{entry.value:.4g} instead of {entry.given:.4g}{unit}, {abs(entry.deviation):.1f} standard deviations"
 
 
 #: Name and unit of an input, and what its value is multiplied by.

@@ -26,6 +26,8 @@ READERS: dict[str, str] = {extension: declared.signs for extension, declared in 
     _PLUGINS, "iso"
 )
 
+#: Files that are given in the place of a recording.
+NO_RECORDINGS = {".tir": "a tire", ".fmu": "an FMU"}
 #: Bytes of a text that is read as a whole: a TTC file has 20 MB, a VBOX log 70 MB an hour. Smallest share of bytes that
 #: a file on a disk has.
 LARGEST_TEXT, MIN_STORED = 1 << 28, 0.01
@@ -38,6 +40,8 @@ def read_content(path: str | PathLike[str], signs: str | None = None) -> Content
     file that does not exist, has an unknown extension or cannot be read.
     """
     file = path_from(path)
+    if file.suffix.lower() in NO_RECORDINGS:
+        raise DataError(f"{file}: {NO_RECORDINGS[file.suffix.lower()]}, not a recording")
     if file.suffix.lower() not in READERS and not is_bag(file):
         raise DataError(f"{file}: unknown kind of recording {file.suffix!r}{nearest(file.suffix, READERS)}")
     try:

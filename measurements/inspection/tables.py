@@ -10,6 +10,7 @@ import numpy as np
 from ...drawing.labels import drawn_unit, drawn_value, per_si
 from ...symbolic.channels import CHANNELS, CONTROLLED_INPUTS
 from ..checks.columns.meanings import ASSUMPTIONS
+from ..checks.rows.coverage import steps_backwards
 from ..checks.rows.row_exclusion import EXCLUSION_REASONS
 from .inspection import Inspection, SweepSummary
 
@@ -27,7 +28,9 @@ def title(inspection: Inspection) -> str:
     """Return rows, duration, rate and segments of a recording in one line."""
     recording = inspection.recording
     parts = [f"{len(recording)} rows", f"{recording.signs} signs"]
-    if "t" in recording.table:
+    if steps_backwards(recording):
+        parts.append("not in the order of time")
+    elif "t" in recording.table:
         parts.append(f"{inspection.duration:.4g} s at {1.0 / inspection.interval:.4g} Hz")
         gap = f", longest gap {inspection.longest_gap:.3g} s" if inspection.segments > 1 else ""
         parts.append(f"{inspection.segments} segment{'s' if inspection.segments > 1 else ''}{gap}")

@@ -116,6 +116,11 @@ BAD = {
     "diagnose good.csv good.csv --holdout good.csv --tire good.tir -o new": "--holdout is for one recording",
     "diagnose good.csv --resume --tire good.tir -o new": "are for several recordings",
     "inspect none.csv": "none.csv: no such file",
+    "inspect godo.csv": "godo.csv: no such file: did you mean good.csv?",
+    "inspect good.dat": "good.dat: no such file: did you mean good.csv?",
+    "inspect good.tir": "good.tir: a tire, not a recording",
+    "explore good.csv good.tir -o new.html": "good.tir: a tire, not a recording",
+    "check good.csv good.fmu": "good.fmu: an FMU, not a recording",
     "inspect good.csv good.csv --table new.csv": "--table writes the rows of one table",
     "inspect good.csv -o no/page.html": "no/page.html: no folder no",
     "inspect good.csv --table new.xlsx": "new.xlsx: unknown kind of table '.xlsx'",
@@ -159,6 +164,12 @@ def test_bad_input_is_reported_in_one_line_and_writes_nothing(folder, command, l
     assert BAD[line] in message
     assert "Traceback" not in outcome.out
     assert everything(folder) == before
+
+
+def test_a_missing_file_is_no_file_of_another_kind(folder, command):
+    """Names that share only their extension, or only a part of another kind's name, are not suggested."""
+    for call in ("info nowhere.tir", "diagnose good.csv --effect gode.toml -o new"):
+        assert command(*call.split()).err.strip().endswith("no such file")
 
 
 def test_a_broken_tire_file_is_named_with_its_line(folder, command):

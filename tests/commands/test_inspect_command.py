@@ -36,6 +36,13 @@ def test_a_good_recording(inspected):
         assert text in page
 
 
+def test_rows_in_another_order_have_no_duration(command, bench_csv, tmp_path):
+    pd.read_csv(bench_csv).sample(frac=1.0, random_state=1).to_csv(tmp_path / "a.csv", index=False)
+    printed = command("inspect", tmp_path / "a.csv").out
+    assert printed.startswith("verdict: ready for a fit, with 1 note\n")
+    assert re.search(r"a.csv \d+ rows, iso signs, not in the order of time\n", printed)
+
+
 def test_the_page_is_one_file_whose_only_script_makes_charts(inspected):
     page = inspected[2]
     (script,) = re.findall(r"<script>(.*?)</script>", page, flags=re.DOTALL)

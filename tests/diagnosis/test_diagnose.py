@@ -371,6 +371,15 @@ def test_the_verdict_has_every_explanation_that_the_page_lists_as_confounded():
     assert text == "Missing: relax_lat (probability 50 to 90 %; confounded with relax_slip, relax_load)"
 
 
+def test_a_page_unfolds_only_what_there_is(thrust):
+    case, diagnosis = thrust
+    recording = Recording(case.table, "adapted-sae", "bench.csv")
+    pages = [report_page(replace(diagnosis, tire=tire), recording) for tire in (diagnosis.tire, diagnosis.base_tire)]
+    sections = [page.split("<h2>Changed equations</h2>")[1].split("<h2>")[0] for page in pages]
+    assert ["<summary>" in section for section in sections] == [True, False]
+    assert "None." in sections[1]
+
+
 def test_no_effect_is_identified_without_a_missing_effect():
     diagnosis = answer(make_case(13, extra=("camber_thrust",), artefacts=("outliers", "ripple", "drift")))
     assert diagnosis.found == ()

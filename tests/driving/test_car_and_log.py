@@ -17,6 +17,7 @@ from tirefmu.applications.driving.inputs.clock import clock_problem
 from tirefmu.applications.driving.inputs.grid import forward_speed, gridded, with_delays
 from tirefmu.applications.driving.inputs.log import read_log
 from tirefmu.applications.driving.inputs.plausibility import check_log, exchanged_axles
+from tirefmu.applications.driving.verdict import CarFinding, _deviation
 from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.commands.cli import main
 
@@ -289,3 +290,9 @@ def test_a_short_clock_in_seconds_is_one_and_one_in_minutes_is_named(rate):
     assert clock_problem(short, "t") == ""
     assert clock_problem(minute, "t") == ""
     assert "in min" in clock_problem(minute / 60.0, "t")
+
+
+@pytest.mark.parametrize("name", ENTRIES)
+def test_a_value_of_the_car_has_its_unit_and_a_ratio_none(name):
+    unit = "" if ENTRIES[name].unit == "1" else f" {ENTRIES[name].unit}"
+    assert f"2.5 instead of 1{unit}, 3.0 standard" in _deviation(CarFinding(name, 2.5, 1.0, 3.0, 0.99))

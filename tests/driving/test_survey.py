@@ -9,9 +9,11 @@ import pandas as pd
 import pytest
 
 from tirefmu.applications.driving.inputs.log import read_log
+from tirefmu.applications.driving.inputs.survey import nearest_channel
 from tirefmu.boundary.bounded_file import toml_file
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.commands.cli import main
+from tirefmu.measurements.files.columns.content import Column
 
 T = np.arange(0.0, 20.0, 0.05)
 STEER = 0.4 * np.sin(T)
@@ -51,6 +53,57 @@ def test_the_proposed_section_reads_the_log(tmp_path, monkeypatch, case):
         np.testing.assert_allclose(log.values(name), LOG[name], atol=1e-12)
         np.testing.assert_allclose(log.channels[name][0], T, atol=1e-9)
     assert main(["inspect", "log.csv", "-o", "car.toml", "--quiet"]) == 2  # the numbers of a car are not lost
+
+
+#: The channels of LOG in other words, in units that numbers do not show.
+WORDS = {
+    "t": (["elapsed", "time"], "ms", 1e3), "steer": (["steering", "angle"], "deg", np.degrees(1.0)),
+    "speed": (["ground", "speed"], "km/h", 3.6), "yaw_rate": (["angular", "velocity", "z"], "deg/s", np.degrees(1.0)),
+    "ax": (["longitudinal", "accel"], "m/s2", 1.0), "ay": (["lateral", "accel"], "m/s2", 1.0),
+}  # fmt: skip
+SPELLED = {
+    "snake": lambda words, unit: f"{'_'.join(words)}_{unit.replace('/', '_')}",
+    "camel": lambda words, unit: f"{''.join(map(str.title, words))}_{unit.replace('/', 'p')}",
+    "spaced": lambda words, unit: f"{' '.join(map(str.title, words))} ({unit})",
+    "path": lambda words, unit: f"/car/state/{'/'.join(words)} [{unit}]",
+    "dots": lambda words, unit: f"field.car.{'.'.join(words)}_{unit}",
+    "exchanged": lambda words, unit: f"{'_'.join(words[::-1])}_{unit}",
+    "longer": lambda words, unit: f"{'_'.join(words)}_sensors [{unit}]",
+}
+
+
+@pytest.mark.parametrize("spelling", SPELLED)
+def test_a_name_counts_in_any_spelling_and_with_its_unit(tmp_path, monkeypatch, spelling):
+    monkeypatch.chdir(tmp_path)
+    spell = SPELLED[spelling]
+    slow = LOG.assign(steer=0.01 * STEER, yaw_rate=0.01 * LOG["yaw_rate"], ay=0.01 * LOG["ay"])
+    pd.DataFrame({spell(words, unit): slow[name] * factor for name, (words, unit, factor) in WORDS.items()}).to_csv(
+        "log.csv", index=False
+    )
+    assert main(["inspect", "log.csv", "-o", "car.toml", "--quiet"]) == 0
+    log = read_log("log.csv", toml_file(tmp_path / "car.toml", TirefmuError)["columns"])
+    for name in WORDS:
+        values = log.channels["steer"][0] if name == "t" else log.values(name)
+        np.testing.assert_allclose(values, slow[name], rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "channel"),
+    [
+        ("yawrate", "yaw_rate"),
+        ("latacc", "ay"),
+        ("Lateral G", "ay"),
+        ("Time Stamp", "t"),
+        ("front_left wheel speed", "omega_fl"),
+    ],
+)
+def test_a_name_counts_joined_separated_and_in_another_order(name, channel):
+    assert nearest_channel(Column(name, [])) == channel
+
+
+@pytest.mark.parametrize("name", ["G(z)", "imu/orientation/x", "air_speed_x/y", "Steering Torque [Nm]", "yaw_moment"])
+def test_a_name_of_something_else_is_no_channel(name):
+    assert nearest_channel(Column(name, [])) == ""
 
 
 def test_a_car_file_that_is_proposed_lacks_its_numbers(tmp_path, monkeypatch, capsys):

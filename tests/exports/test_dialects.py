@@ -212,7 +212,7 @@ def test_a_file_is_sound_or_not_whatever_reads_it(tmp_path):
     messages = lint(tmp_path / "sound.tir")
     assert {message.severity for message in messages} == {"note"}
     assert messages[-1].text.startswith("accepted as it is by")
-    faults = {"UNLOADED_RADIUS": tire["UNLOADED_RADIUS"] * 1000.0, "PDY1": -tire["PDY1"], "PKX1": -tire["PKX1"]}
-    for name, value in faults.items():
+    sizes = [("UNLOADED_RADIUS", tire["UNLOADED_RADIUS"] * factor) for factor in (1000.0, 37.0, 1e-3, 1e-2)]
+    for name, value in [*sizes, ("FNOMIN", 0.3), ("PDY1", -tire["PDY1"]), ("PKX1", -tire["PKX1"])]:
         tire.with_values(**{name: value}).save(tmp_path / "fault.tir")
         assert errors_of(tmp_path / "fault.tir", None), name

@@ -173,4 +173,5 @@ def _hint(name: str, content: Content) -> str:
     similar = nearest_column(name, content)
     meant = f"is it {quoted(similar)}? " if similar else ""
     ignored = f" (not read: {'; '.join(content.ignored)})" if content.ignored else ""
-    return f": {meant}Name its column in [columns] of the car file or by --columns {name}=HEADER{ignored}"
+    where = f"Name its column by --columns {name}=HEADER, or in [columns] of the car file"
+    return f": {meant}{where}, which tirefmu inspect proposes{ignored}"

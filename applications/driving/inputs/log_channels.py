@@ -11,7 +11,8 @@ class LogChannel:
 
     - `name`, `meaning`: of the contract.
     - `unit`, `quantity`: SI unit and physical quantity; a header may declare another unit.
-    - `aliases`: other common names, for suggestions. They are never accepted silently.
+    - `aliases`: other common names, for suggestions (`survey.py` compares them in the words of `SHORT`). They are
+      never accepted silently.
     - `limit`: magnitude beyond which a value can only be in another unit.
     - `precision`: the smallest plausible standard deviation of the noise.
     """
@@ -26,27 +27,29 @@ class LogChannel:
 
 
 _CHANNELS = (
-    LogChannel("t", "time", "s", "time", ("time", "timestamp", "timestamps", "elapsed_time", "interval"), 1e11),
+    LogChannel("t", "time", "s", "time", ("time", "timestamp", "timestamps", "elapsed_time", "interval",
+               "session_time"), 1e11),
     LogChannel("steer", "steering: as the ratio or the map of the car reads it, positive to the left", "rad", "angle",
                ("steering", "steering_angle", "steered_angle", "steer_angle", "delta", "swa",
                "steering_wheel_angle"), 20.0),
     LogChannel("speed", "forward speed", "m/s", "speed", ("v", "vx", "v_x", "velocity", "vel", "ground_speed",
-               "vehicle_speed", "gps_speed", "velocity_kmh", "wheel_speed", "twist_linear_x"), 150.0, 0.005),
+               "vehicle_speed", "gps_speed", "velocity_kmh", "wheel_speed", "twist_linear_x", "v_ego"), 150.0, 0.005),
     *(
-        LogChannel(f"omega_{corner}", f"spin of the wheel {corner}", "rad/s", "rotation", (f"wheel_speed_{corner}",),
+        LogChannel(f"omega_{corner}", f"spin of the wheel {corner}", "rad/s", "rotation",
+                   (f"wheel_speed_{corner}", f"wheel_speed_{side}"),
                    2000.0, 0.01)
-        for corner in ("fl", "fr", "rl", "rr")
+        for corner, side in (("fl", "front_left"), ("fr", "front_right"), ("rl", "rear_left"), ("rr", "rear_right"))
     ),
     LogChannel("yaw_rate", "yaw rate, positive to the left", "rad/s", "rotation", ("r", "yawrate", "psi_dot",
                "gyro_z", "gz", "omega_z", "angular_velocity_z", "angular_z", "gyro_rad_2", "gyro_yaw_velocity",
-               "yaw_velocity", "gyro_yaw", "yaw"),
+               "yaw_velocity", "gyro_yaw", "yaw", "rotation_rate_z"),
                12.0, 2e-4),
     LogChannel("ax", "longitudinal acceleration, positive forward", "m/s^2", "acceleration",
-               ("a_x", "acc_x", "accel_x", "long_acc", "longitudinal_acceleration", "g_force_long", "inline_acc",
-               "longacc", "linear_acceleration_x", "accelerometer_m_s2_0"), 80.0, 2e-3),
+               ("a_x", "acceleration_x", "longitudinal_acceleration", "a_ego", "g_force_long", "longitudinal_g",
+               "inline_acceleration", "linear_acceleration_x", "accelerometer_m_s2_0"), 80.0, 2e-3),
     LogChannel("ay", "lateral acceleration, positive to the left", "m/s^2", "acceleration",
-               ("a_y", "acc_y", "accel_y", "lat_acc", "lateral_acceleration", "g_force_lat", "lateral_acc", "latacc",
-               "linear_acceleration_y", "accelerometer_m_s2_1"), 80.0, 2e-3),
+               ("a_y", "acceleration_y", "lateral_acceleration", "g_force_lat", "lateral_g", "linear_acceleration_y",
+               "accelerometer_m_s2_1"), 80.0, 2e-3),
     LogChannel("beta", "sideslip angle at the reference point, positive to the left", "rad", "angle",
                ("sideslip", "slip_angle", "side_slip"), 1.6, 2e-4),
     LogChannel("vy", "lateral speed at the reference point, positive to the left", "m/s", "speed",
@@ -59,16 +62,11 @@ _CHANNELS = (
                1e4, 1e-4),
 )  # fmt: skip
 #: Names of the vertical acceleration. It shows the axes: at rest it reads +9.81 m/s^2 with z up, -9.81 with z down.
-VERTICAL = (
-    "az",
-    "a_z",
-    "acc_z",
-    "accel_z",
-    "vert_acc",
-    "g_force_vert",
-    "linear_acceleration_z",
-    "accelerometer_m_s2_2",
-)
+VERTICAL = ("az", "a_z", "acceleration_z", "vertical_acceleration", "g_force_vert", "linear_acceleration_z",
+            "accelerometer_m_s2_2")  # fmt: skip
+#: Words of names that are written in several ways.
+SHORT = {"acceleration": "acc", "accel": "acc", "lateral": "lat", "longitudinal": "long", "lon": "long",
+         "vertical": "vert"}  # fmt: skip
 #: Channels that change sign between axes forward, left, up and forward, right, down.
 TURNED = ("steer", "yaw_rate", "ay", "beta", "vy", "y", "heading")
 LOG_CHANNELS: dict[str, LogChannel] = {declared.name: declared for declared in _CHANNELS}

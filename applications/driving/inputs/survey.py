@@ -15,13 +15,13 @@ from ....boundary.escaping import toml_string
 from ....measurements.column_names import intended_channel
 from ....measurements.files.columns.cells import numbers
 from ....measurements.files.columns.content import Column, Content, is_unit, name_and_unit
-from ....measurements.files.columns.resolution import choices
+from ....measurements.files.columns.resolution import choices, unit_at_end
 from ....measurements.interpretation import NOT_READ
 from ....measurements.units import GRAVITY, to_si, unit_named
 from ....symbolic.channels import CHANNELS, OUTPUTS
 from .car_entries import example_text
 from .clock import TRIED, clock_problem
-from .log_channels import LOG_CHANNELS, TURNED, VERTICAL
+from .log_channels import LOG_CHANNELS, SHORT, TURNED, VERTICAL
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -29,8 +29,12 @@ FloatArray = npt.NDArray[np.float64]
 GAP = 5.0
 #: Characters of a name that the name of a column may contain among others.
 SHORTEST_CONTAINED = 8
+#: Characters of a name that the end of a path may be ("x" may be that of anything), and of one without separators
+#: ("G(z)" is not gz).
+SHORTEST_END, SHORTEST_JOINED = 5, 4
 #: Share by which a mean may differ from gravity, correlations that show a sign and a cause.
 GRAVITY_SHARE, CLEAR, STRONG = 0.2, 0.3, 0.7
+_PATH = re.compile("[/.]")
 _WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 
 
@@ -102,22 +106,53 @@ def nearest_channel(column: Column) -> str:
 
     >>> [nearest_channel(Column("Yaw", [], unit)) for unit in ("deg/s", "deg", "bar")]
     ['yaw_rate', 'heading', '']
+    >>> [nearest_channel(Column(name, [])) for name in ("AccLat_mps2", "/imu/angular_velocity/z", "field.speed")]
+    ['ay', 'yaw_rate', 'speed']
     """
-    return _nearest(column)[1]
+    return _nearest(column).channel
 
 
-def _nearest(column: Column) -> tuple[int, str]:
-    """Return the nearest channel and 0 if the name is one of its names, 1 if it contains one."""
-    written = _words(name_and_unit(column.header)[0])
-    unit = column.declared_unit
+@dataclass(frozen=True, order=True)
+class _Nearest:
+    """The channel that the name of a column suggests.
+
+    - `rank`: 0 if the name is one of the channel's, 1 if it contains one, 2 without a channel.
+    - `shortness`: minus the characters of that name: of several, the longest one is meant.
+    - `unit`: without brackets at the end of the name; empty without one.
+    """
+
+    rank: int = 2
+    shortness: int = 0
+    channel: str = ""
+    unit: str = ""
+
+
+def _nearest(column: Column) -> _Nearest:
+    name, unit = name_and_unit(column.header)[0], column.declared_unit
     quantity = unit_named(unit).quantity if is_unit(unit) else ""
-    ranked = []
-    for name, declared in LOG_CHANNELS.items():
+    candidates = []
+    for channel, declared in LOG_CHANNELS.items():
         if quantity in ("", declared.quantity):
-            aliases = [_words(alias) for alias in (name, *declared.aliases)]
-            contained = any(len(alias) >= SHORTEST_CONTAINED and f"_{alias}_" in f"_{written}_" for alias in aliases)
-            ranked += [(0 if written in aliases else 1, name)] if written in aliases or contained else []
-    return min(ranked, default=(2, ""))
+            plain, ending = (name, "") if quantity else unit_at_end(name, declared.quantity)
+            for alias in (channel, *declared.aliases):
+                if _is_named(plain, alias) or _is_named(name, alias):
+                    candidates.append(_Nearest(0, -len(alias), channel, ending))
+                elif len(alias) >= SHORTEST_CONTAINED and f"_{_words(alias)}_" in f"_{_words(plain)}_":
+                    candidates.append(_Nearest(1, -len(alias), channel, ending))
+    return min(candidates, default=_Nearest())
+
+
+def _is_named(written: str, alias: str) -> bool:
+    """Return whether a name, or the end of a path such as ``imu/angular_velocity/z``, has the words of an alias."""
+    parts = _PATH.split(written)
+    wanted = _words(alias).split("_")
+    for first in range(len(parts)):
+        words = _words("_".join(parts[first:])).split("_")
+        joined = "".join(words)
+        same = sorted(words) == sorted(wanted) or (len(joined) >= SHORTEST_JOINED and joined == "".join(wanted))
+        if same and (first == 0 or len(joined) >= SHORTEST_END):
+            return True
+    return False
 
 
 def nearest_column(name: str, content: Content) -> str:
@@ -147,12 +182,12 @@ def survey(content: Content, source: str, columns: Mapping[str, str] | None = No
         data = _numbers(column, content, source)
         if data is None or (times is not None and len(data) != len(times)):
             continue
-        rank, near = (-2, named[id(column)]) if id(column) in named else _nearest(column)
+        near = _Nearest(-2, 0, named[id(column)]) if id(column) in named else _nearest(column)
         rows.append(_surveyed(column, data, times, near))
         present = data[np.isfinite(data)]
-        fit = rank + (len(present) == 0 or np.ptp(present) == 0.0), -len(present)
-        if near not in ("", "t") and fit < best.get(near, (2, 0)):
-            best[near], values[near] = fit, (column, data, times)
+        fit = near.rank + (len(present) == 0 or np.ptp(present) == 0.0), -len(present)
+        if near.channel not in ("", "t") and fit < best.get(near.channel, (2, 0)):
+            best[near.channel], values[near.channel] = fit, (column, data, times)
     down = content.down or _points_down(content, source)
     if down:
         why = "by the definition of the format" if content.down else "the vertical acceleration is -g"
@@ -168,7 +203,7 @@ def survey(content: Content, source: str, columns: Mapping[str, str] | None = No
     return Survey(tuple(rows), changed, tuple(notes))
 
 
-def _surveyed(column: Column, values: FloatArray, times: FloatArray | None, near: str) -> SurveyedColumn:
+def _surveyed(column: Column, values: FloatArray, times: FloatArray | None, near: _Nearest) -> SurveyedColumn:
     present = values[np.isfinite(values)]
     steps = np.diff(times[np.isfinite(values)]) if times is not None else np.empty(0)
     forward = steps[steps > 0.0]
@@ -176,7 +211,8 @@ def _surveyed(column: Column, values: FloatArray, times: FloatArray | None, near
     gap = float(forward.max()) if len(forward) and forward.max() > GAP * step else 0.0
     low, high = (float(present.min()), float(present.max())) if len(present) else (0.0, 0.0)
     rate = 1.0 / step if step else 0.0
-    return SurveyedColumn(column.header, column.group, column.declared_unit, len(present), rate, gap, low, high, near)
+    unit = column.declared_unit or near.unit
+    return SurveyedColumn(column.header, column.group, unit, len(present), rate, gap, low, high, near.channel)
 
 
 def _numbers(column: Column, content: Content, source: str) -> FloatArray | None:
@@ -196,7 +232,9 @@ def _clock(content: Content, source: str, named: str) -> tuple[FloatArray | None
     header = named or next(
         (column.header for column in content.columns if column.meant == "t" or "t" in column.names), ""
     )
-    header = header or nearest_column("t", content)
+    if not header:
+        near = next((column for column in content.columns if nearest_channel(column) == "t"), None)
+        header = _with_unit(near, "t") if near else ""
     if not header:
         return None, ""
     chosen = choices(content, LOG_CHANNELS, source, {"t": header})["t"]
@@ -212,17 +250,26 @@ def _clock(content: Content, source: str, named: str) -> tuple[FloatArray | None
 def _points_down(content: Content, source: str) -> bool:
     """Return whether a vertical acceleration has the mean -g: z points down."""
     for column in content.columns:
-        values = _numbers(column, content, source) if _words(name_and_unit(column.header)[0]) in VERTICAL else None
+        name = name_and_unit(column.header)[0]
+        vertical = any(_is_named(name, alias) for alias in VERTICAL)
+        values = _numbers(column, content, source) if vertical else None
         if values is not None and np.isfinite(values).any():
             mean = float(np.nanmean(values))
             return any(abs(mean / size + 1.0) < GRAVITY_SHARE for size in (1.0, GRAVITY))
     return False
 
 
-def _text(column: Column, name: str, values: FloatArray) -> str:
-    """Return how a car file names a column, with the unit that its numbers suggest if the file declares none."""
+def _with_unit(column: Column, name: str) -> str:
+    """Return how a car file names the column of a channel, with the unit at the end of its name."""
     header = f"{column.group}/{column.header}" if column.group and "/" not in column.header else column.header
-    if is_unit(column.declared_unit) or not len(values):
+    unit = "" if is_unit(column.declared_unit) else unit_at_end(column.header, LOG_CHANNELS[name].quantity)[1]
+    return f"{header} [{unit}]" if unit else header
+
+
+def _text(column: Column, name: str, values: FloatArray) -> str:
+    """Return how a car file names a column, with the unit that its numbers suggest if the file states none."""
+    header = _with_unit(column, name)
+    if is_unit(name_and_unit(header)[1] or column.declared_unit) or not len(values):
         return header
     size = float(np.nanquantile(np.abs(values), 0.99))
     if LOG_CHANNELS[name].quantity == "acceleration" and 0.0 < size < 0.25 * GRAVITY and name in ("ax", "ay"):
@@ -277,4 +324,5 @@ def _correlation(
 
 
 def _words(name: str) -> str:
-    return "_".join(word.casefold() for word in _WORDS.findall(name))
+    words = (word.casefold() for word in _WORDS.findall(name))
+    return "_".join(SHORT.get(word, word) for word in words)

@@ -19,10 +19,10 @@ from ...thresholds import (
     INNER_SLIP,
     LOAD_TOLERANCE,
     LOGGING_GAP,
-    MAX_BACKWARD_STEPS,
     RATIO_TOLERANCE,
 )
 from ...units import PSI, to_si
+from ..rows.coverage import steps_backwards
 from .finding import DataFinding
 
 #: s: a median step of a clock that no bench has, and steps that benches have.
@@ -49,7 +49,7 @@ def _clock_unit(recording: Recording) -> Iterator[DataFinding]:
     """Yield a finding if the steps of the clock are too long for a bench, and typical in another unit."""
     if "t" not in recording.table or "t" in recording.about.get("declared", "").split():
         return
-    steps = np.diff(recording.table["t"].to_numpy(dtype=np.float64))
+    steps = np.diff(np.sort(recording.table["t"].to_numpy(dtype=np.float64)))  # the rows may be in another order
     step = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
     units = [unit for unit in ("ms", "us", "ns") if CLOCK_STEPS[0] <= step * to_si(1.0, unit) <= CLOCK_STEPS[1]]
     if step > LONGEST_CLOCK_STEP and units:
@@ -64,12 +64,10 @@ def _clock_jumps(recording: Recording) -> Iterator[DataFinding]:
 
     A gap between two sweeps is not a finding: a bench may log each sweep separately.
     """
-    if "t" not in recording.table or len(recording) < 2:
-        return
+    if "t" not in recording.table or len(recording) < 2 or steps_backwards(recording):
+        return  # `coverage_notes`
     steps = np.diff(recording.table["t"].to_numpy(dtype=np.float64))
     backward, repeated = np.flatnonzero(steps < 0.0), int(np.count_nonzero(steps == 0.0))
-    if len(backward) > MAX_BACKWARD_STEPS * len(steps):
-        return  # `coverage_notes`
     if repeated:
         yield DataFinding("clock", f"{recording.source}: t repeats in {repeated} of {len(steps)} steps")
     if len(backward):

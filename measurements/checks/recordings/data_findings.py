@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations
 
 from ...recording import Recording
-from ...thresholds import MAX_REPEATED_ROWS, SERIOUS_REPEATED_ROWS
+from ...thresholds import FEW_ROWS, MAX_REPEATED_ROWS, SERIOUS_REPEATED_ROWS
 from ..columns.check import column_notes
 from ..rows.coverage import coverage_notes, outputs_without_curve
 from .clock_and_units import clock_and_units
@@ -44,8 +44,16 @@ def data_findings(recordings: Sequence[Recording]) -> list[DataFinding]:
         findings += [DataFinding("coverage", note) for note in coverage_notes(recording)]
         findings += findings_of(recording, alone=len(recordings) == 1)
         findings += clock_and_units(recording)
-    findings += _nothing_to_fit(recordings)
+    findings += [*_few_rows(recordings), *_nothing_to_fit(recordings)]
     return sorted(findings, key=lambda finding: not finding.serious)
+
+
+def _few_rows(recordings: Sequence[Recording]) -> Iterator[DataFinding]:
+    """Yield a finding if all recordings together have fewer rows than a fit of one force needs."""
+    rows = sum(map(len, recordings))
+    if 0 < rows < FEW_ROWS:
+        source = recordings[0].source if len(recordings) == 1 else f"{len(recordings)} tables"
+        yield DataFinding("few rows", f"{source}: {rows} rows are fewer than a fit of one force needs", serious=True)
 
 
 def _nothing_to_fit(recordings: Sequence[Recording]) -> Iterator[DataFinding]:

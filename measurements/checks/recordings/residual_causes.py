@@ -62,7 +62,7 @@ def _finding(source: str, kind: str, measured: Mapping[str, tuple[float, float]]
     residuals = f"the residual{'s' * several} of {' and '.join(measured)}"
     if kind == "temperature":
         follow = f"follow{'s' * (not several)} the tread temperature, or what changes with it,"
-        sizes = [f"{100.0 * size:+.2f} % of {name} per K" for name, (size, _) in measured.items()]
+        sizes = [f"a change of {name} by {100.0 * size:+.2f} % per K" for name, (size, _) in measured.items()]
         effects: tuple[str, ...] = ("temp_friction", "temp_stiffness")
     else:
         follow = "are" if several else "is"

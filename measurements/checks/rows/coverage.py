@@ -9,7 +9,7 @@ import numpy as np
 from ....symbolic.channels import CHANNELS, CONTROLLED_INPUTS, OUTPUTS
 from ...operating_conditions.levels import level_tolerance, levels
 from ...recording import Recording, once
-from ...thresholds import FEW_ROWS, MAX_BACKWARD_STEPS
+from ...thresholds import MAX_BACKWARD_STEPS
 
 #: The slips that cause each output.
 _CAUSES = {"Fx": ("kappa",), "Fy": ("alpha", "gamma"), "Mz": ("alpha", "gamma")}
@@ -92,7 +92,7 @@ def coverage_notes(recording: Recording) -> list[str]:
     Returns
     -------
     list of str
-        One sentence each: few rows, a slip that does not vary, no load or a single one, a constant output, a clock that
+        One sentence each: a slip that does not vary, no load or a single one, a constant output, a clock that
         runs backwards.
 
     Examples
@@ -104,8 +104,6 @@ def coverage_notes(recording: Recording) -> list[str]:
     """
     source, table = recording.source, recording.table
     notes = []
-    if 0 < len(recording) < FEW_ROWS:
-        notes.append(f"{source}: {len(recording)} rows are fewer than a fit of one force needs")
     by_name = {channel.channel: channel for channel in coverage(recording)}
     for output in outputs_without_curve(recording):
         slip = _CAUSES[output][0]
@@ -192,14 +190,18 @@ def _constancy(by_name: dict[str, Coverage], slip: str) -> str:
     return f"stays at {0.5 * (channel.lowest + channel.highest) + 0.0:.3g}{CHANNELS[slip].after}"
 
 
-def _clock_notes(recording: Recording) -> list[str]:
-    if "t" not in recording.table or len(recording) < 2:
-        return []
-    steps = np.diff(recording.table["t"].to_numpy(dtype=np.float64))
+def steps_backwards(recording: Recording) -> int:
+    """Return in how many steps the clock runs backwards if the rows are not in the order of time, otherwise 0."""
+    steps = np.diff(recording.table["t"].to_numpy(dtype=np.float64)) if "t" in recording.table else np.empty(0)
     backwards = int(np.count_nonzero(steps < 0.0))
-    if backwards <= MAX_BACKWARD_STEPS * len(steps):
+    return backwards if backwards > MAX_BACKWARD_STEPS * len(steps) else 0
+
+
+def _clock_notes(recording: Recording) -> list[str]:
+    backwards = steps_backwards(recording)
+    if not backwards:
         return []
     return [
-        f"{recording.source}: t runs backwards in {backwards} of {len(steps)} steps: the rows are not in the order of "
-        f"time and are not treated as a time series"
+        f"{recording.source}: t runs backwards in {backwards} of {len(recording) - 1} steps: the rows are not in the "
+        f"order of time and are not treated as a time series"
     ]

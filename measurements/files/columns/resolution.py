@@ -15,12 +15,12 @@ from ....numerics.arrays import FloatArray
 from ...interpretation import NOT_READ
 from ...units import to_si, unit_named
 from .cells import numbers
-from .content import MAX_COLUMNS, Column, Content, is_unit, listed, name_and_unit
+from .content import LONGEST_HEADER, MAX_COLUMNS, Column, Content, is_unit, listed, name_and_unit
 
 #: Formats that define what their columns are; the names of others count.
 DEFINED = ("ttc", "tydex")
-#: The last word of a header: ``wheel_deg``, ``Yaw deg/s``, ``SlipDeg``.
-_LAST_WORD = re.compile(r"(?:[\s_.,:;]|(?<=[a-z])(?=[A-Z]))([^\W\d_][^\s_.,:;]*|°\S*)$")
+#: Where a last word of a header may begin: ``wheel_deg``, ``Yaw deg/s``, ``SlipDeg``.
+_WORD_BEGINS = re.compile(r"(?:(?<=[\s_.,:;])|(?<=[a-z])(?=[A-Z]))(?=[^\W\d_]|°)")
 #: Quantities that benches do not measure in SI units: without a declared unit a name of theirs may be meant either way.
 _BENCH_UNITS = ("angle", "pressure", "speed")
 
@@ -128,12 +128,25 @@ def choices(
     return chosen
 
 
+def unit_at_end(header: str, quantity: str) -> tuple[str, str]:
+    """Return name and unit of a header that ends in a unit of a quantity without brackets; otherwise the header and "".
+
+    >>> unit_at_end("wheel_deg", "angle"), unit_at_end("ay_m_s2", "acceleration"), unit_at_end("steer_in", "angle")
+    (('wheel', 'deg'), ('ay', 'm_s2'), ('steer_in', ''))
+    """
+    for begin in _WORD_BEGINS.finditer(header[:LONGEST_HEADER]):
+        written = header[begin.start() :]
+        for unit in (written, written.replace("_", "/")):
+            if is_unit(unit) and unit_named(unit).quantity == quantity:
+                return header[: begin.start()].rstrip(" _.,:;"), unit
+    return header, ""
+
+
 def _refuse_unit_in_name(header: str, declared: Declared, source: str) -> None:
     """Refuse a header that is named without a unit and ends in one, such as ``wheel_deg``: its numbers count as SI."""
-    end = _LAST_WORD.search(header.strip())
-    unit = unit_named(end[1]) if end and is_unit(end[1]) else None
-    if unit is not None and unit.quantity == declared.quantity and (unit.factor, unit.offset) != (1.0, 0.0):
-        name, written = header.strip(), end[1] if end else ""
+    name = header.strip()
+    written = unit_at_end(name, declared.quantity)[1]
+    if written and (unit_named(written).factor, unit_named(written).offset) != (1.0, 0.0):
         raise DataError(
             f"{source}: column {quoted(name)} ({declared.name}): the unit in its name is not read: state it: "
             f"--columns {quoted(f'{declared.name}={name} [{written}]')}"

@@ -1,5 +1,7 @@
 """CSV and Parquet: a round trip preserves every bit, and invalid tables give one clear line."""
 
+import re
+import shlex
 import sys
 
 import numpy as np
@@ -104,6 +106,36 @@ def test_a_column_that_looks_like_a_missing_input_is_refused_in_memory_too(writt
             recording_from(argument)
 
 
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"t": "Time (s)", "alpha": "Slip Angle (deg)", "Fz": "Normal Load (N)", "Fy": "Lateral Force (N)"},
+        {"t": "time_ms", "alpha": "alpha_deg", "Fz": "load_kN", "Fy": "side_force_N"},
+        {"t": "t", "alpha": "alpha", "Fz": "WheelLoad [kN]", "Fy": "FY"},
+    ],
+)
+def test_the_option_that_a_refusal_names_reads_all_such_columns(tmp_path, headers):
+    alpha = 0.15 * np.sin(np.arange(200) / 10.0)
+    rows = {
+        "t": np.arange(200) / 100.0,
+        "alpha": alpha,
+        "Fz": np.full(200, 900.0),
+        "Fy": -900.0 * np.tanh(20.0 * alpha),
+    }
+    factors = {"deg": np.degrees(1.0), "kN": 1e-3, "ms": 1e3}
+    written = {}
+    for name, header in headers.items():
+        unit = re.split(r"[ _(\[]", header.rstrip(")]"))[-1]
+        written[header] = rows[name] * factors.get(unit, 1.0)
+    path = tmp_path / "bench.csv"
+    pd.DataFrame(written).to_csv(path, index=False)
+    (option,) = re.findall(r"--columns (.*)$", complaint(path))
+    columns = dict(text.split("=") for text in shlex.split(option)[0].split(","))
+    read = read_recording(path, columns=columns).table
+    for name, values in rows.items():
+        np.testing.assert_allclose(read[name], values, rtol=1e-12, atol=1e-12)
+
+
 @pytest.mark.parametrize("column", ["FX", "LateralForce", "Mz_raw"])
 def test_a_column_that_looks_like_a_missing_output_is_refused_where_outputs_are_read(column):
     """A table to evaluate may have such a column: the reference tables of other tools have."""
@@ -124,7 +156,8 @@ def test_a_column_that_looks_like_a_missing_output_is_refused_where_outputs_are_
         ("Fy,Fz\n0.1,900\nx,1\n", "line 3: column Fy: 'x' is not a number"),
         ("alpha;Fz\n0,1;900\n", "line 2: column alpha: '0,1' is not a number"),
         ("IA,Fz\n0.1,900\n", "'IA' is not a channel: did you mean gamma (rad; 'gamma [deg]' declares degrees)?"),
-        ("remark,id\n1,2\n", "no column is a channel: known are t, kappa,"),
+        ("remark,id\n1,2\n", "no column is a channel: it has 'remark, id'; known are t, kappa,"),
+        ("alpha|Fz\n0.1|900\n", "it has 'alpha|Fz': columns are separated by commas, semicolons or tabs; known"),
         ("alpha,Fz\n0.1,900\n,900\n0.1,900\nnan,900\n", "line 3: alpha is NaN (2 of 4 rows)"),
         ("alpha,Fz\n0.1,900\n0.2\n", "line 3: Fz is NaN (1 of 2 rows)"),
         ("alpha,Fz\n0.1,inf\n", "line 2: Fz is infinite (1 of 1 rows)"),

@@ -51,6 +51,20 @@ def test_sound_recordings_of_one_tire_have_no_finding():
     assert found(bench(), bench(seed=1)) == []
 
 
+def test_the_order_of_rows_is_no_unit_of_the_clock():
+    table = bench()
+    shuffled = table.sample(frac=1.0, random_state=1, ignore_index=True)
+    assert not any(finding.serious for finding in found(shuffled))
+    (finding,) = (finding for finding in found(shuffled.assign(t=1e6 * shuffled["t"])) if finding.serious)
+    assert "in us?" in finding.text
+
+
+@pytest.mark.parametrize(("step", "parts", "few"), [(100, 1, True), (100, 2, False), (200, 2, True), (10, 3, False)])
+def test_few_rows_are_counted_over_all_tables(step, parts, few):
+    tables = [bench(seed=part).iloc[::step] for part in range(parts)]
+    assert ("few rows" in kinds(*tables)) == few
+
+
 def test_a_file_given_twice_in_any_signs():
     twice = bench()
     (finding,) = data_findings([Recording(twice, "iso", "a.csv"), Recording(twice, "iso", "b.csv").with_signs("sae")])
@@ -215,9 +229,9 @@ def test_temperature_and_lag_in_the_residual():
     assert re.match(r"a.csv: the residual of Fy is like a lag of (5[5-9]|6[0-5]) ms \(9\d % of", lag.text)
     assert lag.effects == ("relax_lat",)
     (heat,) = residual_findings([given["heat"]], [predicted])
-    assert re.search(r"follows the tread temperature, .* like -(0\.9[7-9]|1\.0[0-3]) % of Fy per K", heat.text)
+    assert re.search(r"like a change of Fy by -(0\.9[7-9]|1\.0[0-3]) % per K", heat.text)
     assert heat.effects == ("temp_friction", "temp_stiffness")
     both = Recording(hot.assign(Mz=0.02 * hot["Fy"]), "iso", "a.csv")
     (merged,) = residual_findings([both], [predicted.assign(Mz=0.02 * predicted["Fy"])])  # one finding for each cause
     assert re.match(r"a.csv: the residuals of Fy and Mz follow the tread temperature, ", merged.text)
-    assert re.search(r" of Fy per K and .* of Mz per K \(\d+ % and \d+ % of their mean square\)$", merged.text)
+    assert re.search(r" of Fy by \S+ % per K and a change of Mz by \S+ % per K \(\d+ % and \d+ % of their", merged.text)
