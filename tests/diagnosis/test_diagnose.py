@@ -130,6 +130,25 @@ def test_the_result_does_not_depend_on_the_signs_of_the_recording(thrust):
         assert other.recording["offset"][channel] == pytest.approx(offset, rel=1e-4, abs=1e-6)
 
 
+def test_an_offset_is_the_bench_s_only_if_the_evidence_needs_it():
+    case = make_case(13, ())
+
+    def diagnosed(offset):
+        table = case.table.assign(Fy=case.table["Fy"] + offset)
+        diagnosis = diagnose(
+            table, signs=case.signs, effects=case.effects, nominal=case.nominal, candidates=["conicity"]
+        )
+        computed = diagnosis.tire.evaluate(table, signs=case.signs)["Fy"]
+        return diagnosis.in_signs(case.signs).recording["offset"]["Fy"], computed
+
+    size = np.sqrt(np.mean(case.table["Fy"] ** 2))
+    (of_bench, force), (larger, same) = diagnosed(0.0), diagnosed(0.03 * size)
+    absent, of_tire = diagnosed(-of_bench)
+    assert larger - of_bench == pytest.approx(0.03 * size, rel=0.02)
+    assert absent == 0.0
+    assert max(np.sqrt(np.mean((other - force) ** 2)) for other in (same, of_tire)) < 0.001 * size
+
+
 def test_a_diagnosis_in_another_sign_convention(thrust):
     _, diagnosis = thrust
     assert diagnosis.in_signs("iso") is diagnosis
