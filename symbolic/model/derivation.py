@@ -44,6 +44,7 @@ def structure_of(
         plain_options=_plain_options(equations, rest, options, outputs),
         effects=effects,
         relaxing_effects=tuple(sorted(set(relaxing))),
+        upright=tuple(line.symbol.name for line in equations if line.variant),
         quantities={line.symbol.name: (line.unit, line.description) for line in equations if line.named},
         plain={output: _read_by(plain, output) for output in outputs},
         lines=_lines(equations),

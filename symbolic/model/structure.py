@@ -62,6 +62,7 @@ class Structure:
       except the signs.
     - `effects`: in the order in which the lines have them.
     - `relaxing_effects`: the effects in the lines of the relaxation lengths.
+    - `upright`: the lines that repeat another one without inclination.
     - `quantities`: unit and description of each named quantity.
     - `plain`: what each output reads in rows without an effect on demand, under default options.
 
@@ -78,6 +79,7 @@ class Structure:
     plain_options: tuple[str, ...]
     effects: tuple[str, ...]
     relaxing_effects: tuple[str, ...]
+    upright: tuple[str, ...]
     quantities: Mapping[str, tuple[str, str]]
     plain: Mapping[str, tuple[str, ...]]
     lines: tuple[Line, ...]
