@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -83,6 +83,10 @@ class LeastSquares:
         parameters = tire.parameters()
         parameters[[simulator.index[name] for name in given]] = list(given.values())
         return replace(self, simulator=simulator.driven_at(parameters)), parameters
+
+    def without_disturbances(self, names: Collection[str]) -> LeastSquares:
+        """Return the problem without some of its disturbances."""
+        return replace(self, disturbances=self.disturbances.without(names))
 
     def extended(self, names: tuple[str, ...], columns: FloatArray, deviation: FloatArray) -> LeastSquares:
         """Return the problem with additional columns among its disturbances (`Disturbances.extended`)."""

@@ -2,8 +2,9 @@
 
 A tire contains no discrepancies and no errors of its functional form, so these are left out. Channels are weighted by
 their residuals, so that a channel with an inexact formula does not make the others worse; the baseline tire is fitted
-with the same weights. If nothing is missing, both are one tire. In each fit, states are driven by
-the forces of the fit before.
+with the same weights. If nothing is missing, both are one tire. An offset of the bench without evidence is left out at
+the end: the fits would take errors of the tire's own form for one. In each fit, states are driven by the forces of the
+fit before.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from ..least_squares import LeastSquares, Solution
 from ..probing.baseline_fit import readable
 from ..probing.candidates import CORE, refinements_for
 from ..probing.effect_probing import Screen
+from ..signals.disturbances import CROSS_TALK, OFFSET
 from ..thresholds import FINAL_ITERATIONS
 from ..unexplained.formula_proposal import UnexplainedStructure, Unknown, proposed
 from .answer import Answer
@@ -88,12 +90,11 @@ def final_fits(
     own form.
     """
     linear, given = comparison.leader.linear, problem
-    disturbances = problem.disturbances.without(linear.unneeded_bench_errors())
+    offsets = linear.unneeded(OFFSET)  # they remain while effects are judged, which have to explain more than these
     signals = problem.simulator.signals
     aligned = signals.delayed(linear.skew - signals.skew)
-    problem = replace(problem, disturbances=disturbances, stop=lambda: budget.late).over(
-        problem.simulator.with_signals(aligned)
-    )
+    problem = problem.without_disturbances(linear.unneeded(CROSS_TALK)).over(problem.simulator.with_signals(aligned))
+    problem = replace(problem, stop=lambda: budget.late)
     free = _in_order(problem, [*baseline.free, *refined_core(problem)])
     problem, base = problem.driven(baseline).fitted(baseline.parameters, free)
     refinements = linear.needed_refinements()
@@ -129,6 +130,9 @@ def final_fits(
     answer = comparison.answer
     for name in unproved:
         answer = answer.with_unproven(name)
+    if offsets:
+        problem, extended = (other.without_disturbances(offsets) for other in (problem, extended))
+        extended, solution = extended.fitted(solution.parameters, solution.free)
     before = Screen(extended, solution)
     if solution.free != base.free:  # with the same weights: a channel could give way to another one in one fit only
         problem = replace(problem, inverse_noise=extended.inverse_noise)

@@ -14,7 +14,6 @@ from ...symbolic.detection import Form
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import CORE, Candidate, is_testable, refinements_for
 from ..probing.effect_probing import probed, unfitted
-from ..signals.disturbances import CROSS_TALK, OFFSET
 from ..signals.simulation import Simulator
 from ..thresholds import EFFECT_ODDS
 from ..weighted_columns import WeightedColumns, joined
@@ -245,16 +244,15 @@ class Linearization:
             first = end
         return tuple(needed)
 
-    def unneeded_bench_errors(self) -> set[str]:
-        """Return the names of the offsets and the cross-talk that a tire without errors of its form is fitted without.
+    def unneeded(self, disturbances: str) -> set[str]:
+        """Return the names of offsets or cross-talk without which the evidence is not smaller, or that no bench has.
 
-        They would take a part of the tire's own forces: those without which the evidence is not smaller, and cross-talk
-        that is larger than that of a bench.
+        They would take a part of the tire's own forces. `disturbances`: how the names begin.
         """
-        disturbances, gain_of = self.problem.disturbances, self._own_equations.gain_of
-        tested = [(i, name) for i, name in enumerate(disturbances.names) if name.startswith((OFFSET, CROSS_TALK))]
-        unneeded = {name for i, name in tested if gain_of([i]) <= 0.0}
-        return unneeded.union(disturbances.implausible(self.solution.disturbance))
+        named, gain_of = self.problem.disturbances, self._own_equations.gain_of
+        beyond = named.implausible(self.solution.disturbance)
+        tested = ((i, name) for i, name in enumerate(named.names) if name.startswith(disturbances))
+        return {name for i, name in tested if name in beyond or gain_of([i]) <= 0.0}
 
     def _probes(self, form: Form) -> tuple[FloatArray, FloatArray]:
         """Return the responses of the forces to the probes of a form, and the prior deviations of their multiples."""

@@ -87,7 +87,7 @@ def fit_baseline(tire: Tire, signals: Signals, *, fitted: bool) -> tuple[LeastSq
     for _ in range(2):
         problem = reweighted(problem, best)
         trial = problem.at(best.parameters, free).disturbance
-        problem = replace(problem, disturbances=problem.disturbances.without(problem.disturbances.implausible(trial)))
+        problem = problem.without_disturbances(problem.disturbances.implausible(trial))
         best = problem.solve(best.parameters, free, iterations=8)
     waving = _with_periodic_lines(problem, best)
     return (problem, best) if waving is problem else (waving, waving.solve(best.parameters, free, iterations=4))

@@ -172,7 +172,9 @@ def locations_of(model: Model) -> list[Location]:
             flips = how == "term" and declarations[leading[0]].flips
             slips = frozenset(SLIP_OF_ROLE[role] for role in acting if role in SLIP_OF_ROLE)
             per = available[0].per if how == "term" else ""
-            upright = frozenset(model.leading(role) for role in acting if model.structure.upright and role not in OF_MOMENT)
+            upright = frozenset(
+                model.leading(role) for role in acting if model.structure.upright and role not in OF_MOMENT
+            )
             locations.append(Location(name, how, quantities, leading, per, flips, slips, upright))
     return locations
 
