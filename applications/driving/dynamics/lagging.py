@@ -14,11 +14,10 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicSpline
-from scipy.signal import cont2discrete, lfilter
 
 from ....symbolic.vehicle.quantities import CORNERS
 from ....tires.code.modules import two_track
-from ....tires.states.transient import recursion
+from ....tires.states.transient import held_system, recursion, vector_recursion
 from ..evaluation import curvature_of
 from ..inputs.car import Car
 from ..inputs.grid import Grid
@@ -137,9 +136,13 @@ def heaving(rise: FloatArray, period: float, step: float) -> FloatArray:
     `rise`: of the rest position at even times, a spline; the mass begins at rest. `period`: natural, s.
     """
     w = 2.0 * np.pi / period
-    law = [w**2, 0.0, 0.0], [1.0, 2.0 * DAMPING * w, w**2]
-    (numerator,), denominator, _ = cont2discrete(law, step / PARTS, method="foh")  # of lines between the parts
-    return _means(lfilter(numerator, denominator, _finer(rise - rise[0])))
+    at_rest, h = _finer(rise - rise[0]), np.array([step / PARTS])
+    # Position and speed of the mass, rest position and its slope, which is constant between the parts.
+    law = np.array([[0.0, 1.0, 0.0, 0.0], [-(w**2), -2.0 * DAMPING * w, w**2, 0.0], [0.0, 0.0, 0.0, 1.0], [0.0] * 4])
+    (kept,), _ = held_system(law[None], h)
+    gained = np.stack([at_rest[:-1], np.diff(at_rest) / h], axis=1) @ kept[:2, 2:].T
+    motion = vector_recursion(np.zeros(2), np.broadcast_to(kept[:2, :2], (len(gained), 2, 2)), gained)
+    return _means(w**2 * at_rest + motion @ law[1, :2])
 
 
 def _finer(values: FloatArray) -> FloatArray:
