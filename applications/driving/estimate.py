@@ -26,7 +26,7 @@ from .inputs.car import Car
 from .inputs.grid import Grid, with_delays
 from .inputs.log import Log
 from .inputs.unknowns import Unknowns
-from .interval import BALANCE, MOTION, OUTPUTS, UNCERTAIN, AddedForces, Interval, Linear, cost_of
+from .interval import BALANCE, MOTION, OUTPUTS, UNCERTAIN, AddedForces, Interval, Linear
 from .linear_solution import LONGEST_STEP, Factor, Posterior, posterior_of
 
 FloatArray = npt.NDArray[np.float64]
@@ -319,19 +319,10 @@ class _Problem:
         function = self.interval.residual_chunk if whole else self.interval.node_chunk
         further, of_tires = self.added.further if whole else 0, self.added.tires(self.z)
         linear = evaluated(function, self.grid, states, of_tires, self._data, further=further)
-        self._act(linear.values, states)
+        self.added.act(linear.values, self.z, states[self.grid.left], states[self.grid.right])
         self.added.slant(linear.jacobian, states.shape[1])
         linear.weigh(self.weights / self.deviations)
         return linear
-
-    def _act(self, values: FloatArray, states: FloatArray) -> None:
-        self.added.act(values, self.z, states[self.grid.left], states[self.grid.right])
-
-    def _cost(self, states: FloatArray) -> float:
-        """Return the cost alone, in a fraction of the time."""
-        values = values_of(self.interval, self.grid, states, self.added.tires(self.z), self._data)
-        self._act(values, states)
-        return cost_of(values * (self.weights / self.deviations), self.z)
 
     def solved(self, states: FloatArray) -> _Point:
         """Return the best states from initial ones (Gauss-Newton steps, damped as Levenberg's)."""
@@ -345,8 +336,9 @@ class _Problem:
             if factor.gradient @ factor.solved_gradient < 2.0 * TOLERANCE:
                 break
             moved = states - factor.solved_gradient.reshape(states.shape)
-            if self._cost(moved) <= linear.cost(self.z):
-                states, linear, damping = moved, self.linear(moved), max(damping / 10, 1e-9)
+            tried = self.linear(moved)
+            if tried.cost(self.z) <= linear.cost(self.z):
+                states, linear, damping = moved, tried, max(damping / 10, 1e-9)
             else:
                 damping = max(damping, 1e-6) * 30
         factor = Factor(self.grid, linear, n, 1e-9)  # of a damped matrix, the determinant is not the posterior's

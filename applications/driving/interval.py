@@ -367,13 +367,8 @@ class Linear:
         self.jacobian[:] *= weights[:, :, None]
 
     def cost(self, z: FloatArray) -> float:
-        """Return half the sum of squares, priors included."""
-        return cost_of(self.values, z)
-
-
-def cost_of(values: FloatArray, z: FloatArray) -> float:
-    """Return half the sum of squares of residuals and of the unknowns."""
-    return 0.5 * float(np.sum(values**2) + z @ z)
+        """Return half the sum of squares of residuals and of the unknowns."""
+        return 0.5 * float(np.sum(self.values**2) + z @ z)
 
 
 @dataclass(frozen=True)
