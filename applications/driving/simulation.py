@@ -239,6 +239,7 @@ def errors_of(motion: FloatArray, grid: Grid, estimate: Estimate, unknowns: Unkn
 def code_forces(tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, FloatArray]]) -> TireForces:
     """Return the forces of the tires for given states, from their generated code; `factors`: see `simulated`."""
     parameters = {axle: list(tires[axle].parameters()) for axle in AXLES}
+    codes = {axle: fastest_code(tires[axle].symbolic_model) for axle in AXLES}
     for axle in AXLES:
         for name, values in factors.get(axle, {}).items():
             place = list(tires[axle].symbolic_model.coefficients).index(name)
@@ -254,7 +255,7 @@ def code_forces(tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, Fl
                 outputs = numpy_routine(tire.symbolic_model, "forces", plain=plain)(tuple(rows), parameters[axle])
                 outputs = np.broadcast_arrays(rows[0], *outputs[:2])[1:]
             else:
-                outputs = fastest_code(tire.symbolic_model).forces(rows, np.array(parameters[axle]))[:2]
+                outputs = codes[axle].forces(rows, np.array(parameters[axle]))[:2]
             parts.append(np.array(outputs).reshape(2, 2, -1))
         return np.concatenate(parts, axis=1)
 
