@@ -191,8 +191,7 @@ def _lagging(
 ) -> dict[str, Course]:
     """Return the time histories of the slips, by input."""
     named = dict(zip(tire.inputs, rows, strict=True))
-    sigma = dict(zip(code.quantities_names, code.quantities(rows, parameters), strict=True))
-    along, across = (sigma[tire.symbolic_model.quantity(role)] for role in ("relaxation_x", "relaxation_y"))
+    along, across = code.relaxation(rows, parameters)
     return {
         "kappa": lagged_course(t, named["kappa"], named["V"], along, hold=hold),
         "alpha": lagged_course(t, lateral_slip(named["alpha"]), named["V"], across, hold=hold),

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from ...boundary.errors import DataError
 from ...boundary.named_options import named
+from ...numerics.one_thread import one_blas_thread
 from ...tires import Tire, tire_from
 from ...tires.description import limits_of
 from ...tires.tire_argument import TireLike
@@ -113,7 +114,8 @@ def drive(
     if axles := exchanged_axles(grid, at_intervals, car):
         recorded = recorded.with_exchanged(axles)
         grid = gridded(recorded, car, speed)
-    return _answer(car, tires, recorded, grid, speed, fmus)
+    with one_blas_thread():
+        return _answer(car, tires, recorded, grid, speed, fmus)
 
 
 def _answer(

@@ -8,13 +8,13 @@ from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
-from scipy.integrate import cumulative_trapezoid
 
 from ...diagnosis.diagnose import with_library
 from ...diagnosis.probing.candidates import candidates_for, counts_from_neutral
 from ...symbolic.detection import Form
 from ...tires import Tire
 from ...tires.evaluation import forces_over_time
+from ...tires.states.transient import rolled_distance
 from .dynamics.lagging import wheel_motion
 from .estimate import Estimate
 from .inputs.car import Car, loads_of
@@ -49,7 +49,7 @@ class Motion:
     @cached_property
     def wheels(self) -> list[dict[str, FloatArray]]:
         """The inputs of each axle: rows of its left wheel, then of its right wheel."""
-        inputs = {**self.inputs, "distance": cumulative_trapezoid(self.inputs["V"], self.t, initial=0)}
+        inputs = {**self.inputs, "distance": np.stack([rolled_distance(self.t, V) for V in self.inputs["V"]])}
         return [{name: values[2 * i : 2 * i + 2].ravel() for name, values in inputs.items()} for i in range(len(AXLES))]
 
     @property

@@ -26,7 +26,7 @@ from .inputs.car import Car
 from .inputs.grid import Grid, with_delays
 from .inputs.log import Log
 from .inputs.unknowns import Unknowns
-from .interval import BALANCE, MOTION, OUTPUTS, UNCERTAIN, AddedForces, Interval, Linear, cost_of
+from .interval import BALANCE, MOTION, OUTPUTS, UNCERTAIN, AddedForces, Interval, Linear
 from .linear_solution import LONGEST_STEP, Factor, Posterior, posterior_of
 
 FloatArray = npt.NDArray[np.float64]
@@ -190,14 +190,14 @@ def _estimated(
     n_rest = added.further - held.further
     rest = rest if near else np.zeros(n_rest)
     z = np.concatenate([z, np.zeros(added.further - len(rest)), rest])
-    at = _solved(grid, interval, added, start, z, deviations, np.ones((len(grid.t), len(floor))))
+    at = _Problem(grid, interval, added, z, deviations, np.ones((len(grid.t), len(floor)))).solved(start)
     converged, arrived, length, last, resized = False, bool(near or part), 1.0, np.zeros(len(z)), 0.0
     longest, slope, stalled = np.inf, np.zeros(len(z)), False
     of_tires = (np.arange(len(z)) >= len(unknowns.car)) & (np.arange(len(z)) < n)
     for round_ in range(NEAR_ROUNDS if near else ROUNDS):
         fresh = stalled or longest < NEAR or round_ % SLOPE_ROUNDS == 0
         if fresh:  # it changes slowly
-            slope = _volume_slope(grid, interval, at, added, z)
+            slope = _volume_slope(at)
         change, change_z = at.factor.step(z + slope, z, of_tires | arrived | together)
         widening = np.clip(at.excess(), -LONGEST_STEP, LONGEST_STEP)
         widening = np.clip(widening, np.log(floor / at.deviations), np.log(ceiling / at.deviations))
@@ -214,9 +214,9 @@ def _estimated(
         while not gain > 0.0 and share > SHORTEST:
             share /= 3.0
             to = at.deviations * np.exp(share * widening)
-            moved = at.states + share * change, z + share * change_z
+            problem = _Problem(grid, interval, added, z + share * change_z, to, at.weights)
             try:
-                tried = _solved(grid, interval, added, *moved, to, at.weights)
+                tried = problem.solved(at.states + share * change)
             except np.linalg.LinAlgError:  # a motion that the model does not have
                 continue
             gain = at.criterion - tried.criterion
@@ -228,7 +228,7 @@ def _estimated(
             break
         z = z + share * change_z
         grid = _moved(grid, interval, tried.states, log, car, unknowns.car_values(car, z))
-        weights = _weights(tried.linear.values / at.weights)
+        weights = _weights(tried.values / at.weights)
         if longest < 1.0:  # before, errors of the unknowns would be taken for the car's
             coefficients, variances = z[-n_rest:], np.diag(at.posterior.covariance)[-n_rest:]
             new = size_of(size, coefficients[SIZED], variances[SIZED])
@@ -240,8 +240,8 @@ def _estimated(
         if longest > NEAR or round_ % SLOPE_ROUNDS == 0:
             held = forces(grid, states, z)
         added = curved(grid, interval, acting(grid, states, z, held), states, z)
-        at = _solved(grid, interval, added, states, z, deviations, weights)
-    return grid, _estimate(at, interval, added, z, size, converged)
+        at = _Problem(grid, interval, added, z, deviations, weights).solved(states)
+    return grid, _estimate(at, size, converged)
 
 
 def _sample(grid: Grid) -> IntArray | None:
@@ -260,21 +260,19 @@ def _moved(
     return with_lags(with_delays(grid, log, car, entries), interval, states, car, entries)
 
 
-def _estimate(
-    at: _Point, interval: Interval, added: AddedForces, z: FloatArray, size: float, converged: bool
-) -> Estimate:
+def _estimate(at: _Point, size: float, converged: bool) -> Estimate:
     """Return the estimate at a point, which this uses up.
 
     A residual that is correlated over time has the information of fewer ones.
     """
-    grid, n_balance = at.grid, len(BALANCE)
+    grid, interval, z, n_balance = at.problem.grid, at.problem.interval, at.problem.z, len(BALANCE)
     lengths = [correlation_length(at.linear.values[:, i], grid.segment) for i in range(-n_balance, 0)]
     scale = np.concatenate([np.ones(len(at.deviations) - n_balance), np.sqrt(lengths)])
     evidence = -at.criterion - np.linalg.slogdet(at.factor.schur)[1] / 2
     at.linear.weigh(np.tile(1.0 / scale, (len(grid.t), 1)))
     factor = Factor(grid, at.linear, at.states.shape[1], 1e-9)
     data = interval_data(grid)
-    outputs = evaluated(interval.output_chunk, grid, at.states, added.tires(z), data)
+    outputs = evaluated(interval.output_chunk, grid, at.states, at.problem.added.tires(z), data)
     outputs = Linear(outputs.values, outputs.jacobian[:, [OUTPUTS.index(name) for name in UNCERTAIN]])
     weights = (at.weights / at.deviations / scale)[:, -n_balance:]
     return Estimate(**vars(posterior_of(grid, factor)), states=at.states, z=z, deviations=at.deviations,
@@ -302,25 +300,91 @@ def _weights(residual: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class _Point:
-    """States that explain the log best for given unknowns, deviations and weights of the residuals.
+class _Problem:
+    """The motion for given unknowns, deviations and weights of the residuals, on a grid with added forces."""
 
-    `linear`: the problem there; `factor`: of it; `criterion`: minus the logarithm of the posterior,
-    integrated over the states.
-    """
-
-    states: FloatArray
+    grid: Grid
+    interval: Interval
+    added: AddedForces
+    z: FloatArray
     deviations: FloatArray
     weights: FloatArray
-    linear: Linear
-    factor: Factor
+
+    @cached_property
+    def _data(self) -> FloatArray:
+        return interval_data(self.grid)
+
+    def linear(self, states: FloatArray, *, whole: bool = False) -> Linear:
+        """Return the weighted residuals and their derivatives by the nodes, and as a whole also by the unknowns."""
+        function = self.interval.residual_chunk if whole else self.interval.node_chunk
+        further, of_tires = self.added.further if whole else 0, self.added.tires(self.z)
+        linear = evaluated(function, self.grid, states, of_tires, self._data, further=further)
+        self.added.act(linear.values, self.z, states[self.grid.left], states[self.grid.right])
+        self.added.slant(linear.jacobian, states.shape[1])
+        linear.weigh(self.weights / self.deviations)
+        return linear
+
+    def solved(self, states: FloatArray) -> _Point:
+        """Return the best states from initial ones (Gauss-Newton steps, damped as Levenberg's)."""
+        n, linear, damping = states.shape[1], self.linear(states), 1e-9
+        for _ in range(MAX_STEPS):
+            try:
+                factor = Factor(self.grid, linear, n, damping)
+            except np.linalg.LinAlgError:  # rounding made the matrix indefinite
+                damping = 100.0 * damping
+                continue
+            if factor.gradient @ factor.solved_gradient < 2.0 * TOLERANCE:
+                break
+            moved = states - factor.solved_gradient.reshape(states.shape)
+            tried = self.linear(moved)
+            if tried.cost(self.z) <= linear.cost(self.z):
+                states, linear, damping = moved, tried, max(damping / 10, 1e-9)
+            else:
+                damping = max(damping, 1e-6) * 30
+        factor = Factor(self.grid, linear, n, 1e-9)  # of a damped matrix, the determinant is not the posterior's
+        # The density of the next motion that the balance gives and those of sensors have the deviations as scales.
+        density = np.log(np.abs(np.linalg.det(linear.jacobian[:, -len(BALANCE) :, n + 1 : n + 3]))).sum()
+        density -= np.sum((linear.values != 0.0) * np.log(self.deviations), axis=0)[: -len(BALANCE)].sum()
+        criterion = linear.cost(self.z) + float(np.log(factor.band[0]).sum() - density)
+        return _Point(self, states, linear.values, criterion)
+
+
+@dataclass(frozen=True)
+class _Point:
+    """States that explain the log best, and the weighted residuals there.
+
+    `criterion`: minus the logarithm of the posterior, integrated over the states.
+    """
+
+    problem: _Problem
+    states: FloatArray
+    values: FloatArray
     criterion: float
-    grid: Grid
+
+    @property
+    def deviations(self) -> FloatArray:
+        """The deviations of the residuals."""
+        return self.problem.deviations
+
+    @property
+    def weights(self) -> FloatArray:
+        """The weights of the residuals."""
+        return self.problem.weights
+
+    @cached_property
+    def linear(self) -> Linear:
+        """The residuals with all derivatives."""
+        return self.problem.linear(self.states, whole=True)
+
+    @cached_property
+    def factor(self) -> Factor:
+        """The factored problem."""
+        return Factor(self.problem.grid, self.linear, self.states.shape[1], 1e-9)
 
     @cached_property
     def posterior(self) -> Posterior:
         """The linearized posterior."""
-        return posterior_of(self.grid, self.factor)
+        return posterior_of(self.problem.grid, self.factor)
 
     def excess(self) -> FloatArray:
         """Return by how much the logarithms of residuals exceed their deviations: 0 at MacKay's fixed point."""
@@ -330,59 +394,18 @@ class _Point:
         return np.asarray(np.log(np.maximum(squares, 1e-12) / determined) / 2)
 
 
-def _solved(
-    grid: Grid, interval: Interval, added: AddedForces, states: FloatArray, z: FloatArray, deviations: FloatArray,
-    weights: FloatArray,
-) -> _Point:  # fmt: skip
-    """Return the point for given unknowns from initial states (Gauss-Newton steps, damped as Levenberg's)."""
-    data, n, of_tires = interval_data(grid), states.shape[1], added.tires(z)
-
-    def at(states: FloatArray) -> Linear:
-        linear = evaluated(interval.residual_chunk, grid, states, of_tires, data, further=added.further)
-        added.act(linear.values, z, states[grid.left], states[grid.right])
-        added.slant(linear.jacobian, n)
-        linear.weigh(weights / deviations)
-        return linear
-
-    def cost(states: FloatArray) -> float:
-        """Return the cost alone, in a tenth of the time."""
-        values = values_of(interval, grid, states, of_tires, data)
-        added.act(values, z, states[grid.left], states[grid.right])
-        return cost_of(values * (weights / deviations), z)
-
-    linear, damping = at(states), 1e-9
-    for _ in range(MAX_STEPS):
-        try:
-            factor = Factor(grid, linear, n, damping)
-        except np.linalg.LinAlgError:  # rounding made the matrix indefinite
-            damping = 100.0 * damping
-            continue
-        if factor.gradient @ factor.solved_gradient < 2.0 * TOLERANCE:
-            break
-        moved = states - factor.solved_gradient.reshape(states.shape)
-        if cost(moved) <= linear.cost(z):
-            states, linear, damping = moved, at(moved), max(damping / 10, 1e-9)
-        else:
-            damping = max(damping, 1e-6) * 30
-    factor = Factor(grid, linear, n, 1e-9)  # the determinant of a damped matrix would be none of the posterior
-    # The density of the next motion that the balance gives, and those of the sensors, have the deviations as scales.
-    density = np.log(np.abs(np.linalg.det(linear.jacobian[:, -len(BALANCE) :, n + 1 : n + 3]))).sum()
-    density -= np.sum((linear.values != 0.0) * np.log(deviations), axis=0)[: -len(BALANCE)].sum()
-    criterion = linear.cost(z) + float(np.log(factor.band[0]).sum() - density)
-    return _Point(states, deviations, weights, linear, factor, criterion, grid)
-
-
-def _volume_slope(grid: Grid, interval: Interval, at: _Point, added: AddedForces, z: FloatArray) -> FloatArray:
+def _volume_slope(at: _Point) -> FloatArray:
     """Return the derivatives by all unknowns of what the integral over the states adds to the cost (Laplace).
 
     Without it, forces that depend on estimated slip angles have too low a stiffness. It counts for every unknown in
     proportion to which they change: for the factors alone, these would grow, and the discrepancy would fall.
     """
-    pairs, of_tires = at.posterior.pairs, added.tires(z)
+    pairs, grid, added, z = at.posterior.pairs, at.problem.grid, at.problem.added, at.problem.z
+    function, of_tires = at.problem.interval.volume_chunk, added.tires(z)
     n, last = pairs.shape[1], pairs.shape[1] + len(of_tires)
     shares = (at.linear.jacobian[:, :, :n] @ pairs) * (at.weights / at.deviations)[:, :, None]
     more = shares.transpose(0, 2, 1).reshape(len(shares), -1)
-    slopes = evaluated(interval.volume_chunk, grid, at.states, of_tires, interval_data(grid), more).jacobian[:, 0]
+    slopes = evaluated(function, grid, at.states, of_tires, interval_data(grid), more).jacobian[:, 0]
     result = -at.factor.at_nodes(slopes[:, :n, None])[:, 0] @ at.factor.solved_border
     result[: len(of_tires)] += slopes[:, n:last].sum(axis=0)
     by_relative = np.einsum("ki,kij->j", slopes[:, last:], added.relative)

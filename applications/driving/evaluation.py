@@ -89,23 +89,23 @@ def _chunks(
     function: Any, grid: Grid, states: FloatArray, z: FloatArray, data: FloatArray, sizes: tuple[int, ...],
     more: FloatArray | None = None,
 ) -> Iterator[tuple[slice, list[FloatArray]]]:  # fmt: skip
-    """Go through the intervals: which they are and the results of a function, of the given sizes, until the next."""
+    """Go through the intervals: which they are and the results of a function, of the given sizes, until the next.
+
+    Rows of arrays are columns of the CasADi function, which reads and writes them without copies into its own matrices.
+    """
     left, right = states if states.ndim == 3 else (states[grid.left], states[grid.right])
-    n, constant = len(grid.t), np.tile(np.concatenate([z, grid.used]), (CHUNK, 1))
+    columns = [left, right, np.ascontiguousarray(data.T), *([] if more is None else [more])]
+    given = [np.empty((CHUNK, column.shape[1])) for column in columns]
+    constant = np.tile(np.concatenate([z, grid.used]), (CHUNK, 1))
     results = [np.empty((CHUNK, size)) for size in sizes]
-    for first in range(0, n, CHUNK):
-        rows = np.minimum(np.arange(first, first + CHUNK), n - 1)  # the last interval fills the last chunk
-        last = [] if more is None else [more[rows]]
-        _call(function, [left[rows], right[rows], data.T[rows], constant, *last], results)
-        yield slice(first, min(first + CHUNK, n)), [part[: n - first] for part in results]
-
-
-def _call(function: Any, arguments: list[FloatArray], results: list[FloatArray]) -> None:
-    """Evaluate a CasADi function on arrays, one row a column of it, without copies into its own matrices."""
-    buffer, trigger = function.buffer()
-    stored = [np.ascontiguousarray(argument) for argument in arguments]
-    for i, argument in enumerate(stored):
+    buffer, evaluate = function.buffer()
+    for i, argument in enumerate([*given[:3], constant, *given[3:]]):
         buffer.set_arg(i, memoryview(argument.data))
     for i, result in enumerate(results):
         buffer.set_res(i, memoryview(result.data))
-    trigger()
+    n = len(grid.t)
+    for first in range(0, n, CHUNK):
+        for column, argument in zip(columns, given, strict=True):  # the last interval fills the last chunk
+            np.take(column, np.arange(first, first + CHUNK), axis=0, out=argument, mode="clip")
+        evaluate()
+        yield slice(first, min(first + CHUNK, n)), [part[: n - first] for part in results]

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from ...symbolic.vehicle import quantities as vehicle
 from ...symbolic.vehicle.quantities import CORNERS
 from ...tires import Tire
-from ...tires.code.casadi_code import ARRAYS, casadi_expression
+from ...tires.code.casadi_code import ARRAYS, casadi_expression, compiled
 from ...tires.code.modules import two_track
 from .inputs.car import Car, loads_of
 from .inputs.grid import MEASURED
@@ -41,6 +41,9 @@ OUTPUTS = tuple(
 UNCERTAIN = tuple(f"{name}_{axle}" for name in ("alpha", "Fy") for axle in AXLES)
 #: Intervals that are evaluated at a time.
 CHUNK = 100
+#: How functions are compiled that each step of the states evaluates, and those of each step of the unknowns: to compile
+#: these quickly is worth more. Those of an estimate alone are not compiled. Convention: computing time.
+OFTEN, SELDOM = ("-O1",), ("-O0",)
 #: Error of the integration of a pose, m/s and rad/s.
 POSE_ERROR = 3e-3
 #: Share of the mean load of an axle below which the load of a wheel changes smoothly to 0: a road cannot pull.
@@ -88,7 +91,7 @@ class Interval:
     - `residual_chunk`, `output_chunk`: functions of `CHUNK` columns of left node, right node, data
       (`evaluation.interval_data`), and unknowns followed by the delay and the lags in the data. They give
       the residuals or `OUTPUTS`, and their Jacobian by left node, right node, unknowns.
-    - `value_chunk`: of the same arguments, the residuals alone.
+    - `value_chunk`, `node_chunk`: of the same arguments, the residuals alone, and with their Jacobian by both nodes.
     - `relaxations`: of the tire of each axle, in the directions "x" and "y".
     - `volume_chunk`: of the same and a matrix for the Jacobian of the residuals by both nodes: their product minus the
       logarithm of the density that the balance gives the next motion, and its derivatives, the last two by the
@@ -99,6 +102,7 @@ class Interval:
     residuals: tuple[str, ...]
     relaxations: Mapping[tuple[str, str], Relaxation]
     value_chunk: Any
+    node_chunk: Any
     residual_chunk: Any
     output_chunk: Any
     volume_chunk: Any
@@ -171,19 +175,24 @@ def interval_of(
     outputs = ca.vertcat(*_outputs(wheels, forces, kappa, required_forces), *Fx[::2], *Fx[1::2])
     arguments = [left, right, data, ca.vertcat(z, used)]
 
-    def chunk(name: str, arguments: list[Any], results: list[Any]) -> Any:
+    def chunk(name: str, arguments: list[Any], results: list[Any], flags: tuple[str, ...] | None = None) -> Any:
         whole = [ca.substitute(ca.densify(result), share, 1.0) for result in results]
-        return ca.Function(name, arguments, whole, {"cse": True}).map(CHUNK)
+        function = ca.Function(name, arguments, whole, {"cse": True})
+        return (function if flags is None else compiled(function, flags)).map(CHUNK)
 
-    chunks = [chunk("interval", arguments, [residual])]
-    for results in (residual, outputs):
-        chunks.append(chunk("interval", arguments, [results, ca.vec(ca.jacobian(results, ca.vertcat(left, right, z)))]))
-    by_nodes = ca.densify(ca.jacobian(residual, ca.vertcat(left, right)))
+    by, of_outputs = (ca.densify(ca.jacobian(results, ca.vertcat(left, right, z))) for results in (residual, outputs))
+    by_nodes = by[:, : 2 * len(states)]
+    chunks = [
+        chunk("values", arguments, [residual], OFTEN),
+        chunk("nodes", arguments, [residual, ca.vec(by_nodes)], OFTEN),
+        chunk("residuals", arguments, [residual, ca.vec(by)], SELDOM),
+        chunk("outputs", arguments, [outputs, ca.vec(of_outputs)]),
+    ]
     shares = ca.SX.sym("shares", by_nodes.numel())
     density = ca.log(ca.fabs(ca.det(ca.jacobian(residual[-len(BALANCE) :], right[1:3]))))
     volume = ca.dot(ca.vec(by_nodes), shares) - density
-    by = ca.gradient(volume, ca.vertcat(left, right, z, share))
-    chunks.append(chunk("volume", [*arguments, shares], [volume, by]))
+    gradient = ca.gradient(volume, ca.vertcat(left, right, z, share))
+    chunks.append(chunk("volume", [*arguments, shares], [volume, gradient], SELDOM))
     return Interval(states, tuple(parts), relaxations, *chunks)
 
 
@@ -358,13 +367,8 @@ class Linear:
         self.jacobian[:] *= weights[:, :, None]
 
     def cost(self, z: FloatArray) -> float:
-        """Return half the sum of squares, priors included."""
-        return cost_of(self.values, z)
-
-
-def cost_of(values: FloatArray, z: FloatArray) -> float:
-    """Return half the sum of squares of residuals and of the unknowns."""
-    return 0.5 * float(np.sum(values**2) + z @ z)
+        """Return half the sum of squares of residuals and of the unknowns."""
+        return 0.5 * float(np.sum(self.values**2) + z @ z)
 
 
 @dataclass(frozen=True)
@@ -401,8 +405,9 @@ class AddedForces:
         values[:, -len(BALANCE) :] -= forces + np.einsum("kim,km->ki", self.slopes, middle)
 
     def slant(self, jacobian: FloatArray, n: int) -> None:
-        """Add the derivatives of these forces to those of the residuals; `n`: number of states of a node."""
+        """Add the derivatives of these forces to those of the residuals, by nodes of `n` states and by unknowns."""
         last, moving, balance = self.columns.shape[2], len(MOTION), slice(-len(BALANCE), None)
-        jacobian[:, balance, jacobian.shape[2] - last :] -= self.columns
+        if jacobian.shape[2] > 2 * n:
+            jacobian[:, balance, jacobian.shape[2] - last :] -= self.columns
         for first in (0, n):
             jacobian[:, balance, first : first + moving] -= self.slopes / 2

@@ -23,6 +23,7 @@ from ...symbolic.vehicle.quantities import CORNERS
 from ...tires import Tire
 from ...tires.code.interface import all_plain
 from ...tires.code.modules import numpy_routine, two_track
+from ...tires.code.selection import fastest_code
 from .effects import Motion, motion_of
 from .estimate import Estimate
 from .inputs.car import USUAL_WHEELBASE, Car, loads_of
@@ -238,6 +239,7 @@ def errors_of(motion: FloatArray, grid: Grid, estimate: Estimate, unknowns: Unkn
 def code_forces(tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, FloatArray]]) -> TireForces:
     """Return the forces of the tires for given states, from their generated code; `factors`: see `simulated`."""
     parameters = {axle: list(tires[axle].parameters()) for axle in AXLES}
+    codes = {axle: fastest_code(tires[axle].symbolic_model) for axle in AXLES}
     for axle in AXLES:
         for name, values in factors.get(axle, {}).items():
             place = list(tires[axle].symbolic_model.coefficients).index(name)
@@ -248,9 +250,13 @@ def code_forces(tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, Fl
         for i, (axle, tire) in enumerate(tires.items()):
             some = [inputs[name][2 * i : 2 * i + 2] if name in inputs else tire.nominal(name) for name in tire.inputs]
             rows = tire.effective_inputs(np.stack(np.broadcast_arrays(*some)).reshape(len(some), -1))
-            plain = all_plain(tire.symbolic_model, rows, tire.parameters())
-            outputs = numpy_routine(tire.symbolic_model, "forces", plain=plain)(tuple(rows), parameters[axle])
-            parts.append(np.array([np.broadcast_to(force, rows[0].shape) for force in outputs[:2]]).reshape(2, 2, -1))
+            if factors:  # the parameters of each car
+                plain = all_plain(tire.symbolic_model, rows, tire.parameters())
+                outputs = numpy_routine(tire.symbolic_model, "forces", plain=plain)(tuple(rows), parameters[axle])
+                outputs = np.broadcast_arrays(rows[0], *outputs[:2])[1:]
+            else:
+                outputs = codes[axle].forces(rows, np.array(parameters[axle]))[:2]
+            parts.append(np.array(outputs).reshape(2, 2, -1))
         return np.concatenate(parts, axis=1)
 
     return forces

@@ -566,6 +566,15 @@ def test_a_signal_behind_a_lag_is_that_of_the_differential_equation():
     np.testing.assert_allclose(added[20:-5], mean[20:-5], atol=2e-3)
 
 
+def test_signals_behind_lags_know_nothing_of_each_other():
+    signals, constants = np.random.default_rng(2).normal(size=(2, 3, 40))
+    constants = np.abs(np.concatenate([constants, 0.0 * constants]))  # without a lag, nothing is added
+    together = behind_lags(signals, constants, 0.05)
+    alone = [behind_lags(signals[i % 3 : i % 3 + 1], constants[i : i + 1], 0.05)[0] for i in range(6)]
+    np.testing.assert_allclose(together, alone, atol=1e-12)
+    np.testing.assert_allclose(together[3:], 0.0, atol=1e-6)
+
+
 def test_a_body_heaves_as_a_damped_mass_on_springs():
     step, period = 0.05, 0.8
     t, w = step * np.arange(400), 2 * np.pi / period

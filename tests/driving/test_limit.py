@@ -9,6 +9,7 @@ import road
 import tirefmu
 from tirefmu.applications.driving import estimate
 from tirefmu.applications.driving.dynamics import FORM, N_COLUMNS, discrepancy_columns
+from tirefmu.applications.driving.evaluation import evaluated, interval_data, values_of
 from tirefmu.applications.driving.interval import BALANCE, interval_of
 from tirefmu.symbolic.vehicle.quantities import CORNERS
 
@@ -90,11 +91,35 @@ def test_the_discrepancy_has_the_same_part_of_the_integral_as_the_factors(at_the
     columns = discrepancy_columns(grid, final.states, entries, values[:, -len(BALANCE) :], final.size)
     added = estimate.no_forces(grid, final.states, final.z).and_columns(*columns)
     weights = np.ones((len(grid.t), len(interval.residuals)))
-    at = estimate._solved(grid, interval, added, final.states, final.z, final.deviations, weights)
-    slope = estimate._volume_slope(grid, interval, at, added, final.z)
+    problem = estimate._Problem(grid, interval, added, final.z, final.deviations, weights)
+    slope = estimate._volume_slope(problem.solved(final.states))
     for first, axle in zip((n, n + N_COLUMNS), AXLES, strict=True):
         places = [unknowns.factor(axle, name) for name in ("LMUY", "LKY")]
         assert slope[first] / FORM == pytest.approx(np.sum(slope[places] / unknowns.spread[places]), rel=0.3)
+
+
+def test_compiled_functions_of_an_interval_are_those_of_casadi(at_the_limit, monkeypatch):
+    """And derivatives by the nodes alone are those of all derivatives."""
+    grid, unknowns, final = at_the_limit.grid, at_the_limit.unknowns, at_the_limit.estimate
+    given, chosen = (at_the_limit.car, at_the_limit.tires, unknowns), {"sampled": grid.sampled, "spins": CORNERS}
+    compiled = interval_of(*given, **chosen, step=grid.step)
+    monkeypatch.setattr("tirefmu.applications.driving.interval.compiled", lambda function, flags: function)
+    plain, z, data = interval_of(*given, **chosen, step=grid.step), final.z[: len(unknowns)], interval_data(grid)
+    shares = np.random.default_rng(1).normal(size=(len(grid.t), len(plain.residuals) * 2 * final.states.shape[1]))
+    for name, more in (("node", None), ("residual", None), ("volume", shares)):
+        one, other = (
+            evaluated(getattr(interval, f"{name}_chunk"), grid, final.states, z, data, more)
+            for interval in (compiled, plain)
+        )
+        np.testing.assert_allclose(one.values, other.values, rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(one.jacobian, other.jacobian, rtol=1e-9, atol=1e-9 * np.abs(one.jacobian).max())
+    nodes, whole = (
+        evaluated(function, grid, final.states, z, data) for function in (compiled.node_chunk, compiled.residual_chunk)
+    )
+    np.testing.assert_allclose(nodes.values, whole.values, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(values_of(compiled, grid, final.states, z, data), whole.values, rtol=1e-9, atol=1e-9)
+    n = nodes.jacobian.shape[2]
+    np.testing.assert_allclose(nodes.jacobian, whole.jacobian[:, :, :n], rtol=1e-9, atol=1e-6)
 
 
 def test_friction_along_the_wheel_is_estimated(at_the_limit):

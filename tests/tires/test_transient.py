@@ -13,6 +13,7 @@ from tirefmu.boundary.errors import DataError
 from tirefmu.symbolic.models import model_named
 from tirefmu.symbolic.quantities import AT_ONCE
 from tirefmu.tires import Tire
+from tirefmu.tires.code import code_for
 from tirefmu.tires.states.transient import followed, lagged_course, segment_starts
 
 SIX = ["mf52", "mf61", "mf62"]
@@ -32,6 +33,19 @@ def lagging(name="mf61", *effects, **values):
     symbolic_model = model_named(name)
     given = {key: value for key, value in {**BODY, **values}.items() if key in symbolic_model.coefficients}
     return Tire(name, given, effects=symbolic_model.default_effects | set(effects))
+
+
+@pytest.mark.parametrize("language", ["numpy", "c", "batch", "casadi"])
+@pytest.mark.parametrize("name", [*SIX, "fiala"])
+def test_relaxation_lengths_are_those_among_the_quantities(name, language):
+    effects = model_named(name).effects.keys() & {"relax_lon", "relax_lat", "relax_mf"}
+    tire, code = lagging(name, *effects, REL_LEN_LON=0.3, REL_LEN_LAT=0.5), code_for(name, language)
+    rows = np.stack([np.full(9, tire.nominal(key)) for key in tire.inputs])
+    rows[tire.inputs.index("Fz")], rows[tire.inputs.index("alpha")] = np.linspace(500.0, 6e3, 9), 0.05
+    quantities = dict(zip(code.quantities_names, code.quantities(rows, tire.parameters()), strict=True))
+    roles = [quantities[tire.symbolic_model.quantity(f"relaxation_{direction}")] for direction in "xy"]
+    assert not np.array_equal(*roles)
+    np.testing.assert_allclose(code.relaxation(rows, tire.parameters()), roles, rtol=1e-12)
 
 
 def recording(n=40, step=0.05, seed=0):

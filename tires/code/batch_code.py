@@ -112,6 +112,9 @@ class _BatchCode(Code):
     def state_lines(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         return self._single.state_lines(inputs, parameters)
 
+    def relaxation(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return self._single.relaxation(inputs, parameters)
+
     def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         if not all_plain(self._model, inputs, parameters):
             return super().jacobian_inputs(inputs, parameters)

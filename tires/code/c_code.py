@@ -54,6 +54,7 @@ class _CCode(Code):
             "forces": (len(metadata.FORCES),),
             "quantities": (len(metadata.QUANTITIES),),
             "state_lines": (len(model.state_lines),),
+            "relaxation": (2,),
             "jacobian_inputs": (len(metadata.FORCES), len(metadata.INPUTS)),
             "jacobian_parameters": (len(metadata.FORCES), len(metadata.COEFFICIENTS)),
         }

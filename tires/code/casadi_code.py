@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...symbolic.model import Model
+from .compiler import CompilerError, loaded_library
 from .interface import Code
 from .modules import numpy_routine
 
@@ -56,6 +59,26 @@ def casadi_function(model: Model, routine: str) -> Any:
     inputs, parameters = ca.SX.sym("inputs", len(model.inputs)), ca.SX.sym("parameters", len(model.parameters))
     results = casadi_expression(model, routine, inputs, parameters)
     return ca.Function(routine, [inputs, parameters], [results], ["inputs", "parameters"], ["results"])
+
+
+def compiled(function: Any, flags: tuple[str, ...]) -> Any:
+    """Return a casadi.Function compiled with flags, or as it is where there is no compiler.
+
+    >>> x = ca.SX.sym("x")
+    >>> float(compiled(ca.Function("square", [x], [x**2]), ("-O0",))(3.0))
+    9.0
+    """
+    name = function.name()
+    code = ca.CodeGenerator(name)
+    code.add(function)
+    with TemporaryDirectory(prefix="tirefmu-") as folder:
+        source = Path(folder) / f"{name}.c"
+        source.write_text(code.dump(), encoding="utf-8")
+        try:
+            library = loaded_library(name, [source], flags=("-fvisibility=default", *flags))
+        except CompilerError:
+            return function
+    return ca.external(name, library._name)
 
 
 class _CasadiCode(Code):

@@ -42,6 +42,10 @@ class Code(ABC):
         """Return the lines of `Model.state_lines`, shape (3 n_states, n): target, rate and start of each state."""
         return self._table("state_lines", inputs, parameters)
 
+    def relaxation(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        """Return the relaxation lengths that act on kappa and tan(alpha), shape (2, n), of a model that has them."""
+        return self._table("relaxation", inputs, parameters)
+
     def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         """Return derivatives of the forces by the inputs, shape (n, n_forces, n_inputs)."""
         return self._matrices("jacobian_inputs", inputs, parameters)

@@ -14,10 +14,10 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicSpline
-from scipy.signal import lsim
 
 from ....symbolic.vehicle.quantities import CORNERS
 from ....tires.code.modules import two_track
+from ....tires.states.transient import held_system, recursion, vector_recursion
 from ..evaluation import curvature_of
 from ..inputs.car import Car
 from ..inputs.grid import Grid
@@ -125,10 +125,8 @@ def behind_lags(inputs: FloatArray, constants: FloatArray, step: float) -> Float
     kept = np.exp(-step / PARTS / np.maximum(times, 1e-9))
     rest = values - slopes * times
     steady = (1.0 - kept) * rest + slopes * step / PARTS
-    result = np.empty_like(values)
-    result[:, 0] = rest[:, 0]
-    for k in range(values.shape[1] - 1):
-        result[:, k + 1] = kept[:, k] * result[:, k] + steady[:, k]
+    kept[:, -1], steady[:, -1] = 0.0, np.roll(rest[:, 0], -1)  # one recursion, which begins again in each row
+    result = recursion(rest[0, 0], kept.ravel()[:-1], steady.ravel()[:-1]).reshape(values.shape)
     return _means(result - values)
 
 
@@ -137,9 +135,14 @@ def heaving(rise: FloatArray, period: float, step: float) -> FloatArray:
 
     `rise`: of the rest position at even times, a spline; the mass begins at rest. `period`: natural, s.
     """
-    w, fine = 2.0 * np.pi / period, _finer(rise - rise[0])
-    at = np.arange(len(fine)) * step / PARTS
-    return _means(lsim(([w**2, 0.0, 0.0], [1.0, 2.0 * DAMPING * w, w**2]), fine, at)[1])
+    w = 2.0 * np.pi / period
+    at_rest, h = _finer(rise - rise[0]), np.array([step / PARTS])
+    # Position and speed of the mass, rest position and its slope, which is constant between the parts.
+    law = np.array([[0.0, 1.0, 0.0, 0.0], [-(w**2), -2.0 * DAMPING * w, w**2, 0.0], [0.0, 0.0, 0.0, 1.0], [0.0] * 4])
+    (kept,), _ = held_system(law[None], h)
+    gained = np.stack([at_rest[:-1], np.diff(at_rest) / h], axis=1) @ kept[:2, 2:].T
+    motion = vector_recursion(np.zeros(2), np.broadcast_to(kept[:2, :2], (len(gained), 2, 2)), gained)
+    return _means(w**2 * at_rest + motion @ law[1, :2])
 
 
 def _finer(values: FloatArray) -> FloatArray:

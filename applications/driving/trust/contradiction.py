@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import chi2, norm
+from scipy.special import chdtrc, ndtr
 
 from ..estimate import Estimate
 from ..inputs.unknowns import Unknowns
@@ -100,7 +100,7 @@ def chances_of_entries(estimate: Estimate, unknowns: Unknowns) -> dict[str, floa
     scatter = np.diag(estimate.scatter + np.zeros_like(estimate.covariance))[:n]
     variance = 1.0 - (np.diag(estimate.covariance)[:n] - scatter)
     seen = variance > SEEN
-    alone = 2.0 * norm.sf(np.abs(estimate.z[:n]) / np.sqrt(np.where(seen, variance, np.inf) + scatter))
+    alone = 2.0 * ndtr(-np.abs(estimate.z[:n]) / np.sqrt(np.where(seen, variance, np.inf) + scatter))
     any_one = -np.expm1(seen.sum() * np.log1p(-np.minimum(alone, 1.0 - 1e-16)))
     return dict(zip(unknowns.car, any_one.tolist(), strict=True))
 
@@ -111,4 +111,4 @@ def is_agreement(z: FloatArray, covariance: FloatArray) -> bool:
 
 
 def _chance(deviation: float, degrees: int) -> float:
-    return float(chi2.sf(deviation, max(degrees, 1)))
+    return float(chdtrc(max(degrees, 1), deviation))

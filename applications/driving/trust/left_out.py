@@ -18,7 +18,7 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from ....tires import Tire
 from ..estimate import Estimate
@@ -157,7 +157,7 @@ def is_better(before: FloatArray, after: FloatArray) -> bool:
     """
     gain, n = np.log(before / after), len(before)
     if 0.5**n > CHANCE:
-        return bool(gain.mean() > student.ppf(1.0 - CHANCE, n - 1) * gain.std(ddof=1) / np.sqrt(n))
+        return bool(gain.mean() > stdtrit(n - 1, 1.0 - CHANCE) * gain.std(ddof=1) / np.sqrt(n))
     signs = 1.0 - 2.0 * (np.arange(2**n)[:, None] >> np.arange(n) & 1)
     return bool(np.mean(signs @ gain >= gain.sum() * (1.0 - 1e-12)) < CHANCE)
 
