@@ -24,7 +24,7 @@ from ..least_squares import LeastSquares, Solution
 from ..probing.baseline_fit import readable
 from ..probing.candidates import CORE, refinements_for
 from ..probing.effect_probing import Screen
-from ..signals.disturbances import CROSS_TALK, OFFSET
+from ..signals.disturbances import CROSS_TALK, OFFSET, Disturbances
 from ..thresholds import FINAL_ITERATIONS
 from ..unexplained.formula_proposal import UnexplainedStructure, Unknown, proposed
 from .answer import Answer
@@ -51,7 +51,7 @@ class Final:
     """The final fits of the baseline model and of the most probable explanation.
 
     - `before`, `after`: of the baseline model and of the model with the effects.
-    - `errors`: standard errors of the coefficients and disturbances of `after`, from whitened rows.
+    - `errors`: standard errors of the coefficients of `after`, then of all disturbances, from whitened rows.
     - `effects`: those of the explanation, and their free coefficients.
     - `evidence`: for the same effects.
     - `refinements`: those that the recording needs, each with its effect.
@@ -130,6 +130,7 @@ def final_fits(
     answer = comparison.answer
     for name in unproved:
         answer = answer.with_unproven(name)
+    disturbances = extended.disturbances
     if offsets:
         problem, extended = (other.without_disturbances(offsets) for other in (problem, extended))
         extended, solution = extended.fitted(solution.parameters, solution.free)
@@ -137,7 +138,7 @@ def final_fits(
     if solution.free != base.free:  # with the same weights: a channel could give way to another one in one fit only
         problem = replace(problem, inverse_noise=extended.inverse_noise)
         before = Screen(*problem.fitted(base.parameters, base.free))
-    before, solution, whitened = _whitened(extended, solution, before)
+    before, solution, whitened = _whitened(extended, solution, before, disturbances)
     after = Screen(extended, solution)
     model = extended.simulator.symbolic_model
     effects = {name: coefficients_of(name, explanation, model, solution) for name in explanation.effects}
@@ -231,22 +232,25 @@ def balanced(problem: LeastSquares, solution: Solution) -> LeastSquares:
     return replace(problem, inverse_noise=problem.inverse_noise / np.where(size > 0.0, relative, 1.0)[:, None])
 
 
-def _whitened(problem: LeastSquares, solution: Solution, before: Screen) -> tuple[Screen, Solution, Screen]:
+def _whitened(
+    problem: LeastSquares, solution: Solution, before: Screen, disturbances: Disturbances
+) -> tuple[Screen, Solution, Screen]:
     """Refit baseline and final model with whitened noise.
 
     Whitening amplifies errors in the functional form of a model: solutions that fit the rows much worse than without it
-    are not used. Returns: the baseline model, the solution of the final model, and this model with whitened rows.
+    are not used. Returns: the baseline model, the solution of the final model, and, for standard errors, this model
+    with whitened rows and all disturbances: a coefficient is as uncertain as an offset that was left out makes it.
     """
-    signals = problem.simulator.signals
+    signals, uncertain = problem.simulator.signals, replace(problem, disturbances=disturbances)
     if not signals.timed:
-        return before, solution, Screen(problem, solution)
+        return before, solution, Screen(uncertain, uncertain.at(solution.parameters, solution.free))
     t = signals.t[signals.rows]
     rest, step = problem.weighted(solution.residual), float(np.median(np.diff(t)))
     noise = tuple(noise_parts(*rows, step) for rows in zip(rest, problem.inverse_noise > 0.0, strict=True))
     whitening = Whitening(noise, t, problem.inverse_noise)
     final, base = _refitted(problem, solution, whitening), before.solution
     base = final if base is solution else _refitted(before.problem, base, whitening)
-    whitened = replace(problem, whitening=whitening)
+    whitened = replace(uncertain, whitening=whitening)
     return Screen(before.problem, base), final, Screen(whitened, whitened.at(final.parameters, final.free))
 
 
