@@ -186,9 +186,7 @@ class LeastSquares:
         signals = self.simulator.signals
         holdout, training = signals.present & signals.holdout, self.inverse_noise > 0.0
         powers = np.sum(before.residual**2, axis=1, where=training) / np.maximum(training.sum(axis=1), 1)
-        scale = np.where(training.any(axis=1), powers, np.inf)[
-            :, None
-        ]  # a channel without training rows states nothing
+        scale = np.where(training.any(axis=1), powers, np.inf)[:, None]  # without training rows, nothing is stated
         squares = np.array([np.sum(s.residual**2 / scale, axis=0, where=holdout) for s in (before, after)])
         total = float(squares[0].sum())
         blocks = signals.block[signals.holdout]

@@ -200,7 +200,7 @@ def _estimated(
             slope = _volume_slope(at)
         change, change_z = at.factor.step(z + slope, z, of_tires | arrived | together)
         widening = np.clip(at.excess(), -LONGEST_STEP, LONGEST_STEP)
-        widening = np.clip(widening, np.log(floor / at.deviations), np.log(ceiling / at.deviations))
+        widening = np.clip(widening, np.log(floor / at.problem.deviations), np.log(ceiling / at.problem.deviations))
         widening[len(grid.sampled) : -n_balance] = 0.0  # errors of the integration
         arrived = arrived or bool(np.abs(change_z).max() < (1.0 - 1e-9) * LONGEST_STEP)
         widening *= arrived
@@ -213,8 +213,8 @@ def _estimated(
         share, gain = 3.0 * length, -np.inf
         while not gain > 0.0 and share > SHORTEST:
             share /= 3.0
-            to = at.deviations * np.exp(share * widening)
-            problem = _Problem(grid, interval, added, z + share * change_z, to, at.weights)
+            to = at.problem.deviations * np.exp(share * widening)
+            problem = _Problem(grid, interval, added, z + share * change_z, to, at.problem.weights)
             try:
                 tried = problem.solved(at.states + share * change)
             except np.linalg.LinAlgError:  # a motion that the model does not have
@@ -228,14 +228,14 @@ def _estimated(
             break
         z = z + share * change_z
         grid = _moved(grid, interval, tried.states, log, car, unknowns.car_values(car, z))
-        weights = _weights(tried.values / at.weights)
+        weights = _weights(tried.values / at.problem.weights)
         if longest < 1.0:  # before, errors of the unknowns would be taken for the car's
             coefficients, variances = z[-n_rest:], np.diag(at.posterior.covariance)[-n_rest:]
             new = size_of(size, coefficients[SIZED], variances[SIZED])
             resized = abs(np.log(new / size))
             coefficients[SIZED] *= size / new
             size = new
-        states, deviations = tried.states, tried.deviations
+        states, deviations = tried.states, tried.problem.deviations
         del at, tried  # a long log has large arrays
         if longest > NEAR or round_ % SLOPE_ROUNDS == 0:
             held = forces(grid, states, z)
@@ -267,15 +267,15 @@ def _estimate(at: _Point, size: float, converged: bool) -> Estimate:
     """
     grid, interval, z, n_balance = at.problem.grid, at.problem.interval, at.problem.z, len(BALANCE)
     lengths = [correlation_length(at.linear.values[:, i], grid.segment) for i in range(-n_balance, 0)]
-    scale = np.concatenate([np.ones(len(at.deviations) - n_balance), np.sqrt(lengths)])
+    scale = np.concatenate([np.ones(len(at.problem.deviations) - n_balance), np.sqrt(lengths)])
     evidence = -at.criterion - np.linalg.slogdet(at.factor.schur)[1] / 2
     at.linear.weigh(np.tile(1.0 / scale, (len(grid.t), 1)))
     factor = Factor(grid, at.linear, at.states.shape[1], 1e-9)
     data = interval_data(grid)
     outputs = evaluated(interval.output_chunk, grid, at.states, at.problem.added.tires(z), data)
     outputs = Linear(outputs.values, outputs.jacobian[:, [OUTPUTS.index(name) for name in UNCERTAIN]])
-    weights = (at.weights / at.deviations / scale)[:, -n_balance:]
-    return Estimate(**vars(posterior_of(grid, factor)), states=at.states, z=z, deviations=at.deviations,
+    weights = (at.problem.weights / at.problem.deviations / scale)[:, -n_balance:]
+    return Estimate(**vars(posterior_of(grid, factor)), states=at.states, z=z, deviations=at.problem.deviations,
                     residuals=at.linear, outputs=outputs, weights=weights, evidence=float(evidence), size=size,
                     converged=converged)  # fmt: skip
 
@@ -361,16 +361,6 @@ class _Point:
     values: FloatArray
     criterion: float
 
-    @property
-    def deviations(self) -> FloatArray:
-        """The deviations of the residuals."""
-        return self.problem.deviations
-
-    @property
-    def weights(self) -> FloatArray:
-        """The weights of the residuals."""
-        return self.problem.weights
-
     @cached_property
     def linear(self) -> Linear:
         """The residuals with all derivatives."""
@@ -403,7 +393,7 @@ def _volume_slope(at: _Point) -> FloatArray:
     pairs, grid, added, z = at.posterior.pairs, at.problem.grid, at.problem.added, at.problem.z
     function, of_tires = at.problem.interval.volume_chunk, added.tires(z)
     n, last = pairs.shape[1], pairs.shape[1] + len(of_tires)
-    shares = (at.linear.jacobian[:, :, :n] @ pairs) * (at.weights / at.deviations)[:, :, None]
+    shares = (at.linear.jacobian[:, :, :n] @ pairs) * (at.problem.weights / at.problem.deviations)[:, :, None]
     more = shares.transpose(0, 2, 1).reshape(len(shares), -1)
     slopes = evaluated(function, grid, at.states, of_tires, interval_data(grid), more).jacobian[:, 0]
     result = -at.factor.at_nodes(slopes[:, :n, None])[:, 0] @ at.factor.solved_border

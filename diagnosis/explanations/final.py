@@ -51,7 +51,8 @@ class Final:
     """The final fits of the baseline model and of the most probable explanation.
 
     - `before`, `after`: of the baseline model and of the model with the effects.
-    - `errors`: standard errors of the coefficients of `after`, then of all disturbances, from whitened rows.
+    - `errors`: standard errors of the free coefficients of `after`, from whitened rows and all disturbances, with what
+      an offset that was left out would change.
     - `effects`: those of the explanation, and their free coefficients.
     - `evidence`: for the same effects.
     - `refinements`: those that the recording needs, each with its effect.
@@ -130,22 +131,25 @@ def final_fits(
     answer = comparison.answer
     for name in unproved:
         answer = answer.with_unproven(name)
-    disturbances = extended.disturbances
+    disturbances, judged = extended.disturbances, solution
     if offsets:
         problem, extended = (other.without_disturbances(offsets) for other in (problem, extended))
         extended, solution = extended.fitted(solution.parameters, solution.free)
+    index = [extended.simulator.index[name] for name in solution.free]
+    moved = solution.parameters[index] - judged.parameters[index]
     before = Screen(extended, solution)
     if solution.free != base.free:  # with the same weights: a channel could give way to another one in one fit only
         problem = replace(problem, inverse_noise=extended.inverse_noise)
         before = Screen(*problem.fitted(base.parameters, base.free))
     before, solution, whitened = _whitened(extended, solution, before, disturbances)
+    errors = whitened.standard_errors()[: len(moved)]
     after = Screen(extended, solution)
     model = extended.simulator.symbolic_model
     effects = {name: coefficients_of(name, explanation, model, solution) for name in explanation.effects}
     evidence = {name: effect_evidence(after, _absent_without(name, explanation, model, solution)) for name in effects}
     of_formula = effect_evidence(after, added) if added else None
     return Final(
-        before, after, whitened.standard_errors(), effects, evidence, refinements, unknown, of_formula, answer, change
+        before, after, np.hypot(errors, moved), effects, evidence, refinements, unknown, of_formula, answer, change
     )
 
 

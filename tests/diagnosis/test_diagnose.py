@@ -13,6 +13,7 @@ from tirefmu.boundary.errors import DataError, TirefmuError, UnknownName
 from tirefmu.boundary.escaping import visible
 from tirefmu.diagnosis import Diagnosis, diagnose
 from tirefmu.diagnosis.explanations import RankedExplanation
+from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.reporting import report
 from tirefmu.diagnosis.reporting.effect_figures import gain_figure, memory_figure
 from tirefmu.diagnosis.reporting.report import report_page
@@ -147,6 +148,25 @@ def test_an_offset_is_the_bench_s_only_if_the_evidence_needs_it():
     assert larger - of_bench == pytest.approx(0.03 * size, rel=0.02)
     assert absent == 0.0
     assert max(np.sqrt(np.mean((other - force) ** 2)) for other in (same, of_tire)) < 0.001 * size
+
+
+def test_an_interval_contains_what_an_offset_that_was_left_out_would_change(monkeypatch):
+    """Also without any noise, which this is in addition to."""
+    monkeypatch.setattr(Screen, "standard_errors", lambda screen: np.zeros(screen.tangent.shape[-1]))
+    case = make_case(13, ("plysteer",))
+
+    def diagnosed(offset):
+        diagnosis = diagnose(
+            case.table.assign(Fy=case.table["Fy"] + offset), signs=case.signs, effects=case.effects,
+            nominal=case.nominal, candidates=["plysteer"],
+        )  # fmt: skip
+        (finding,) = diagnosis.found
+        return diagnosis.in_signs(case.signs).recording["offset"]["Fy"], finding.coefficients["PHY1"]
+
+    of_bench, fitted = diagnosed(0.0)
+    absent, without = diagnosed(-0.6 * of_bench)  # less than the evidence needs
+    assert of_bench != 0.0 == absent
+    assert without.lower < fitted.value < without.upper
 
 
 def test_a_diagnosis_in_another_sign_convention(thrust):

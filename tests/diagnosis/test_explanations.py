@@ -39,6 +39,7 @@ from tirefmu.diagnosis.explanations import (
 from tirefmu.diagnosis.explanations.compare import _simplest, reduced
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
 from tirefmu.diagnosis.signals import between_rows, signals_of
+from tirefmu.diagnosis.signals.disturbances import CROSS_TALK
 from tirefmu.diagnosis.thresholds import EFFECT_ODDS, INEXACT_SHARE
 from tirefmu.diagnosis.unexplained.features import Feature, Location
 from tirefmu.measurements import recording_from
@@ -295,6 +296,19 @@ def test_the_grip_of_every_explanation_may_drift_in_all_channels_alike(at_true_v
     assert (np.diff(deviation) < 0.0).all()  # slow drift is larger
     untimed = replace(simulator.signals, timed=False)
     assert grip_drift(untimed, forces)[0].shape == (*forces.shape, 0)
+
+
+def test_no_final_fit_has_cross_talk_beyond_that_of_a_bench(at_true_values, tire):
+    problem, solution, name = at_true_values.problem, at_true_values.solution, "cross_talk_Fy_in_Fx"
+    signals, column = (
+        problem.simulator.signals,
+        problem.disturbances.columns[:, :, problem.disturbances.names.index(name)],
+    )
+    for share, left_out in ((0.02, False), (0.05, True)):
+        recorded = replace(signals, measured=signals.measured + share * column)
+        other = problem.over(problem.simulator.with_signals(recorded))
+        at = other.at(solution.parameters, solution.free)
+        assert (name in Linearization(Explanation(), other, at, candidates_for(tire)).unneeded(CROSS_TALK)) is left_out
 
 
 def test_a_coefficient_at_its_bound_is_a_constant(at_true_values, tire):
