@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ...boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
-    from .disturbances import disturbances_of, load_error_responses, reported_disturbances
+    from .disturbances import CROSS_TALK, disturbances_of, load_error_responses, reported_disturbances
     from .measurement_artefacts import quantisation, ripple
     from .outliers import OUTLIER
     from .signals import FORMULA_SIGNS, HOLDOUT_EVERY, signals_of

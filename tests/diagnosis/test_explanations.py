@@ -38,8 +38,7 @@ from tirefmu.diagnosis.explanations import (
 )
 from tirefmu.diagnosis.explanations.compare import _simplest, reduced
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
-from tirefmu.diagnosis.signals import between_rows, signals_of
-from tirefmu.diagnosis.signals.disturbances import CROSS_TALK
+from tirefmu.diagnosis.signals import CROSS_TALK, between_rows, signals_of
 from tirefmu.diagnosis.thresholds import EFFECT_ODDS, INEXACT_SHARE
 from tirefmu.diagnosis.unexplained.features import Feature, Location
 from tirefmu.measurements import recording_from
