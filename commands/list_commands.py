@@ -170,7 +170,8 @@ def columns(quiet: bool, json_file: Path | None) -> int:
     """List the columns of tables with their units and names.
 
     A header may declare a unit: alpha [deg]. --columns and --units of a command replace headers. A table with the
-    columns ET, SA, IA and FZ is read as an FSAE TTC file, by its names, in its units and in SAE signs.
+    columns ET, SA, IA and FZ is read as an FSAE TTC file, by its names, in its units and in SAE signs. A message
+    suggests the channel also for names in German, French, Italian and Spanish.
     """
     check_output_paths(json_file)
     from ..measurements.catalogue import columns as known_columns

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from .row_selection.selected import selected
     from .state_starts import with_fitted_starts
     from .table_argument import TableLike, recording_from, recordings_from
+    from .terms import TERMS, words_of
     from .turn_slip import with_turn_slip
     from .units import POUND, PSI, UNITS, to_si, unit_named
     from .virtual_bench.bench import TestedTire, VirtualBench

@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterable, Mapping
 
 from ..boundary.errors import DataError, UnknownName
 from ..symbolic.channels import CHANNELS, INPUTS, channel
+from .terms import words_of
 from .units import unit_named
 
 #: Words in the name of a column that do not change its meaning.
@@ -37,17 +38,16 @@ _PHRASES = {
     for alias in declared.aliases
     if "_" in alias
 }
-_SUFFIXED = re.compile(r"(?P<name>[\w ]+)[ _]?[ _(](?P<unit>[^()_ ]+)\)?")
+_SUFFIXED = re.compile(r"(?P<name>[\w ]+)[ _]?[ _(](?P<unit>[^()\[\]_ ]+)\)?")
 _BRACKETED = re.compile(r"(?P<name>[^\[(]+)[\[(]")
-_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 
 
 def intended_channel(column: str) -> str | None:
     """Return the channel that the name of a column probably means, or None.
 
     Recognized are names in another case or with other separators, bench names, aliases, names with a unit or a
-    qualifier ("raw", "filtered"), names that contain an alias of several words, and single typing errors. Named
-    quantities of a tire (``alpha_y``) are not channels.
+    qualifier ("raw", "filtered"), names in the languages of `TERMS`, names that contain an alias of several words, and
+    single typing errors. Named quantities of a tire (``alpha_y``) are not channels.
 
     >>> [intended_channel(name) for name in ("Alpha", "SA", "gama", "alpha_deg", "SlipAngle", "TirePressure_kPa")]
     ['alpha', 'alpha', 'gamma', 'alpha', 'alpha', 'p']
@@ -61,7 +61,7 @@ def intended_channel(column: str) -> str | None:
         return suffixed[0]
     bracketed = _BRACKETED.match(column)
     name = bracketed["name"] if bracketed else column
-    words = [word for word in _words(name) if word not in _QUALIFIERS]
+    words = [word for word in words_of(name) if word not in _QUALIFIERS]
     written = "".join(words)
     if written in _ALIASES:
         return _ALIASES[written]
@@ -83,7 +83,7 @@ def unit_in_name(column: str) -> tuple[str, str] | None:
     if match is None:
         return None
     written = match["name"]
-    name = written if written in CHANNELS else _BENCH_NAMES.get(written) or _ALIASES.get("".join(_words(written)))
+    name = written if written in CHANNELS else _BENCH_NAMES.get(written) or _ALIASES.get("".join(words_of(written)))
     # The unit has to match the quantity: "kappa_in" is an input, not a slip in inches.
     return (name, match["unit"]) if name is not None and _quantity(match["unit"]) == CHANNELS[name].quantity else None
 
@@ -126,10 +126,6 @@ def _suggestion(name: str, intended: str) -> str:
         return f"'{intended} [{suffixed[1]}]'"
     bench_degrees = channel(intended).quantity == "angle" and name in channel(intended).bench_names
     return f"{intended} (rad; 'alpha [deg]' declares degrees)".replace("alpha", intended) if bench_degrees else intended
-
-
-def _words(name: str) -> list[str]:
-    return [word.casefold() for word in _WORD.findall(name)]
 
 
 def _quantity(unit: str) -> str | None:

@@ -40,7 +40,7 @@ _DEGREE = np.pi / 180.0
 UNITS: dict[str, Unit] = {
     "": Unit("ratio"),
     **_spelled("time", {
-        "s sec second seconds": 1.0, "ms msec millisecond milliseconds": 1e-3, "min minute minutes": 60.0,
+        "s sec second seconds unixtime": 1.0, "ms msec millisecond milliseconds": 1e-3, "min minute minutes": 60.0,
         "us usec microsecond microseconds": 1e-6, "ns nsec nanosecond nanoseconds": 1e-9, "h hr hour hours": 3600.0,
     }),
     **_spelled("angle", {"rad radian radians": 1.0, "deg degree degrees": _DEGREE, "mrad": 1e-3}),
@@ -71,7 +71,7 @@ UNITS: dict[str, Unit] = {
         "rpm 1/min rev/min r/min min1": np.pi / 30.0,
         "rev/s rps": 2.0 * np.pi,
     }),
-    **_spelled("acceleration", {"m/s2 ms2 mps2": 1.0, "g": GRAVITY, "mg": 1e-3 * GRAVITY, "ft/s2": FOOT}),
+    **_spelled("acceleration", {"m/s2 ms2 mps2": 1.0, "g gs gforce": GRAVITY, "mg": 1e-3 * GRAVITY, "ft/s2": FOOT}),
 }  # fmt: skip
 #: The common units of tables by quantity, in the spelling of lists and messages, SI first.
 UNITS_OF_TABLES: dict[str, tuple[str, ...]] = {

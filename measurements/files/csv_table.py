@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import re
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from itertools import islice
@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 
 from ...boundary.errors import DataError
+from .columns.cells import first_with_point, has_decimal_commas, with_point
 from .columns.content import MAX_COLUMNS, Column, Content
 from .columns.layout import SAMPLED, layout
 from .encoding import encoding_of
@@ -32,8 +33,8 @@ def read_csv(path: Path) -> Content:
     """Return the content of a CSV file.
 
     Lines that begin with ``#`` above the names are skipped, and so are titles and blocks of information. Columns are
-    separated by commas, semicolons or tabs. Numbers are read exactly. Raises `DataError` with file and line of the
-    first row that is wider than the header.
+    separated by commas, semicolons or tabs; numbers may have decimal commas. Numbers are read exactly. Raises
+    `DataError` with file and line of the first row that is wider than the header.
     """
     with _opened(path) as file:
         sample = _sample(file, path)
@@ -41,23 +42,46 @@ def read_csv(path: Path) -> Content:
     rows = [(line, row) for line, text in sample for _, row in _rows([text], path, line - 1, separator)]
     if not rows:
         raise DataError(f"{path}: the file is empty")
-    rows_by_use = layout([row for _, row in rows])
+    commas = has_decimal_commas(row for _, row in rows)
+    rows_by_use = layout([list(map(with_point, row)) if commas else row for _, row in rows])
     skipped = rows[rows_by_use.first - 1][0]
     names, units = rows[rows_by_use.names][1], [] if rows_by_use.units is None else rows[rows_by_use.units][1]
     if captured := [match for name in names if (match := _RACECAPTURE.fullmatch(name.strip()))]:
         names, units = ([match[part] for match in captured] for part in ("name", "unit"))
     table = _body(path, skipped, len(names), separator)
     units = [*(unit.strip(" []()") for unit in units), *[""] * len(names)]
-    repeated = {name for name in names if names.count(name) > 1}
+    location = partial(_location, path, skipped)
+    if commas:
+        table = table.apply(_with_points, path=path, names=names, location=location)
+    groups = _groups(names, [] if rows_by_use.sources is None else rows[rows_by_use.sources][1])
     columns = tuple(
-        Column(name.strip(), _exact(table.iloc[:, i]), units[i], group=f"column {i + 1}" if name in repeated else "")
+        Column(name.strip(), _exact(table.iloc[:, i]), units[i], group=groups[i])
         for i, name in enumerate(names)
         # A separator at the end of each line makes a column without name and content.
         if name.strip() or table.iloc[:, i].notna().any()
     )
     titles = [" ".join(" ".join(row).split()) for _, row in rows[: rows_by_use.names]]
     ignored = (f"{len(titles)} lines above the names",) if titles else ()
-    return Content(columns, lambda row: f"line {_line(path, skipped, row)}", ignored=ignored)
+    return Content(columns, location, ignored=ignored)
+
+
+def _groups(names: list[str], sources: list[str]) -> list[str]:
+    """Return what distinguishes columns of one name: their sources, or their numbers where these are the same."""
+    sources = [*(source.strip() for source in sources), *[""] * len(names)]
+    columns = list(zip(names, sources, strict=False))
+    return [
+        "" if names.count(name) == 1 else source if source and columns.count((name, source)) == 1 else f"column {i + 1}"
+        for i, (name, source) in enumerate(columns)
+    ]
+
+
+def _with_points(cells: pd.Series, path: Path, names: list[str], location: Callable[[int], str]) -> pd.Series:
+    """Return texts with points in place of decimal commas; raises `DataError` if a number has a point already."""
+    if (row := first_with_point(cells)) is not None:
+        name = names[int(str(cells.name))].strip()
+        shown = f"{location(row)}: column {name}: {cells.iloc[row]!r}"
+        raise DataError(f"{path}: {shown} has a point, other numbers have decimal commas")
+    return cells.map(with_point, na_action="ignore")
 
 
 def _exact(cells: pd.Series) -> pd.Series:
@@ -150,12 +174,12 @@ def _check_cells(path: Path, skipped: int, width: int, separator: str, most: int
                 raise DataError(f"{path}: line {line}: more cells than the header's {width}{hint}")
 
 
-def _line(path: Path, skipped: int, row: int) -> int:
-    """Return the line number of a row of the body. pandas skips blank lines."""
+def _location(path: Path, skipped: int, row: int) -> str:
+    """Return the line of a row of the body. pandas skips blank lines."""
     with _opened(path) as file:
         rows = -1
         for number, line in enumerate(file, start=1):
             rows += number > skipped and bool(line.strip())
             if rows == row:
-                return number
-    return skipped + 1 + row
+                return f"line {number}"
+    return f"line {skipped + 1 + row}"

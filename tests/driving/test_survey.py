@@ -11,7 +11,7 @@ import pytest
 from tirefmu.applications.driving.inputs.log import read_log
 from tirefmu.applications.driving.inputs.survey import nearest_channel
 from tirefmu.boundary.bounded_file import toml_file
-from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.commands.cli import main
 from tirefmu.measurements.files.columns.content import Column
 
@@ -93,6 +93,11 @@ def test_a_name_counts_in_any_spelling_and_with_its_unit(tmp_path, monkeypatch, 
         ("yawrate", "yaw_rate"),
         ("latacc", "ay"),
         ("Lateral G", "ay"),
+        ("Lateral Gs", "ay"),
+        ("Gforce Lat", "ay"),
+        ("GLong", "ax"),
+        ("GPS LatAcc", "ay"),
+        ("z_rate_of_rotation", "yaw_rate"),
         ("Time Stamp", "t"),
         ("front_left wheel speed", "omega_fl"),
     ],
@@ -104,6 +109,49 @@ def test_a_name_counts_joined_separated_and_in_another_order(name, channel):
 @pytest.mark.parametrize("name", ["G(z)", "imu/orientation/x", "air_speed_x/y", "Steering Torque [Nm]", "yaw_moment"])
 def test_a_name_of_something_else_is_no_channel(name):
     assert nearest_channel(Column(name, [])) == ""
+
+
+@pytest.mark.parametrize(
+    "names", [("G Force Long", "G Force Lat"), ("Longitudinal Gs", "Lateral Gs"), ("G_Long", "LatG")]
+)
+def test_a_name_in_g_declares_its_unit(tmp_path, monkeypatch, names):
+    """Also of a gentle drive, whose numbers may be m/s^2."""
+    monkeypatch.chdir(tmp_path)
+    slow = LOG.assign(ax=0.1 * LOG["ax"], ay=0.1 * LOG["ay"])
+    gentle = slow.assign(ax=slow["ax"] / 9.80665, ay=slow["ay"] / 9.80665)
+    gentle.rename(columns=dict(zip(("ax", "ay"), names, strict=True))).to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv", "-o", "car.toml", "--quiet"]) == 0
+    log = read_log("log.csv", toml_file(tmp_path / "car.toml", TirefmuError)["columns"])
+    for name in ("ax", "ay"):
+        np.testing.assert_allclose(log.values(name), slow[name], atol=1e-12)
+
+
+def test_what_a_log_of_a_phone_lacks_is_stated_at_once(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    phone = LOG[["t", "speed", "ay"]].assign(latitude=31.0, longitude=121.0)
+    phone.to_csv("log.csv", index=False)
+    with pytest.raises(DataError) as refusal:
+        read_log("log.csv")
+    for text in ("no channel steer (", "no channel yaw_rate (", "or x, y and heading): it comes from a gyroscope"):
+        assert text in str(refusal.value)
+    assert "no channel ay" not in str(refusal.value)
+    assert main(["inspect", "log.csv", "--json", "found.json"]) == 0
+    assert "not there, and needed by tirefmu drive: steer, yaw_rate" in capsys.readouterr().out
+    # Without a channel of a drive but its speed, the positions show that it is no table of a bench.
+    phone.rename(columns={"speed": "GPS Speed(km/h)"}).drop(columns="ay").to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv"]) == 0
+    assert "needed by tirefmu drive: steer, yaw_rate, ay" in capsys.readouterr().out
+
+
+def test_a_column_that_occurs_twice_is_proposed_with_its_source(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    head = [",".join([*LOG, "speed"]), "s,rad,m/s,rad/s,m/s2,m/s2,km/h", ",,gps,calc,calc,calc,obd"]
+    lines = [",".join(map(repr, row)) for row in LOG.assign(other=54.0).to_numpy().tolist()]
+    (tmp_path / "log.csv").write_text("\n".join([*head, *lines]), encoding="utf-8")
+    assert main(["inspect", "log.csv", "-o", "car.toml", "--quiet"]) == 0
+    columns = toml_file(tmp_path / "car.toml", TirefmuError)["columns"]
+    assert columns == {"speed": "gps/speed"}
+    np.testing.assert_allclose(read_log("log.csv", columns).values("speed"), 15.0)
 
 
 def test_a_car_file_that_is_proposed_lacks_its_numbers(tmp_path, monkeypatch, capsys):

@@ -65,10 +65,10 @@ def test_measured_outputs():
 
 def test_a_table_without_an_output_names_the_columns_that_may_be_one(tmp_path):
     file = tmp_path / "a.csv"
-    file.write_text("alpha,Fz,Seitenkraft\n0.1,900,-700\n")
-    with pytest.raises(DataError, match=r"no measured output .*not read: .*Seitenkraft \(--columns Fy=NAME"):
+    file.write_text("alpha,Fz,Zijkracht\n0.1,900,-700\n")
+    with pytest.raises(DataError, match=r"no measured output .*not read: .*Zijkracht \(--columns Fy=NAME"):
         recording_from(file).measured()
-    assert recording_from(file, columns={"Fy": "Seitenkraft"}).measured() == ("Fy",)
+    assert recording_from(file, columns={"Fy": "Zijkracht"}).measured() == ("Fy",)
     with pytest.raises(DataError, match="Fy has no value"):
         Recording(pd.DataFrame({"Fz": [900.0], "Fy": [np.nan]}), "iso", "a.csv").measured()
 

@@ -16,7 +16,7 @@ from ....measurements.files.columns.content import Content, frame_columns
 from ....measurements.files.columns.resolution import ColumnChoice, choices, ignored_columns
 from ....measurements.files.reading import read_content
 from .clock import clock_problem
-from .log_channels import LOG_CHANNELS, WHEEL_SPEEDS
+from .log_channels import LOG_CHANNELS, WHEEL_SPEEDS, LogChannel, lacking
 from .survey import nearest_column
 
 FloatArray = npt.NDArray[np.float64]
@@ -147,31 +147,26 @@ def _check_size(values: FloatArray, name: str, place: str) -> None:
 def _check(channels: Mapping[str, Samples], chosen: Mapping[str, ColumnChoice], content: Content, source: str) -> None:
     """Raise if what an estimate needs is missing."""
     if "t" not in chosen and all(column.times is None for column in content.columns):
-        raise DataError(f"{source}: no channel t (time, s){_hint('t', content)}")
+        raise DataError(f"{source}: no channel {_lacks(LOG_CHANNELS['t'], content)}; {_naming('t', content)}")
     for name, (t, _) in channels.items():
         if len(t) < MIN_SAMPLES:
             raise DataError(f"{source}: {name} has {len(t)} samples, fewer than {MIN_SAMPLES}")
-    log = Log(source, channels)
-    needed = {
-        "steer": "steer" in channels,
-        "yaw_rate": "yaw_rate" in channels or log.has_pose(),
-        "ay": "ay" in channels or log.has_pose(),
-        "speed": "speed" in channels or log.has_wheel_speeds() or log.has_pose(),
-    }
-    for name, present in needed.items():
-        if not present:
-            instead = "" if name == "steer" else ", or x, y and heading"
-            raise DataError(
-                f"{source}: no channel {name} ({LOG_CHANNELS[name].meaning}{instead}){_hint(name, content)}"
-            )
+    if lacks := lacking(channels):
+        texts = (_lacks(channel, content) for channel in lacks)
+        raise DataError(f"{source}: no channel {'; no channel '.join(texts)}; {_naming(lacks[0].name, content)}")
     duration = channels["steer"][0][-1] - channels["steer"][0][0]
     if duration < MIN_SECONDS:
         raise DataError(f"{source}: {duration:.3g} s are recorded, fewer than {MIN_SECONDS:g}")
 
 
-def _hint(name: str, content: Content) -> str:
-    similar = nearest_column(name, content)
-    meant = f"is it {quoted(similar)}? " if similar else ""
+def _lacks(channel: LogChannel, content: Content) -> str:
+    """Return name and meaning of a channel that a log lacks, and its probable column or where it comes from."""
+    instead = ", or x, y and heading" if channel.instead else ""
+    similar = nearest_column(channel.name, content)
+    remedy = f"perhaps {quoted(similar)}" if similar else f"it comes from {channel.source}" if channel.source else ""
+    return f"{channel.name} ({channel.meaning}{instead}){': ' if remedy else ''}{remedy}"
+
+
+def _naming(name: str, content: Content) -> str:
     ignored = f" (not read: {'; '.join(content.ignored)})" if content.ignored else ""
-    where = f"Name its column by --columns {name}=HEADER, or in [columns] of the car file"
-    return f": {meant}{where}, which tirefmu inspect proposes{ignored}"
+    return f"name its column by --columns {name}=HEADER, or in [columns], which tirefmu inspect proposes{ignored}"

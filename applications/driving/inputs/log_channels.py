@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 
@@ -15,6 +16,7 @@ class LogChannel:
       never accepted silently.
     - `limit`: magnitude beyond which a value can only be in another unit.
     - `precision`: the smallest plausible standard deviation of the noise.
+    - `instead`: channels of which a group serves in its place, and `source`: where a log without it may get it.
     """
 
     name: str
@@ -24,16 +26,21 @@ class LogChannel:
     aliases: tuple[str, ...] = ()
     limit: float = 1e9
     precision: float = 0.0
+    instead: tuple[tuple[str, ...], ...] = ()
+    source: str = ""
 
 
+_POSE = ("x", "y", "heading")
+_WHEELS = tuple((front, rear) for front in ("omega_fl", "omega_fr") for rear in ("omega_rl", "omega_rr"))
 _CHANNELS = (
     LogChannel("t", "time", "s", "time", ("time", "timestamp", "timestamps", "elapsed_time", "interval",
-               "session_time"), 1e11),
+               "session_time", "device_time"), 1e11),
     LogChannel("steer", "steering: as the ratio or the map of the car reads it, positive to the left", "rad", "angle",
                ("steering", "steering_angle", "steered_angle", "steer_angle", "delta", "swa",
-               "steering_wheel_angle"), 20.0),
+               "steering_wheel_angle"), 20.0, source="the CAN bus of the car (OBD has none) or a sensor"),
     LogChannel("speed", "forward speed", "m/s", "speed", ("v", "vx", "v_x", "velocity", "vel", "ground_speed",
-               "vehicle_speed", "gps_speed", "velocity_kmh", "wheel_speed", "twist_linear_x", "v_ego"), 150.0, 0.005),
+               "vehicle_speed", "gps_speed", "velocity_kmh", "wheel_speed", "twist_linear_x", "v_ego"), 150.0, 0.005,
+               (*_WHEELS, _POSE)),
     *(
         LogChannel(f"omega_{corner}", f"spin of the wheel {corner}", "rad/s", "rotation",
                    (f"wheel_speed_{corner}", f"wheel_speed_{side}"),
@@ -42,14 +49,17 @@ _CHANNELS = (
     ),
     LogChannel("yaw_rate", "yaw rate, positive to the left", "rad/s", "rotation", ("r", "yawrate", "psi_dot",
                "gyro_z", "gz", "omega_z", "angular_velocity_z", "angular_z", "gyro_rad_2", "gyro_yaw_velocity",
-               "yaw_velocity", "gyro_yaw", "yaw", "rotation_rate_z"),
-               12.0, 2e-4),
+               "yaw_velocity", "gyro_yaw", "yaw", "rotation_rate_z",
+               "rate_of_rotation_z", "gps_gyro"),
+               12.0, 2e-4, (_POSE,), "a gyroscope, which phones have (ay/speed and the rate of a GPS course are the "
+               "turn of the path, not of the car)"),
     LogChannel("ax", "longitudinal acceleration, positive forward", "m/s^2", "acceleration",
                ("a_x", "acceleration_x", "longitudinal_acceleration", "a_ego", "g_force_long", "longitudinal_g",
-               "inline_acceleration", "linear_acceleration_x", "accelerometer_m_s2_0"), 80.0, 2e-3),
+               "g_long", "inline_acceleration", "linear_acceleration_x", "accelerometer_m_s2_0"), 80.0, 2e-3),
     LogChannel("ay", "lateral acceleration, positive to the left", "m/s^2", "acceleration",
-               ("a_y", "acceleration_y", "lateral_acceleration", "g_force_lat", "lateral_g", "linear_acceleration_y",
-               "accelerometer_m_s2_1"), 80.0, 2e-3),
+               ("a_y", "acceleration_y", "lateral_acceleration", "g_force_lat", "lateral_g", "g_lat",
+               "linear_acceleration_y", "accelerometer_m_s2_1"), 80.0, 2e-3, (_POSE,),
+               "an accelerometer near the center of gravity"),
     LogChannel("beta", "sideslip angle at the reference point, positive to the left", "rad", "angle",
                ("sideslip", "slip_angle", "side_slip"), 1.6, 2e-4),
     LogChannel("vy", "lateral speed at the reference point, positive to the left", "m/s", "speed",
@@ -64,10 +74,24 @@ _CHANNELS = (
 #: Names of the vertical acceleration. It shows the axes: at rest it reads +9.81 m/s^2 with z up, -9.81 with z down.
 VERTICAL = ("az", "a_z", "acceleration_z", "vertical_acceleration", "g_force_vert", "linear_acceleration_z",
             "accelerometer_m_s2_2")  # fmt: skip
+#: Names of what a car has and a bench has not.
+POSITIONS = ("latitude", "longitude", "gps_latitude", "gps_longitude")
 #: Words of names that are written in several ways.
 SHORT = {"acceleration": "acc", "accel": "acc", "lateral": "lat", "longitudinal": "long", "lon": "long",
-         "vertical": "vert"}  # fmt: skip
+         "vertical": "vert", "gs": "g", "gforce": "g"}  # fmt: skip
 #: Channels that change sign between axes forward, left, up and forward, right, down.
 TURNED = ("steer", "yaw_rate", "ay", "beta", "vy", "y", "heading")
 LOG_CHANNELS: dict[str, LogChannel] = {declared.name: declared for declared in _CHANNELS}
+#: Channels that an estimate needs.
+NEEDED = ("steer", "yaw_rate", "ay", "speed")
 WHEEL_SPEEDS = {"front": ("omega_fl", "omega_fr"), "rear": ("omega_rl", "omega_rr")}
+
+
+def lacking(names: Collection[str]) -> list[LogChannel]:
+    """Return the needed channels that a log with these names lacks, and of which it has no substitute.
+
+    >>> [channel.name for channel in lacking(("steer", "omega_fl", "omega_rr", "ay"))]
+    ['yaw_rate']
+    """
+    needed = [LOG_CHANNELS[name] for name in NEEDED if name not in names]
+    return [channel for channel in needed if not any(set(group) <= set(names) for group in channel.instead)]

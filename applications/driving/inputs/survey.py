@@ -17,11 +17,12 @@ from ....measurements.files.columns.cells import numbers
 from ....measurements.files.columns.content import Column, Content, is_unit, name_and_unit
 from ....measurements.files.columns.resolution import choices, unit_at_end
 from ....measurements.interpretation import NOT_READ
+from ....measurements.terms import words_of
 from ....measurements.units import GRAVITY, to_si, unit_named
 from ....symbolic.channels import CHANNELS, OUTPUTS
 from .car_entries import example_text
 from .clock import TRIED, clock_problem
-from .log_channels import LOG_CHANNELS, SHORT, TURNED, VERTICAL
+from .log_channels import LOG_CHANNELS, POSITIONS, SHORT, TURNED, VERTICAL, lacking
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -35,7 +36,6 @@ SHORTEST_END, SHORTEST_JOINED = 5, 4
 #: Share by which a mean may differ from gravity, correlations that show a sign and a cause.
 GRAVITY_SHARE, CLEAR, STRONG = 0.2, 0.3, 0.7
 _PATH = re.compile("[/.]")
-_WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class Survey:
 
 
 def is_drive_log(content: Content, named: Collection[str] = ()) -> bool:
-    """Return whether a file is the log of a drive: no force of a tire, and two channels of a drive at least.
+    """Return whether a file is the log of a drive: no force of a tire, and two channels of a drive or its positions.
 
     `named`: channels that the user names; one that only a drive has decides.
     """
@@ -98,7 +98,7 @@ def is_drive_log(content: Content, named: Collection[str] = ()) -> bool:
     ):
         return False
     near = {nearest_channel(column) for column in content.columns} - {"", "t", "speed"}
-    return len(near) >= 2
+    return len(near) >= 2 or any(_is_named(name, position) for name in names for position in POSITIONS)
 
 
 def nearest_channel(column: Column) -> str:
@@ -118,7 +118,7 @@ class _Nearest:
 
     - `rank`: 0 if the name is one of the channel's, 1 if it contains one, 2 without a channel.
     - `shortness`: minus the characters of that name: of several, the longest one is meant.
-    - `unit`: without brackets at the end of the name; empty without one.
+    - `unit`: without brackets in the name; empty without one.
     """
 
     rank: int = 2
@@ -133,13 +133,20 @@ def _nearest(column: Column) -> _Nearest:
     candidates = []
     for channel, declared in LOG_CHANNELS.items():
         if quantity in ("", declared.quantity):
-            plain, ending = (name, "") if quantity else unit_at_end(name, declared.quantity)
+            plain, ending = (name, "") if quantity else _unit_in_name(name, declared.quantity)
             for alias in (channel, *declared.aliases):
                 if _is_named(plain, alias) or _is_named(name, alias):
                     candidates.append(_Nearest(0, -len(alias), channel, ending))
                 elif len(alias) >= SHORTEST_CONTAINED and f"_{_words(alias)}_" in f"_{_words(plain)}_":
                     candidates.append(_Nearest(1, -len(alias), channel, ending))
     return min(candidates, default=_Nearest())
+
+
+def _unit_in_name(name: str, quantity: str) -> tuple[str, str]:
+    """Return a name without the unit at its end, and the unit; an acceleration may have g anywhere ("G Force Lat")."""
+    plain, unit = unit_at_end(name, quantity)
+    in_g = quantity == "acceleration" and not unit and "g" in _words(name).split("_")
+    return plain, "g" if in_g else unit
 
 
 def _is_named(written: str, alias: str) -> bool:
@@ -199,6 +206,8 @@ def survey(content: Content, source: str, columns: Mapping[str, str] | None = No
             sign = "-" if down and name in TURNED else ""
             proposal[name] = columns.get(name) or f"{sign}{_text(column, name, data)}"
     notes += _agreed(proposal, values, columns)
+    if lacks := [channel.name for channel in lacking(proposal)]:
+        notes.append(f"not there, and needed by tirefmu drive: {', '.join(lacks)}")
     changed = {name: text for name, text in proposal.items() if text != name}
     return Survey(tuple(rows), changed, tuple(notes))
 
@@ -237,7 +246,7 @@ def _clock(content: Content, source: str, named: str) -> tuple[FloatArray | None
         header = _with_unit(near, "t") if near else ""
     if not header:
         return None, ""
-    chosen = choices(content, LOG_CHANNELS, source, {"t": header})["t"]
+    chosen = choices(content, {"t": LOG_CHANNELS["t"]}, source, {"t": header})["t"]
     times = chosen.values(content, source)
     finite = times[np.isfinite(times)]
     if not chosen.declared and clock_problem(finite, header):
@@ -262,7 +271,7 @@ def _points_down(content: Content, source: str) -> bool:
 def _with_unit(column: Column, name: str) -> str:
     """Return how a car file names the column of a channel, with the unit at the end of its name."""
     header = f"{column.group}/{column.header}" if column.group and "/" not in column.header else column.header
-    unit = "" if is_unit(column.declared_unit) else unit_at_end(column.header, LOG_CHANNELS[name].quantity)[1]
+    unit = "" if is_unit(column.declared_unit) else _unit_in_name(column.header, LOG_CHANNELS[name].quantity)[1]
     return f"{header} [{unit}]" if unit else header
 
 
@@ -324,5 +333,4 @@ def _correlation(
 
 
 def _words(name: str) -> str:
-    words = (word.casefold() for word in _WORDS.findall(name))
-    return "_".join(SHORT.get(word, word) for word in words)
+    return "_".join(SHORT.get(word, word) for word in words_of(name))

@@ -21,10 +21,14 @@ MISSING = frozenset(
      "overflow", "underflow", "ol", "sna", "bad", "offline", "timeout", "inactive", "nosignal", "signalnotavailable")
 )  # fmt: skip
 _COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
+_COMMAS, _POINT = re.compile(rf"\s*{_COMMA.pattern}\s*"), re.compile(rf"\s*{_COMMA.pattern.replace(',', '[.]')}\s*")
+#: A number whose comma may separate thousands.
+_THOUSANDS = re.compile(r"\s*[-+]?[1-9]\d{0,2}(,\d{3})+\s*")
 _ELAPSED = re.compile(
     r"(?P<sign>-)?(?:(?P<days>\d{1,6}) ?(?:days?|d) ?\+?)?(?:(?P<hours>\d{1,6}):)?(?P<minutes>\d{1,6}):"
     r"(?P<seconds>\d{1,2}(?:[.,]\d{1,12})?)"
 )
+_DATE = re.compile(r"\d{4}-\d\d-\d\d|\d\d?(?:[./]\d\d?[./]|-[A-Za-z]{3}-)\d{4}\b")
 #: Integers beyond this one are not exact as floats.
 _EXACT = 2**53
 
@@ -57,6 +61,38 @@ def numbers(
     return np.array([_number(cell, row, source, label, location) for row, cell in enumerate(objects)]), False
 
 
+def has_decimal_commas(rows: Iterable[Sequence[str]]) -> bool:
+    """Return whether the numbers of a text file have decimal commas.
+
+    They do if a comma cannot separate thousands, and no row with such a number has one with a point.
+
+    >>> [has_decimal_commas([row]) for row in (["0,5", "1,250"], ["12", "1,250"], ["0,5", "1.2"])]
+    [True, False, False]
+    """
+    decisive = False
+    for row in rows:
+        if any(_COMMAS.fullmatch(cell) for cell in row):
+            decisive |= any(_COMMAS.fullmatch(cell) and not _THOUSANDS.fullmatch(cell) for cell in row)
+            if any(_POINT.fullmatch(cell) for cell in row):
+                return False
+    return decisive
+
+
+def with_point(cell: str) -> str:
+    """Return a number with a decimal comma with a point in its place; any other text as it is.
+
+    >>> with_point("-0,5"), with_point("31,12,2025")
+    ('-0.5', '31,12,2025')
+    """
+    return cell.replace(",", ".") if _COMMAS.fullmatch(cell) else cell
+
+
+def first_with_point(cells: pd.Series) -> int | None:
+    """Return the row of the first number with a point, which may separate thousands among decimal commas."""
+    pointed = np.flatnonzero(cells.str.fullmatch(_POINT, na=False))
+    return int(pointed[0]) if len(pointed) else None
+
+
 def is_number(cell: Any) -> bool:
     """Return whether `float` accepts a cell.
 
@@ -82,14 +118,12 @@ def is_missing(cell: Any) -> bool:
 def is_time(cell: Any) -> bool:
     """Return whether a cell is a date, a duration or an elapsed time.
 
-    >>> is_time("01:02.5"), is_time("2024-05-01 10:00:00"), is_time("12.5")
-    (True, True, False)
+    >>> is_time("01:02.5"), is_time("2024-05-01 10:00:00"), is_time("01-May-2024 10:00:00"), is_time("12.5")
+    (True, True, True, False)
     """
     if isinstance(cell, (date, time, timedelta, np.datetime64, np.timedelta64)):
         return True
-    return isinstance(cell, str) and bool(
-        _ELAPSED.fullmatch(cell.strip()) or re.match(r"\d{4}-\d\d-\d\d|\d\d?[./]\d\d?[./]\d{4}\b", cell.strip())
-    )
+    return isinstance(cell, str) and bool(_ELAPSED.fullmatch(cell.strip()) or _DATE.match(cell.strip()))
 
 
 def _number(cell: Any, row: int, source: str, label: str, location: Callable[[int], str]) -> float:

@@ -16,24 +16,28 @@ SAMPLED = 400
 
 @dataclass(frozen=True)
 class Layout:
-    """Rows of a sheet, counted from 0: of the names, of the units (None without), and the first one of the numbers."""
+    """Rows of a sheet, counted from 0: of the names, units and sources (None without), and the first of the numbers."""
 
     names: int
     units: int | None
     first: int
+    sources: int | None = None
 
 
 def layout(rows: Sequence[Sequence[Any]]) -> Layout:
     """Return the layout of a sheet from its first rows without the blank ones.
 
     The numbers begin at the first row of the common width in which most cells are numbers or times. The units are the
-    row above in which no cell is a number and one is a known unit; the names are the row above that. Without such a
-    row of numbers the first row of the common width has the names.
+    row above in which no cell is a number and one is a known unit; the names are the row above that. A row of sources
+    ("gps", "can") may be below the units: it repeats its cells, or has fewer than the names. Without such a row of
+    numbers the first row of the common width has the names.
 
     >>> layout([["Run title"], ["ET", "SA"], ["sec", "deg"], ["0.0", "1.5"], ["0.1", "1.6"]])
-    Layout(names=1, units=2, first=3)
+    Layout(names=1, units=2, first=3, sources=None)
+    >>> layout([["t", "v", "v"], ["s", "m/s", "m/s"], ["", "gps", "can"], ["0.0", "1.5", "1.6"]])
+    Layout(names=0, units=1, first=3, sources=2)
     >>> layout([["kind", "Fz"], ["first", "900"]])
-    Layout(names=0, units=None, first=1)
+    Layout(names=0, units=None, first=1, sources=None)
     """
     rows = rows[:SAMPLED]
     width = _common_width(rows)
@@ -51,6 +55,8 @@ def layout(rows: Sequence[Sequence[Any]]) -> Layout:
         return Layout(0, None, 1)
     if len(above) > 1 and _is_units(rows[above[-1]]):
         return Layout(above[-2], above[-1], start)
+    if len(above) > 2 and _is_units(rows[above[-2]]) and _are_sources(rows[above[-1]], rows[above[-3]]):
+        return Layout(above[-3], above[-2], start, above[-1])
     return Layout(above[-1], None, above[-1] + 1)
 
 
@@ -77,6 +83,12 @@ def _is_numeric(row: Sequence[Any]) -> bool:
     cells = [cell for cell in row if not _is_empty(cell)]
     values = sum(is_number(cell) or is_time(cell) for cell in cells)
     return values > 0 and 2 * sum(is_number(cell) or is_time(cell) or is_missing(cell) for cell in cells) > len(cells)
+
+
+def _are_sources(row: Sequence[Any], names: Sequence[Any]) -> bool:
+    """Return whether a row below the units has sources and no names: cells repeat, or names have none."""
+    cells = [str(cell).strip() for cell in row if not _is_empty(cell)]
+    return len(set(cells)) < len(cells) or len(cells) < _filled(names)
 
 
 def _is_units(row: Sequence[Any]) -> bool:

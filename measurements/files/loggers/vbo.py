@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +9,10 @@ import numpy as np
 from ....boundary.errors import DataError
 from ....numerics.arrays import FloatArray
 from ..columns.cells import DAY, numbers, rows_of_cells
-from ..columns.content import Column, Content
+from ..columns.content import Column, Content, is_unit
 
-#: Names of ``[header]`` that end with their unit: "velocity kmh".
-_UNIT = re.compile(r"(?P<name>.+?) (?P<unit>kmh|km/h|mph|kts|knots|ms|m/s)", re.IGNORECASE)
+#: Units of ``[header]`` ("velocity kmh", "Lat accel g") with another meaning elsewhere.
+_UNITS = {"ms": "m/s"}
 
 
 def read_vbo(path: Path) -> Content:
@@ -60,8 +59,9 @@ def _units(names: list[str], long_names: list[str], declared: list[str]) -> dict
     units = {}
     if len(long_names) == len(names):
         for name, long_name in zip(names, long_names, strict=True):
-            if match := _UNIT.fullmatch(long_name.strip()):
-                units[name] = "m/s" if match["unit"].casefold() == "ms" else match["unit"]
+            _, blank, unit = long_name.strip().rpartition(" ")
+            if blank and is_unit(unit) and not unit.isdigit():
+                units[name] = _UNITS.get(unit.casefold(), unit)
     else:
         units = {name: "km/h" for name in names if name == "velocity" and "velocity kmh" in long_names}
     return units | dict(zip(reversed(names), reversed(declared), strict=False))

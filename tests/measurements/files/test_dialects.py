@@ -9,6 +9,7 @@ import pytest
 from tirefmu.applications.driving.inputs.log import read_log
 from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import read_recording
+from tirefmu.measurements.files.reading import read_content
 
 T = np.arange(200) * 0.05
 STEER = 0.1 * np.sin(2.0 * T)
@@ -65,6 +66,67 @@ def test_a_decimal_comma_is_refused_with_the_remedy(tmp_path):
     (tmp_path / "run.dat").write_text("Round 8\n" + "\n".join(map(";".join, cells)), encoding="utf-8")
     with pytest.raises(DataError, match=r"line 4: channel ET: '0,0000' is not a number: a decimal comma\? write 0\."):
         read_recording(tmp_path / "run.dat")
+
+
+@pytest.mark.parametrize("separator", [";", "\t"])
+@pytest.mark.parametrize("above", [[], ["Messung 1"], ["Messung 1;Tag 2", "", "Rate;20;Hz"]])
+@pytest.mark.parametrize("units", [True, False])
+def test_decimal_commas(tmp_path, separator, above, units):
+    head = [*above, separator.join(LOG), *([separator.join(["s", "rad", "m/s", "rad/s", "m/s^2"])] if units else [])]
+    text = "\n".join([*head, *(line.replace(".", ",") for line in rows(LOG, separator))])
+    (tmp_path / "a.csv").write_text(text, encoding="utf-8")
+    assert_is_the_log(read_log(tmp_path / "a.csv"))
+
+
+def test_a_comma_that_may_separate_thousands_is_no_decimal_one(tmp_path):
+    lines = ["t;steer;speed;yaw_rate;ay", *(f"{i};0;{line};0;0" for i, line in enumerate(["1,234", "2,500"] * 30))]
+    (tmp_path / "a.csv").write_text("\n".join(lines), encoding="utf-8")
+    with pytest.raises(DataError, match=r"line 2: column speed: '1,234' is not a number"):
+        read_log(tmp_path / "a.csv")
+    # Behind the rows that decide, too: a point among decimal commas may separate thousands.
+    many = ["t;steer;speed;yaw_rate;ay", *(f"{i};0,1;1,5;0,1;0,1" for i in range(600)), "600;0,1;1.234;0,1;0,1"]
+    (tmp_path / "a.csv").write_text("\n".join(many), encoding="utf-8")
+    with pytest.raises(DataError, match=r"line 602: column speed: '1\.234' has a point, other numbers have decimal"):
+        read_log(tmp_path / "a.csv")
+
+
+@pytest.mark.parametrize(
+    ("sources", "chosen"),
+    [
+        (["", "100: gps", "100: gps", "calc", "calc", "200: can"], ["100: gps", "200: can"]),
+        (["", "gps", "", "", "", ""], ["gps", "column 6"]),
+        (["x", "x", "x", "x", "x", "x"], ["column 2", "column 6"]),
+    ],
+)
+def test_a_row_of_sources_below_the_units_is_no_row_of_names(tmp_path, sources, chosen):
+    names, units = (
+        ["t", "speed", "steer", "yaw_rate", "ay", "speed"],
+        ["unix time", "m/s", "rad", "rad/s", "m/s2", "km/h"],
+    )
+    table = LOG[["t", "speed", "steer", "yaw_rate", "ay"]].assign(other=3.6 * LOG["speed"])
+    head = ["Created by a logger", "Format,3", "", ",".join(names), ",".join(units), ",".join(sources)]
+    (tmp_path / "a.csv").write_text("\n".join([*head, *rows(table)]), encoding="utf-8")
+    with pytest.raises(
+        DataError, match=f"'speed' occurs 2 times.*'speed={chosen[0]}/speed' or 'speed={chosen[1]}/speed'"
+    ):
+        read_log(tmp_path / "a.csv")
+    for group in chosen:
+        assert_is_the_log(read_log(tmp_path / "a.csv", {"speed": f"{group}/speed"}))
+
+
+def test_a_row_of_names_below_a_title_with_a_unit_has_the_names(tmp_path):
+    lines = ["a;b;c;d;e", "track;m;Hz;20;x".replace("20", "b"), ";".join(LOG), *rows(LOG, ";")]
+    (tmp_path / "a.csv").write_text("\n".join(lines), encoding="utf-8")
+    assert_is_the_log(read_log(tmp_path / "a.csv"))
+
+
+def test_the_header_of_a_vbox_log_has_units_at_its_ends(tmp_path):
+    names, titles = ["time", "velocity", "Latacc", "Longacc"], ["time", "velocity kmh", "Lat accel g", "Long accel g"]
+    lines = [f"10{int(t // 60):02d}{t % 60:05.2f} 036.0 +0.5 -0.25" for t in T]
+    parts = ["[header]", *titles, "[channel units]", "[column names]", " ".join(names), "[data]", *lines]
+    (tmp_path / "a.vbo").write_text("\n".join(parts), encoding="utf-8")
+    units = {column.header: column.unit for column in read_content(tmp_path / "a.vbo").columns}
+    assert units == {"time": "s", "velocity": "kmh", "Latacc": "g", "Longacc": "g"}
 
 
 @pytest.mark.parametrize("start", [0.0, 3600.0])

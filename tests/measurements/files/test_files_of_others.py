@@ -139,12 +139,13 @@ def log_csv(path: Path, table, units, random) -> None:
 
 
 def log_logger(path: Path, table, units, random) -> None:
-    """Write a file as MoTeC i2 and AiM do: quoted information, names, units, numbers."""
+    """Write a file as MoTeC i2 and AiM do: quoted information, names, units, numbers of any country."""
+    mark = str(random.choice([".", ","]))
     kind = str(random.choice(["MoTeC", "AiM"]))
     lines = [f'"Format","{kind} CSV File"', '"Venue","track",,,"Session","2"', '"Duration","6.0","s"', ""]
     lines += [",".join(f'"{name}"' for name in table), ",".join(f'"{units[name]}"' for name in table)]
     lines += [""] * int(random.integers(3))
-    lines += [",".join(f'"{value!r}"' for value in row) for row in table.to_numpy().tolist()]
+    lines += [",".join(f'"{value!r}"'.replace(".", mark) for value in row) for row in table.to_numpy().tolist()]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
