@@ -97,6 +97,11 @@ def test_a_name_counts_in_any_spelling_and_with_its_unit(tmp_path, monkeypatch, 
         ("Gforce Lat", "ay"),
         ("GLong", "ax"),
         ("GPS LatAcc", "ay"),
+        ("LATERALG", "ay"),
+        ("GPS Gyro", ""),  # the turn of the path
+        ("AVz", "yaw_rate"),
+        ("Gyroscope z", "yaw_rate"),
+        ("Steer.WhlAng", "steer"),
         ("z_rate_of_rotation", "yaw_rate"),
         ("Time Stamp", "t"),
         ("front_left wheel speed", "omega_fl"),
@@ -112,7 +117,7 @@ def test_a_name_of_something_else_is_no_channel(name):
 
 
 @pytest.mark.parametrize(
-    "names", [("G Force Long", "G Force Lat"), ("Longitudinal Gs", "Lateral Gs"), ("G_Long", "LatG")]
+    "names", [("G Force Long", "G Force Lat"), ("Longitudinal Gs", "Lateral Gs"), ("LINEALG", "LATERALG")]
 )
 def test_a_name_in_g_declares_its_unit(tmp_path, monkeypatch, names):
     """Also of a gentle drive, whose numbers may be m/s^2."""

@@ -37,7 +37,7 @@ _CHANNELS = (
                "session_time", "device_time"), 1e11),
     LogChannel("steer", "steering: as the ratio or the map of the car reads it, positive to the left", "rad", "angle",
                ("steering", "steering_angle", "steered_angle", "steer_angle", "delta", "swa",
-               "steering_wheel_angle"), 20.0, source="the CAN bus of the car (OBD has none) or a sensor"),
+               "steering_wheel_angle", "steer_sw"), 20.0, source="the CAN bus of the car (OBD has none) or a sensor"),
     LogChannel("speed", "forward speed", "m/s", "speed", ("v", "vx", "v_x", "velocity", "vel", "ground_speed",
                "vehicle_speed", "gps_speed", "velocity_kmh", "wheel_speed", "twist_linear_x", "v_ego"), 150.0, 0.005,
                (*_WHEELS, _POSE)),
@@ -50,12 +50,13 @@ _CHANNELS = (
     LogChannel("yaw_rate", "yaw rate, positive to the left", "rad/s", "rotation", ("r", "yawrate", "psi_dot",
                "gyro_z", "gz", "omega_z", "angular_velocity_z", "angular_z", "gyro_rad_2", "gyro_yaw_velocity",
                "yaw_velocity", "gyro_yaw", "yaw", "rotation_rate_z",
-               "rate_of_rotation_z", "gps_gyro"),
+               "rate_of_rotation_z", "AVz"),
                12.0, 2e-4, (_POSE,), "a gyroscope, which phones have (ay/speed and the rate of a GPS course are the "
                "turn of the path, not of the car)"),
     LogChannel("ax", "longitudinal acceleration, positive forward", "m/s^2", "acceleration",
                ("a_x", "acceleration_x", "longitudinal_acceleration", "a_ego", "g_force_long", "longitudinal_g",
-               "g_long", "inline_acceleration", "linear_acceleration_x", "accelerometer_m_s2_0"), 80.0, 2e-3),
+               "g_long", "lineal_g", "inline_acceleration", "linear_acceleration_x", "accelerometer_m_s2_0"), 80.0,
+               2e-3),
     LogChannel("ay", "lateral acceleration, positive to the left", "m/s^2", "acceleration",
                ("a_y", "acceleration_y", "lateral_acceleration", "g_force_lat", "lateral_g", "g_lat",
                "linear_acceleration_y", "accelerometer_m_s2_1"), 80.0, 2e-3, (_POSE,),
@@ -78,7 +79,8 @@ VERTICAL = ("az", "a_z", "acceleration_z", "vertical_acceleration", "g_force_ver
 POSITIONS = ("latitude", "longitude", "gps_latitude", "gps_longitude")
 #: Words of names that are written in several ways.
 SHORT = {"acceleration": "acc", "accel": "acc", "lateral": "lat", "longitudinal": "long", "lon": "long",
-         "vertical": "vert", "gs": "g", "gforce": "g"}  # fmt: skip
+         "vertical": "vert", "gs": "g", "gforce": "g", "steering": "steer", "whl": "wheel", "ang": "angle",
+         "gyroscope": "gyro"}  # fmt: skip
 #: Channels that change sign between axes forward, left, up and forward, right, down.
 TURNED = ("steer", "yaw_rate", "ay", "beta", "vy", "y", "heading")
 LOG_CHANNELS: dict[str, LogChannel] = {declared.name: declared for declared in _CHANNELS}

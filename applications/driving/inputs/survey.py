@@ -118,7 +118,7 @@ class _Nearest:
 
     - `rank`: 0 if the name is one of the channel's, 1 if it contains one, 2 without a channel.
     - `shortness`: minus the characters of that name: of several, the longest one is meant.
-    - `unit`: without brackets in the name; empty without one.
+    - `unit`: without brackets at the end of the name, or g within it ("G Force Lat"); empty without one.
     """
 
     rank: int = 2
@@ -133,20 +133,14 @@ def _nearest(column: Column) -> _Nearest:
     candidates = []
     for channel, declared in LOG_CHANNELS.items():
         if quantity in ("", declared.quantity):
-            plain, ending = (name, "") if quantity else _unit_in_name(name, declared.quantity)
+            plain, ending = (name, "") if quantity else unit_at_end(name, declared.quantity)
             for alias in (channel, *declared.aliases):
+                unit = ending or ("g" if "g" in alias.split("_") and not quantity else "")
                 if _is_named(plain, alias) or _is_named(name, alias):
-                    candidates.append(_Nearest(0, -len(alias), channel, ending))
+                    candidates.append(_Nearest(0, -len(alias), channel, unit))
                 elif len(alias) >= SHORTEST_CONTAINED and f"_{_words(alias)}_" in f"_{_words(plain)}_":
-                    candidates.append(_Nearest(1, -len(alias), channel, ending))
+                    candidates.append(_Nearest(1, -len(alias), channel, unit))
     return min(candidates, default=_Nearest())
-
-
-def _unit_in_name(name: str, quantity: str) -> tuple[str, str]:
-    """Return a name without the unit at its end, and the unit; an acceleration may have g anywhere ("G Force Lat")."""
-    plain, unit = unit_at_end(name, quantity)
-    in_g = quantity == "acceleration" and not unit and "g" in _words(name).split("_")
-    return plain, "g" if in_g else unit
 
 
 def _is_named(written: str, alias: str) -> bool:
@@ -156,7 +150,9 @@ def _is_named(written: str, alias: str) -> bool:
     for first in range(len(parts)):
         words = _words("_".join(parts[first:])).split("_")
         joined = "".join(words)
-        same = sorted(words) == sorted(wanted) or (len(joined) >= SHORTEST_JOINED and joined == "".join(wanted))
+        plain = "".join(words_of("_".join(parts[first:])))
+        alike = joined == "".join(wanted) or plain == "".join(words_of(alias))
+        same = sorted(words) == sorted(wanted) or (len(joined) >= SHORTEST_JOINED and alike)
         if same and (first == 0 or len(joined) >= SHORTEST_END):
             return True
     return False
@@ -269,9 +265,12 @@ def _points_down(content: Content, source: str) -> bool:
 
 
 def _with_unit(column: Column, name: str) -> str:
-    """Return how a car file names the column of a channel, with the unit at the end of its name."""
+    """Return how a car file names the column of a channel, with the unit that its name has without brackets."""
     header = f"{column.group}/{column.header}" if column.group and "/" not in column.header else column.header
-    unit = "" if is_unit(column.declared_unit) else _unit_in_name(column.header, LOG_CHANNELS[name].quantity)[1]
+    if is_unit(column.declared_unit):
+        return header
+    near = _nearest(column)
+    unit = near.unit if near.channel == name else unit_at_end(column.header, LOG_CHANNELS[name].quantity)[1]
     return f"{header} [{unit}]" if unit else header
 
 
