@@ -39,15 +39,17 @@ _PHRASES = {
     if "_" in alias
 }
 _SUFFIXED = re.compile(r"(?P<name>[\w ]+)[ _]?[ _(](?P<unit>[^()\[\]_ ]+)\)?")
+#: The wheel at the end of a name: "Alpha_L1", "slip_angle_fl", "SlipAngleFL".
+_WHEEL = re.compile(r"(?:[ _.](?:[fr][lr]|[lr][fr12])|(?-i:(?<=[a-z])(?:[FR][LR]|[LR][FR12])))$", re.IGNORECASE)
 _BRACKETED = re.compile(r"(?P<name>[^\[(]+)[\[(]")
 
 
 def intended_channel(column: str) -> str | None:
     """Return the channel that the name of a column probably means, or None.
 
-    Recognized are names in another case or with other separators, bench names, aliases, names with a unit or a
-    qualifier ("raw", "filtered"), names in the languages of `TERMS`, names that contain an alias of several words, and
-    single typing errors. Named quantities of a tire (``alpha_y``) are not channels.
+    Recognized are names in another case or with other separators, bench names, aliases, names with a unit, a wheel
+    ("FL", "L1") or a qualifier ("raw", "filtered"), names in the languages of `TERMS`, names that contain an alias of
+    several words, and single typing errors. Named quantities of a tire (``alpha_y``) are not channels.
 
     >>> [intended_channel(name) for name in ("Alpha", "SA", "gama", "alpha_deg", "SlipAngle", "TirePressure_kPa")]
     ['alpha', 'alpha', 'gamma', 'alpha', 'alpha', 'p']
@@ -60,7 +62,7 @@ def intended_channel(column: str) -> str | None:
     if suffixed := unit_in_name(column):
         return suffixed[0]
     bracketed = _BRACKETED.match(column)
-    name = bracketed["name"] if bracketed else column
+    name = _WHEEL.sub("", (bracketed["name"] if bracketed else column).strip())
     words = [word for word in words_of(name) if word not in _QUALIFIERS]
     written = "".join(words)
     if written in _ALIASES:
@@ -71,6 +73,15 @@ def intended_channel(column: str) -> str | None:
     if contained is not None:
         return contained
     return _misspelled(name.strip().casefold(), written)
+
+
+def names_a_wheel(column: str) -> bool:
+    """Return whether the name of a column ends in a wheel of a car.
+
+    >>> [names_a_wheel(name) for name in ("Fy_L1", "SlipAngleFL [deg]", "Fy", "half")]
+    [True, True, False, False]
+    """
+    return bool(_WHEEL.search(re.split(r"[\[(]", column)[0].strip()))
 
 
 def unit_in_name(column: str) -> tuple[str, str] | None:

@@ -131,6 +131,14 @@ def test_a_name_in_g_declares_its_unit(tmp_path, monkeypatch, names):
         np.testing.assert_allclose(log.values(name), slow[name], atol=1e-12)
 
 
+def test_the_log_of_a_simulated_car_has_forces_of_its_wheels(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    forces = {f"{name}_{wheel}": 0.0 * T for name in ("Fy", "Fz", "Alpha") for wheel in ("L1", "R1", "L2", "R2")}
+    LOG.rename(columns={"steer": "Steer_SW", "yaw_rate": "AVz"}).assign(**forces).to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv"]) == 0
+    assert 'yaw_rate = "AVz"' in capsys.readouterr().out
+
+
 def test_what_a_log_of_a_phone_lacks_is_stated_at_once(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     phone = LOG[["t", "speed", "ay"]].assign(latitude=31.0, longitude=121.0)

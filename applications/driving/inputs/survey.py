@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from ....boundary.errors import TirefmuError, UnknownName
 from ....boundary.escaping import toml_string
-from ....measurements.column_names import intended_channel
+from ....measurements.column_names import intended_channel, names_a_wheel
 from ....measurements.files.columns.cells import numbers
 from ....measurements.files.columns.content import Column, Content, is_unit, name_and_unit
 from ....measurements.files.columns.resolution import choices, unit_at_end
@@ -86,7 +86,7 @@ class Survey:
 
 
 def is_drive_log(content: Content, named: Collection[str] = ()) -> bool:
-    """Return whether a file is the log of a drive: no force of a tire, and two channels of a drive or its positions.
+    """Return whether a file is the log of a drive: no force but of wheels, and two channels or the positions of a car.
 
     `named`: channels that the user names; one that only a drive has decides.
     """
@@ -94,7 +94,7 @@ def is_drive_log(content: Content, named: Collection[str] = ()) -> bool:
         return True
     names = [name_and_unit(column.header)[0] for column in content.columns]
     if content.format in ("ttc", "tydex") or any(
-        name in OUTPUTS or intended_channel(name) in OUTPUTS for name in names
+        intended_channel(name) in OUTPUTS and not names_a_wheel(name) for name in names
     ):
         return False
     near = {nearest_channel(column) for column in content.columns} - {"", "t", "speed"}

@@ -22,6 +22,8 @@ MISSING = frozenset(
 )  # fmt: skip
 _COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
 _COMMAS, _POINT = re.compile(rf"\s*{_COMMA.pattern}\s*"), re.compile(rf"\s*{_COMMA.pattern.replace(',', '[.]')}\s*")
+#: A number with marks between thousands and before decimals, in either order.
+_BOTH = re.compile(r"[-+]?\d{1,3}(?:(?:\.\d{3})+,|(?:,\d{3})+\.)\d+")
 #: A number whose comma may separate thousands.
 _THOUSANDS = re.compile(r"\s*[-+]?[1-9]\d{0,2}(,\d{3})+\s*")
 _ELAPSED = re.compile(
@@ -133,6 +135,7 @@ def _number(cell: Any, row: int, source: str, label: str, location: Callable[[in
         return float("nan")
     shown = str(cell)
     hint = f": a decimal comma? write {shown.replace(',', '.')}" if _COMMA.fullmatch(shown.strip()) else ""
+    hint = ": export it without marks between thousands" if _BOTH.fullmatch(shown.strip()) else hint
     raise DataError(f"{source}: {location(row)}: {label}: {shown!r} is not a number{hint}")
 
 

@@ -83,6 +83,11 @@ def test_a_comma_that_may_separate_thousands_is_no_decimal_one(tmp_path):
     (tmp_path / "a.csv").write_text("\n".join(lines), encoding="utf-8")
     with pytest.raises(DataError, match=r"line 2: column speed: '1,234' is not a number"):
         read_log(tmp_path / "a.csv")
+    for number in ("1.234,5", "1,234.5"):
+        marked = [lines[0], *(f"{i},1;0;{number};0;0" for i in range(60))]
+        (tmp_path / "a.csv").write_text("\n".join(marked), encoding="utf-8")
+        with pytest.raises(DataError, match=f"line 2: column speed: '{number}' is not a number: export it without"):
+            read_log(tmp_path / "a.csv")
     # Behind the rows that decide, too: a point among decimal commas may separate thousands.
     many = ["t;steer;speed;yaw_rate;ay", *(f"{i};0,1;1,5;0,1;0,1" for i in range(600)), "600;0,1;1.234;0,1;0,1"]
     (tmp_path / "a.csv").write_text("\n".join(many), encoding="utf-8")
