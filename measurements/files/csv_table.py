@@ -18,7 +18,7 @@ import pandas as pd
 from ...boundary.errors import DataError
 from .columns.cells import first_with_point, has_decimal_commas, with_point
 from .columns.content import MAX_COLUMNS, Column, Content
-from .columns.layout import SAMPLED, layout
+from .columns.layout import SAMPLED, groups_of, layout
 from .encoding import encoding_of
 
 _SEPARATORS = ",;\t"
@@ -53,7 +53,7 @@ def read_csv(path: Path) -> Content:
     location = partial(_location, path, skipped)
     if commas:
         table = table.apply(_with_points, path=path, names=names, location=location)
-    groups = _groups(names, [] if rows_by_use.sources is None else rows[rows_by_use.sources][1])
+    groups = groups_of(names, [] if rows_by_use.sources is None else rows[rows_by_use.sources][1])
     columns = tuple(
         Column(name.strip(), _exact(table.iloc[:, i]), units[i], group=groups[i])
         for i, name in enumerate(names)
@@ -63,16 +63,6 @@ def read_csv(path: Path) -> Content:
     titles = [" ".join(" ".join(row).split()) for _, row in rows[: rows_by_use.names]]
     ignored = (f"{len(titles)} lines above the names",) if titles else ()
     return Content(columns, location, ignored=ignored)
-
-
-def _groups(names: list[str], sources: list[str]) -> list[str]:
-    """Return what distinguishes columns of one name: their sources, or their numbers where these are the same."""
-    sources = [*(source.strip() for source in sources), *[""] * len(names)]
-    columns = list(zip(names, sources, strict=False))
-    return [
-        "" if names.count(name) == 1 else source if source and columns.count((name, source)) == 1 else f"column {i + 1}"
-        for i, (name, source) in enumerate(columns)
-    ]
 
 
 def _with_points(cells: pd.Series, path: Path, names: list[str], location: Callable[[int], str]) -> pd.Series:

@@ -11,7 +11,7 @@ from ...boundary.errors import DataError
 from . import native_reader
 from .columns.cells import is_missing, is_number
 from .columns.content import Column, Content, listed
-from .columns.layout import layout
+from .columns.layout import groups_of, layout
 
 EXTRA = "Excel needs openpyxl, which the extra 'excel' installs: pip install 'tirefmu[excel]'"
 
@@ -32,13 +32,17 @@ def read_excel(path: Path) -> Content:
     rows_by_use = layout([cells for _, cells in rows])
     units = [] if rows_by_use.units is None else rows[rows_by_use.units][1]
     body = rows[rows_by_use.first :]
+    names = rows[rows_by_use.names][1]
+    groups = groups_of(names, [] if rows_by_use.sources is None else rows[rows_by_use.sources][1])
     columns = []
-    for i, header in enumerate(rows[rows_by_use.names][1]):
+    for i, header in enumerate(names):
         cells = [cells[i] for _, cells in body]
         if header is not None or any(cell is not None for cell in cells):
             unit = str(units[i]).strip(" []()") if units and units[i] is not None else ""
             text = "" if header is None else str(header).strip()
-            columns.append(Column(text, pd.Series([np.nan if cell is None else cell for cell in cells]), unit))
+            columns.append(
+                Column(text, pd.Series([np.nan if cell is None else cell for cell in cells]), unit, "", groups[i])
+            )
     others = [other for other, _, _ in sheets if other != name]
     ignored = (f"sheets {listed(others)}",) if others else ()
     return Content(tuple(columns), lambda row: f"row {body[row][0]}", ignored=ignored)

@@ -60,6 +60,20 @@ def layout(rows: Sequence[Sequence[Any]]) -> Layout:
     return Layout(above[-1], None, above[-1] + 1)
 
 
+def groups_of(names: Sequence[Any], sources: Sequence[Any]) -> list[str]:
+    """Return what distinguishes columns of one name: their sources, or their numbers where these are the same.
+
+    >>> groups_of(["t", "v", "v", "a", "a"], ["", "gps", "can", "calc", "calc"])
+    ['', 'gps', 'can', 'column 4', 'column 5']
+    """
+    written = ["" if _is_empty(source) else str(source).strip() for source in sources]
+    columns = list(zip(names, [*written, *[""] * len(names)], strict=False))
+    return [
+        "" if names.count(name) == 1 else source if source and columns.count((name, source)) == 1 else f"column {i + 1}"
+        for i, (name, source) in enumerate(columns)
+    ]
+
+
 def _common_width(rows: Sequence[Sequence[Any]]) -> int:
     """Return the width of most rows, the larger one of two that are equally common."""
     widths = Counter(map(_width, rows))

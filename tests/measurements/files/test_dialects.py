@@ -115,8 +115,12 @@ def test_a_row_of_sources_below_the_units_is_no_row_of_names(tmp_path, sources, 
         DataError, match=f"'speed' occurs 2 times.*'speed={chosen[0]}/speed' or 'speed={chosen[1]}/speed'"
     ):
         read_log(tmp_path / "a.csv")
+    pytest.importorskip("openpyxl")
+    sheet = [names, units, [source or None for source in sources], *table.to_numpy().tolist()]
+    pd.DataFrame(sheet).to_excel(tmp_path / "a.xlsx", index=False, header=False)
     for group in chosen:
-        assert_is_the_log(read_log(tmp_path / "a.csv", {"speed": f"{group}/speed"}))
+        for file in ("a.csv", "a.xlsx"):
+            assert_is_the_log(read_log(tmp_path / file, {"speed": f"{group}/speed"}))
 
 
 def test_a_row_of_names_below_a_title_with_a_unit_has_the_names(tmp_path):
