@@ -62,7 +62,8 @@ def read_csv(path: Path) -> Content:
     )
     titles = [" ".join(" ".join(row).split()) for _, row in rows[: rows_by_use.names]]
     ignored = (f"{len(titles)} lines above the names",) if titles else ()
-    return Content(columns, location, ignored=ignored)
+    about = {"decimals": "commas in numbers are read as decimal points"} if commas else {}
+    return Content(columns, location, about=about, ignored=ignored)
 
 
 def _with_points(cells: pd.Series, path: Path, names: list[str], location: Callable[[int], str]) -> pd.Series:

@@ -131,6 +131,15 @@ def test_a_name_in_g_declares_its_unit(tmp_path, monkeypatch, names):
         np.testing.assert_allclose(log.values(name), slow[name], atol=1e-12)
 
 
+def test_decimal_commas_of_a_log_are_stated(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    CASES["left"].to_csv("log.csv", index=False, sep=";", decimal=",")
+    assert main(["inspect", "log.csv", "-o", "car.toml"]) == 0
+    assert "# commas in numbers are read as decimal points" in capsys.readouterr().out
+    log = read_log("log.csv", toml_file(tmp_path / "car.toml", TirefmuError)["columns"])
+    np.testing.assert_allclose(log.values("ay"), LOG["ay"], atol=1e-12)
+
+
 def test_the_log_of_a_simulated_car_has_forces_of_its_wheels(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     forces = {f"{name}_{wheel}": 0.0 * T for name in ("Fy", "Fz", "Alpha") for wheel in ("L1", "R1", "L2", "R2")}
@@ -149,11 +158,11 @@ def test_what_a_log_of_a_phone_lacks_is_stated_at_once(tmp_path, monkeypatch, ca
         assert text in str(refusal.value)
     assert "no channel ay" not in str(refusal.value)
     assert main(["inspect", "log.csv", "--json", "found.json"]) == 0
-    assert "not there, and needed by tirefmu drive: steer, yaw_rate" in capsys.readouterr().out
+    assert "not there, and needed for an estimate of the tires: steer, yaw_rate" in capsys.readouterr().out
     # Without a channel of a drive but its speed, the positions show that it is no table of a bench.
     phone.rename(columns={"speed": "GPS Speed(km/h)"}).drop(columns="ay").to_csv("log.csv", index=False)
     assert main(["inspect", "log.csv"]) == 0
-    assert "needed by tirefmu drive: steer, yaw_rate, ay" in capsys.readouterr().out
+    assert "needed for an estimate of the tires: steer, yaw_rate, ay" in capsys.readouterr().out
 
 
 def test_a_column_that_occurs_twice_is_proposed_with_its_source(tmp_path, monkeypatch):

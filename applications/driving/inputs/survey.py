@@ -202,8 +202,9 @@ def survey(content: Content, source: str, columns: Mapping[str, str] | None = No
             sign = "-" if down and name in TURNED else ""
             proposal[name] = columns.get(name) or f"{sign}{_text(column, name, data)}"
     notes += _agreed(proposal, values, columns)
+    notes += [content.about["decimals"]] if "decimals" in content.about else []
     if lacks := [channel.name for channel in lacking(proposal)]:
-        notes.append(f"not there, and needed by tirefmu drive: {', '.join(lacks)}")
+        notes.append(f"not there, and needed for an estimate of the tires: {', '.join(lacks)}")
     changed = {name: text for name, text in proposal.items() if text != name}
     return Survey(tuple(rows), changed, tuple(notes))
 

@@ -36,13 +36,15 @@ RATIOS: Mapping[str, Mapping[float, str]] = {
 
 
 def clock_and_units(recording: Recording) -> Iterator[DataFinding]:
-    """Yield findings on the clock, on channels in two units, on assumed units, and on a speed that may be in km/h."""
+    """Yield findings on the clock, on channels in two units, assumed units, decimal commas, and a speed in km/h."""
     yield from _clock_unit(recording)
     yield from _clock_jumps(recording)
     yield from _mixed_units(recording)
     yield from _unlabelled_speed(recording)
     if (units := recording.about.get("units", "")).startswith("assumed"):
         yield DataFinding("unit", f"{recording.source}: units {units}", command="others: --units Fz=N,alpha=deg,...")
+    if decimals := recording.about.get("decimals"):
+        yield DataFinding("unit", f"{recording.source}: {decimals}")
 
 
 def _clock_unit(recording: Recording) -> Iterator[DataFinding]:
