@@ -9,10 +9,10 @@ import re
 import shlex
 from collections.abc import Collection, Iterable, Mapping
 
-from ..boundary.errors import DataError, UnknownName
+from ..boundary.errors import DataError
 from ..symbolic.channels import CHANNELS, INPUTS, channel
 from .terms import words_of
-from .units import unit_named
+from .units import find_unit
 
 #: Words in the name of a column that do not change its meaning.
 _QUALIFIERS = frozenset(
@@ -140,10 +140,8 @@ def _suggestion(name: str, intended: str) -> str:
 
 
 def _quantity(unit: str) -> str | None:
-    try:
-        return unit_named(unit).quantity
-    except UnknownName:
-        return None
+    named = find_unit(unit)
+    return named.quantity if named else None
 
 
 def _misspelled(column: str, written: str) -> str | None:

@@ -112,14 +112,14 @@ def _normalized(spelling: str) -> str:
     return text.replace("/s/s", "/s2")
 
 
-def unit_named(spelling: str) -> Unit:
-    """Return the unit for a spelling in a file.
+def find_unit(spelling: str) -> Unit | None:
+    """Return the unit for a spelling in a file; None if no unit has it.
 
     `spelling`: "kph", "km/h", "N-m", "deg C", "none", ...; see `_normalized`. A number in front of a
-    unit without an offset multiplies it: "0.1 N". Raises `UnknownName` if no unit has this spelling.
+    unit without an offset multiplies it: "0.1 N".
 
-    >>> unit_named("0.1 N").factor
-    0.1
+    >>> find_unit("0.1 N").factor, find_unit("dge")
+    (0.1, None)
     """
     unit = UNITS.get(_normalized(spelling))
     if unit is not None:
@@ -127,8 +127,20 @@ def unit_named(spelling: str) -> Unit:
     scaled = _SCALED.fullmatch(spelling.strip())
     unit = UNITS.get(_normalized(scaled["unit"])) if scaled else None
     if scaled is None or unit is None or unit.offset or not float(scaled["factor"]) > 0.0:
-        raise UnknownName("unit", spelling.strip(), UNITS)
+        return None
     return Unit(unit.quantity, float(scaled["factor"]) * unit.factor)
+
+
+def unit_named(spelling: str) -> Unit:
+    """Return the unit for a spelling as of `find_unit`; raises `UnknownName`, with the nearest one, if no unit has it.
+
+    >>> unit_named("km/h").quantity
+    'speed'
+    """
+    unit = find_unit(spelling)
+    if unit is None:
+        raise UnknownName("unit", spelling.strip(), UNITS)
+    return unit
 
 
 def unit_of(spelling: str, quantity: str) -> Unit:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -332,5 +333,6 @@ def _correlation(
     return float(x @ y) / size if size else 0.0
 
 
+@lru_cache(maxsize=8192)
 def _words(name: str) -> str:
     return "_".join(SHORT.get(word, word) for word in words_of(name))

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ....boundary.errors import TirefmuError
 from ....numerics.arrays import FloatArray
-from ...units import UNITS, unit_named
+from ...units import UNITS, find_unit
 
 #: Upper limits: columns of a table, characters of a header that may declare a unit.
 MAX_COLUMNS, LONGEST_HEADER = 5000, 200
@@ -123,10 +122,8 @@ def is_unit(spelling: str) -> bool:
     >>> is_unit("deg/s"), is_unit("IMU"), is_unit("")
     (True, False, False)
     """
-    try:
-        return bool(spelling.strip()) and unit_named(spelling) is not UNITS[""]
-    except TirefmuError:
-        return False
+    unit = find_unit(spelling)
+    return unit is not None and unit is not UNITS[""]
 
 
 def frame_columns(table: pd.DataFrame, units: Mapping[str, str] | None = None) -> Iterator[Column]:
