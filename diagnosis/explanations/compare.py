@@ -262,7 +262,9 @@ def reduced(table: Table, refit: Refitted) -> Move:
     fewer = {part: less for part, less in fewer.items() if less.parts not in table.refits}
     for part, less in fewer.items():  # before refits, which free the columns of this one
         if part != UNKNOWN:
-            table = table.with_linear(less.parts, refit.linear.evidence_without(part), less.log_prior)
+            least = refit.evidence - table.loss_of(part, refit.explanation.parts)
+            evidence = min(refit.linear.evidence_without(part), least)
+            table = table.with_linear(less.parts, evidence, less.log_prior)
     for part, less in fewer.items():
         if part != UNKNOWN and table.is_far(less.parts):
             continue
@@ -284,12 +286,13 @@ def extended(table: Table, refit: Refitted) -> Move:
         more = _with_gain(table, refit.explanation, _best(scored[name]))
         if more.parts in table.refits:
             continue
-        evidence, prior = before + totals[name], more.log_prior
+        forecast, prior = before + totals[name], more.log_prior
+        evidence = forecast - table.shortfalls.get(name, 0.0)
         score = evidence + prior
         if more.terms == refit.explanation.terms:  # the evidence has those that would be errors of form, too
             table = table.with_linear(more.parts, evidence, prior)
         if score > max(table.scores.values()) + REFIT_MARGIN:
-            table = table.with_refit(_with_effect(table, refit, more, _best(scored[name])))
+            table = table.with_addition(name, _with_effect(table, refit, more, _best(scored[name])), forecast)
             yield table
     return table
 
