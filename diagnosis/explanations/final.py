@@ -115,7 +115,7 @@ def final_fits(
         budget.tell("adding the proposed formula to the model equations")
         part, with_formula = proposed(structure, extended, solution, no_formula)
         unknown, (extended, solution) = (part,), with_formula or (extended, solution)
-    for correcting in (correct_form, False):
+    for correcting in (False, correct_form, False):
         extended, solution = balanced(extended, solution).fitted(solution.parameters, solution.free)
         if correcting and not budget.late and (corrected := form_of(extended, solution)):
             extended, solution, change = corrected
