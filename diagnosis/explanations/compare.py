@@ -286,13 +286,12 @@ def extended(table: Table, refit: Refitted) -> Move:
         more = _with_gain(table, refit.explanation, _best(scored[name]))
         if more.parts in table.refits:
             continue
-        forecast, prior = before + totals[name], more.log_prior
-        evidence = forecast - table.shortfalls.get(name, 0.0)
+        evidence, prior = before + totals[name], more.log_prior
         score = evidence + prior
         if more.terms == refit.explanation.terms:  # the evidence has those that would be errors of form, too
             table = table.with_linear(more.parts, evidence, prior)
         if score > max(table.scores.values()) + REFIT_MARGIN:
-            table = table.with_addition(name, _with_effect(table, refit, more, _best(scored[name])), forecast)
+            table = table.with_refit(_with_effect(table, refit, more, _best(scored[name])))
             yield table
     return table
 

@@ -37,8 +37,6 @@ class Table:
     - `refits`: those that were refitted; there is at least the one without parts.
     - `far`: those that were refitted under another noise and were far behind.
     - `linear`: logarithms of evidence and prior odds of others, from the linear problem next to them.
-    - `shortfalls`: by name of an effect, by how much the evidence of the last refit with it was below that of the
-      linear problem, which also errs by it in the next one.
     """
 
     shared: Shared
@@ -47,7 +45,6 @@ class Table:
     refits: Mapping[Parts, Refitted] = field(default_factory=dict)
     linear: Mapping[Parts, tuple[float, float]] = field(default_factory=dict)
     far: frozenset[Parts] = frozenset()
-    shortfalls: Mapping[str, float] = field(default_factory=dict)
 
     def with_refit(self, refit: Refitted) -> Table:
         """Return the table with a refit if it is the best one of its explanation.
@@ -72,11 +69,6 @@ class Table:
         if evidence + prior <= sum(self.linear.get(parts, (-np.inf, 0.0))):
             return self
         return replace(self, linear={**self.linear, parts: (evidence, prior)})
-
-    def with_addition(self, name: str, refit: Refitted, forecast: float) -> Table:
-        """Return the table with a refit that has an effect more, whose evidence the linear problem forecast."""
-        short = max(forecast - refit.evidence, 0.0)
-        return replace(self.with_refit(refit), shortfalls={**self.shortfalls, name: short})
 
     def loss_of(self, part: str, parts: Parts) -> float:
         """Return the largest loss of evidence by a part of a refit that has these parts, -infinity if none lacks it.

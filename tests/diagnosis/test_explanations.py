@@ -446,7 +446,7 @@ def test_what_a_formula_explains_is_no_evidence_of_an_effect_in_its_place(monkey
     recorded = []
     table = SimpleNamespace(
         shared=SimpleNamespace(candidates=candidates, problem=problem), scores={(UNKNOWN,): 100.0}, refits={},
-        shortfalls={}, report=lambda sentence: None, possible=lambda linear: (table, [None]),
+        report=lambda sentence: None, possible=lambda linear: (table, [None]),
         with_linear=lambda parts, evidence, prior: recorded.append(parts) or table,
     )  # fmt: skip
     added = {name: [Gain(1.0, Addition(name, np.zeros((1, 1, 1)), np.ones(1)), np.zeros(1))] for name in candidates}
@@ -512,18 +512,6 @@ def test_a_part_that_a_larger_explanation_misses_is_missed_by_a_smaller_one():
     assert table.loss_of("lag", ("lag",)) == 70.0
     assert table.loss_of("wear", ("heat", "wear")) == 50.0
     assert table.loss_of("heat", ("heat", "lag")) == -np.inf
-
-
-def test_the_next_forecast_of_an_addition_has_the_error_of_the_last_one():
-    table = table_of({(): 0.0}, set())
-    budget, linear = SimpleNamespace(answered=False), SimpleNamespace(simulator=SimpleNamespace(forget=lambda: None))
-    refits = {
-        names: SimpleNamespace(explanation=Explanation(), evidence=evidence, score=evidence, linear=linear)
-        for names, evidence in (((), 0.0), (("lag",), 10.0))
-    }
-    table = replace(table, shared=SimpleNamespace(budget=budget), refits={(): refits[()]})
-    assert table.with_addition("lag", refits[("lag",)], forecast=42.0).shortfalls == {"lag": 32.0}
-    assert table.with_addition("lag", refits[("lag",)], forecast=4.0).shortfalls == {"lag": 0.0}
 
 
 def test_two_similar_effects_begin_with_half_of_each_and_their_memories(monkeypatch):
