@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...numerics.arrays import FloatArray
+from ...numerics.correlation import correlation_length
 from ...numerics.noise_model import Whitening, noise_parts
 from ...numerics.ties import graded
 from ...symbolic.detection import Form
@@ -37,9 +38,6 @@ from .form import form_of
 #: Ratio of root mean square residuals, whitened to equal weights, above which the whitened fit is not used. Convention:
 #: the agreement that is required of reported residuals.
 MAX_WHITENED_MISFIT = 1.02
-
-#: Number of times that the channels are weighted by their residuals and fitted.
-BALANCING = 2
 
 
 #: Refinements, each with its effect.
@@ -117,10 +115,10 @@ def final_fits(
         budget.tell("adding the proposed formula to the model equations")
         part, with_formula = proposed(structure, extended, solution, no_formula)
         unknown, (extended, solution) = (part,), with_formula or (extended, solution)
-    if correct_form and not budget.late and (corrected := form_of(extended, solution)):
-        extended, solution, change = corrected
-    for _ in range(BALANCING):
+    for correcting in (False, correct_form, False):
         extended, solution = balanced(extended, solution).fitted(solution.parameters, solution.free)
+        if correcting and not budget.late and (corrected := form_of(extended, solution)):
+            extended, solution, change = corrected
     added = [declared.name for part in unknown if part.added and part.effect for declared in part.effect.declarations]
     extended, solution, explanation, refinements, unproved = with_proven(
         extended, solution, linear.explanation, refinements, added
@@ -228,10 +226,12 @@ def _absent_without(effect: str, explanation: Explanation, model: Model, solutio
 def balanced(problem: LeastSquares, solution: Solution) -> LeastSquares:
     """Return the problem with each channel weighted by its residual, as in a fit of maximum likelihood.
 
-    The comparison weights a channel by its short-range noise. A channel whose formula is inexact has a larger residual;
-    the fit would then make the other channels worse for it.
+    The comparison weights a channel by its short-range noise. A channel whose formula is inexact has a larger residual,
+    of rows that are wrong together; the fit would then make the other channels worse for it.
     """
-    size = problem.sizes(solution.residual)
+    rows = np.where(problem.inverse_noise > 0.0, problem.inverse_noise * solution.residual, np.nan)
+    correlated = np.array([correlation_length(row) if np.isfinite(row).any() else 1.0 for row in rows])
+    size = problem.sizes(solution.residual) * np.sqrt(correlated)
     relative = size / np.sqrt(np.mean(size[size > 0.0] ** 2)) if size.any() else np.ones_like(size)
     return replace(problem, inverse_noise=problem.inverse_noise / np.where(size > 0.0, relative, 1.0)[:, None])
 

@@ -45,8 +45,10 @@ CORRECTED = {
 def form_of(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, Solution, FloatArray] | None:
     """Return the fit of a model with a correction of the form, and what it errs by without, N and N m.
 
-    None if left-out blocks of time are not predicted better, by more than twice the standard error over blocks, or the
-    hold-out set is not. The errors are the change of the residual, shape (n_channels, n).
+    It has the quantities whose channel it predicts better in left-out blocks of time, by more than twice the standard
+    error over blocks, and on the hold-out set: a force does not correct what is wrong in the formula of a moment that
+    it causes. None if it has none, or if all channels together are not predicted better. The errors are the change of
+    the residual, shape (n_channels, n).
 
     It is fitted if a smooth function of slips and load beside fixed coefficients predicts left-out blocks better.
 
@@ -64,19 +66,29 @@ def form_of(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, So
     leading, channels = tire.symbolic_model.leading, signals.channels
     roles = tuple(role for role, (channel, *_) in CORRECTED.items() if channel in channels and leading(role))
     weighted = replace(problem, inverse_noise=weights)
-    try:
-        wider, parameters = weighted.with_effect(form_effect(roles), solution, geometry)
-    except EffectError:  # an effect of this name, or a quantity that cannot be acted on
-        return None
-    free = tuple(sorted((*solution.free, *_coefficients(roles)), key=wider.simulator.names.index))
-    wider, best = wider.fitted(parameters, free)
-    apart, together = _without_block(weighted, solution), _without_block(wider, best)
-    gains, held = _gains(signals, apart, together, used, used), signals.present & signals.holdout
-    of_holdout = _gains(signals, solution.residual, best.residual, used, held)
-    if not (gains.sum() > 2.0 * error_of_sum(gains) and of_holdout.sum() > 0.0):
-        return None
-    errors = np.where(signals.present, solution.residual - best.residual, 0.0)
-    return replace(wider, inverse_noise=problem.inverse_noise), best, errors
+    apart, held = _without_block(weighted, solution), signals.present & signals.holdout
+    while roles:
+        try:
+            wider, parameters = weighted.with_effect(form_effect(roles), solution, geometry)
+        except EffectError:  # an effect of this name, or a quantity that cannot be acted on
+            return None
+        free = tuple(sorted((*solution.free, *_coefficients(roles)), key=wider.simulator.names.index))
+        wider, best = wider.fitted(parameters, free)
+        gains = _gains(signals, apart, _without_block(wider, best), used, used)
+        of_holdout = _gains(signals, solution.residual, best.residual, used, held).sum(axis=1)
+        better = {channel: _certain(*of) for channel, *of in zip(channels, gains, of_holdout, strict=True)}
+        kept = tuple(role for role in roles if better[CORRECTED[role][0]])
+        if kept == roles:
+            errors = np.where(signals.present, solution.residual - best.residual, 0.0)
+            certain = _certain(gains.sum(axis=0), of_holdout.sum())
+            return (replace(wider, inverse_noise=problem.inverse_noise), best, errors) if certain else None
+        roles = kept
+    return None
+
+
+def _certain(gains: FloatArray, of_holdout: float) -> bool:
+    """Return whether gains in left-out blocks are certain, and confirmed on the hold-out set."""
+    return bool(gains.sum() > 2.0 * error_of_sum(gains) and of_holdout > 0.0)
 
 
 def _smoothed(problem: LeastSquares, solution: Solution, weights: FloatArray) -> FloatArray:
@@ -105,10 +117,9 @@ def _without_block(problem: LeastSquares, solution: Solution) -> FloatArray:
 
 
 def _gains(signals: Signals, before: FloatArray, after: FloatArray, fitted: BoolArray, judged: BoolArray) -> FloatArray:
-    """Return the gains of density (`density_gains`) of one residual over another one in each block of time."""
-    gains = density_gains(before, after, fitted, judged).sum(axis=0)
-    blocks = signals.block[judged.any(axis=0)]
-    return np.array([np.sum(gains, where=signals.block == block) for block in np.unique(blocks)])
+    """Return the gains of density (`density_gains`) of one residual over another one, shape (n_channels, n_blocks)."""
+    gains, blocks = density_gains(before, after, fitted, judged), np.unique(signals.block[judged.any(axis=0)])
+    return np.stack([np.sum(gains, axis=1, where=signals.block == block) for block in blocks], axis=1)
 
 
 def _geometry(signals: Signals, tire: Tire) -> dict[str, float] | None:

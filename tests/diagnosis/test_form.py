@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.diagnosis.diagnose import _start_model, with_library
-from tirefmu.diagnosis.explanations import FORM, form_effect, form_of
+from tirefmu.diagnosis.explanations import FORM, balanced, form_effect, form_of
 from tirefmu.diagnosis.probing import fit_baseline
 from tirefmu.diagnosis.signals import signals_of
 from tirefmu.diagnosis.verdict import tire_of
@@ -27,12 +27,12 @@ def made():
     return fit_baseline(start, signals_of(case.table, start, case.signs), fitted=False)
 
 
-def distorted(problem, share):
-    """Return a problem whose measured side force is larger at a medium load."""
+def distorted(problem, share, channel="Fy"):
+    """Return a problem of which a measured channel is larger at a medium load."""
     signals = problem.simulator.signals
     load, measured = signals.named()["Fz"], signals.measured.copy()
     place = (load - load.min()) / np.ptp(load)
-    measured[signals.channels.index("Fy")] *= 1.0 + share * np.exp(-(((place - 0.4) / 0.2) ** 2))
+    measured[signals.channels.index(channel)] *= 1.0 + share * np.exp(-(((place - 0.4) / 0.2) ** 2))
     return problem.over(problem.simulator.with_signals(replace(signals, measured=measured)))
 
 
@@ -53,6 +53,21 @@ def test_what_the_formula_errs_by_is_corrected_on_rows_that_no_fit_used(made):
     assert after < 0.8 * before
     assert np.sqrt(np.mean(change[side] ** 2)) > 0.3 * before
     assert FORM in tire_of(wider, corrected, [FORM]).has
+
+
+def test_a_force_does_not_correct_the_formula_of_a_moment(made):
+    """Nor is it fitted to it: the trail takes what is wrong in the moment."""
+    problem, solution = made
+    wrong = distorted(problem, 0.5, "Mz")
+    fitted = wrong.solve(solution.parameters, solution.free)
+    side = wrong.simulator.signals.channels.index("Fy")
+    for _ in range(2):
+        wrong, fitted = balanced(wrong, fitted).fitted(fitted.parameters, fitted.free)
+    _, corrected, change = form_of(wrong, fitted)
+    assert {name[: len("FORM_T")] for name in corrected.free if name.startswith(FORM.upper())} == {"FORM_T"}
+    size = np.sqrt(np.mean(wrong.simulator.signals.measured[side] ** 2))
+    for moved in (fitted.residual[side] - solution.residual[side], change[side]):
+        assert np.sqrt(np.mean(moved**2)) < 0.005 * size
 
 
 def test_the_correction_is_zero_outside_the_tested_range():
