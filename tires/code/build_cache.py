@@ -281,9 +281,10 @@ def _prune(cache: Path) -> None:
 
 
 def _size(folder: str | Path) -> int:
-    """Return the size of all files below a folder, bytes; `Path.rglob` takes several times as long."""
+    """Return the size of everything below a folder, bytes; `Path.rglob` takes several times as long."""
     with os.scandir(folder) as entries:
         return sum(
-            _size(entry.path) if entry.is_dir(follow_symlinks=False) else entry.stat(follow_symlinks=False).st_size
+            entry.stat(follow_symlinks=False).st_size
+            + (_size(entry.path) if entry.is_dir(follow_symlinks=False) else 0)
             for entry in entries
         )
