@@ -6,6 +6,7 @@ import contextlib
 import ctypes
 import json
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -13,7 +14,9 @@ from fmpy.fmi1 import FMICallException
 
 from tirefmu.fmu import export
 from tirefmu.fmu.packaging import binaries, prebuilt
-from tirefmu.fmu.simulation.simulate import loaded
+from tirefmu.fmu.simulation.archive import unpacked
+from tirefmu.fmu.simulation.simulate import loaded, read_description
+from tirefmu.fmu.simulation.slave import Slave
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import TABLE_OUTPUTS, Tire, published
 from tirefmu.tires.code.compiler import CompilerError, find_compiler
@@ -266,10 +269,34 @@ def make_host():
         yield lambda path: Host(stack.enter_context(loaded(path)))
 
 
+@pytest.fixture(scope="session")
+def unpacked_once(fmus, tmp_path_factory):
+    """Return a function that returns the model description and the folder of an FMU of `fmus`."""
+    folder = tmp_path_factory.mktemp("unpacked")
+    with contextlib.ExitStack() as stack:
+
+        @cache
+        def unpack(*key):
+            path = fmus[key]
+            with pytest.MonkeyPatch.context() as patch:
+                patch.setattr("tempfile.tempdir", str(folder))
+                unpacked_folder = stack.enter_context(unpacked(path))
+            return read_description(path, unpacked_folder), unpacked_folder
+
+        yield unpack
+
+
 @pytest.fixture
-def hosts(fmus, make_host):
+def hosts(unpacked_once):
     """Return a function that loads an FMU of `fmus` into a new host."""
-    return lambda *key: make_host(fmus[key])
+    with contextlib.ExitStack() as stack:
+
+        def host(*key):
+            slave = Slave(*unpacked_once(*key))
+            stack.callback(slave.fmu.freeInstance)
+            return Host(slave)
+
+        yield host
 
 
 @pytest.fixture
