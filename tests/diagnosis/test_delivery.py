@@ -461,11 +461,3 @@ def test_few_rows_have_an_answer(rate, sweeps):
     assert diagnosis.delivered or diagnosis.not_delivered_because
     errors = reported_error(diagnosis, diagnosis.tire, case.signs)
     assert errors == pytest.approx({c: one["after"] for c, one in diagnosis.gap["train"].items()}, rel=1e-6)
-
-
-def test_a_tire_without_a_missing_effect_is_the_baseline_tire():
-    """There is one tire, not two in a flat valley."""
-    case = make_case(21)
-    diagnosis = diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal)
-    assert not diagnosis.found
-    assert diagnosis.tire.values == diagnosis.base_tire.values

@@ -422,6 +422,7 @@ def test_a_page_unfolds_only_what_there_is(thrust):
 def test_no_effect_is_identified_without_a_missing_effect():
     diagnosis = answer(make_case(13, extra=("camber_thrust",), artefacts=("outliers", "ripple", "drift")))
     assert diagnosis.found == ()
+    assert diagnosis.tire.values == diagnosis.base_tire.values  # one tire, not two in a flat valley
     assert diagnosis.verdict.startswith("Nothing material is missing")
     assert diagnosis.answer.explanations[0].effects == ()
     assert diagnosis.answer.explanations[0].probability > 0.5

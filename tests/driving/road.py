@@ -92,7 +92,11 @@ class Road:
 
     def __init__(self, truths, tire=tire_forces):
         self.tire, self.lifted = tire, 0.0
-        self.car = {key: np.array([{**CAR, **truth.car}[key] for truth in truths]) for key in CAR}
+        self.car = c = {key: np.array([{**CAR, **truth.car}[key] for truth in truths]) for key in CAR}
+        lf, lr = c["cg_to_front"], c["wheelbase"] - c["cg_to_front"]
+        self.X = np.stack([lf, lf, -lr, -lr])
+        self.Y = np.stack([c["track_front"], -c["track_front"], c["track_rear"], -c["track_rear"]]) / 2
+        self.R = np.stack([c["radius_front"]] * 2 + [c["radius_rear"]] * 2)
         self.factors = {
             name: np.stack(
                 [np.array([truth.factors[axle][name] for truth in truths]) for axle in ("front",) * 2 + ("rear",) * 2]
@@ -102,26 +106,23 @@ class Road:
 
     def rates(self, state, wheel, torque):
         """Return the rates of vx, vy, r and four spins, and the accelerations."""
-        c = self.car
+        c, X, Y, R = self.car, self.X, self.Y, self.R
         vx, vy, r, spins = state[0], state[1], state[2], state[3:7]
-        lf, lr = c["cg_to_front"], c["wheelbase"] - c["cg_to_front"]
-        X = np.stack([lf, lf, -lr, -lr])
-        Y = np.stack([c["track_front"], -c["track_front"], c["track_rear"], -c["track_rear"]]) / 2
-        R = np.stack([c["radius_front"]] * 2 + [c["radius_rear"]] * 2)
         front, rear = wheel - c["steer_front"] * self.rolled[1], c["steer_rear"] * self.rolled[1]
         angle = np.stack([front, front, rear, rear])
         u, w = vx - r * Y, vy + r * X
-        along, side = u * np.cos(angle) + w * np.sin(angle), w * np.cos(angle) - u * np.sin(angle)
+        cos, sin = np.cos(angle), np.sin(angle)
+        along, side = u * cos + w * sin, w * cos - u * sin
         alpha, kappa = np.arctan(side / along), (spins * R - along) / along
         shift = c["mass"] * self.rolled[0] * c["cg_height"] / c["wheelbase"] / 2
         share = c["front_roll_share"]
         roll_f = c["mass"] * self.rolled[1] * c["cg_height"] * share / c["track_front"]
         roll_r = c["mass"] * self.rolled[1] * c["cg_height"] * (1 - share) / c["track_rear"]
         weight = c["mass"] * (G + self.lifted)
-        front, rear = weight * lr / c["wheelbase"] / 2, weight * lf / c["wheelbase"] / 2
+        front, rear = -weight * X[2] / c["wheelbase"] / 2, weight * X[0] / c["wheelbase"] / 2
         Fz = np.stack([front - shift - roll_f, front - shift + roll_f, rear + shift - roll_r, rear + shift + roll_r])
         Fx, Fy = self.tire(kappa, alpha, Fz, along, self.factors)
-        bx, by = Fx * np.cos(angle) - Fy * np.sin(angle), Fx * np.sin(angle) + Fy * np.cos(angle)
+        bx, by = Fx * cos - Fy * sin, Fx * sin + Fy * cos
         ax, ay = bx.sum(0) / c["mass"], by.sum(0) / c["mass"]
         turning = (X * by - Y * bx).sum(0) / c["yaw_inertia"]
         return np.stack([ax + r * vy, ay - r * vx, turning, *((torque - Fx * R) / WHEEL_INERTIA)]), (ax, ay), turning

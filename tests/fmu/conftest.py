@@ -6,6 +6,7 @@ import contextlib
 import ctypes
 import json
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from fmpy.fmi1 import FMICallException
 
 from tirefmu.fmu import export
 from tirefmu.fmu.packaging import binaries, prebuilt
-from tirefmu.fmu.simulation.simulate import loaded
+from tirefmu.fmu.simulation import simulate
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import TABLE_OUTPUTS, Tire, published
 from tirefmu.tires.code.compiler import CompilerError, find_compiler
@@ -263,13 +264,35 @@ def fmus(compiler, tires, tmp_path_factory):
 def make_host():
     """Return a function that loads an FMU by its path into a new host."""
     with contextlib.ExitStack() as stack:
-        yield lambda path: Host(stack.enter_context(loaded(path)))
+        yield lambda path: Host(stack.enter_context(simulate.loaded(path)))
+
+
+@pytest.fixture(scope="session")
+def unpacked_once(fmus, tmp_path_factory):
+    """Return a function that returns the folder of an FMU of `fmus`, unpacked on first use."""
+    folder = tmp_path_factory.mktemp("unpacked")
+    with contextlib.ExitStack() as stack:
+
+        @cache
+        def unpack(path):
+            with pytest.MonkeyPatch.context() as patch:
+                patch.setattr("tempfile.tempdir", str(folder))
+                return stack.enter_context(simulate.unpacked(path))
+
+        yield unpack
 
 
 @pytest.fixture
-def hosts(fmus, make_host):
+def hosts(fmus, make_host, unpacked_once):
     """Return a function that loads an FMU of `fmus` into a new host."""
-    return lambda *key: make_host(fmus[key])
+
+    def host(*key):
+        folder = unpacked_once(fmus[key])
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(simulate, "unpacked", lambda _: contextlib.nullcontext(folder))
+            return make_host(fmus[key])
+
+    return host
 
 
 @pytest.fixture

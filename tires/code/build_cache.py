@@ -268,7 +268,7 @@ def _store(made: Path, target: Path, rebuild: bool) -> None:
 def _prune(cache: Path) -> None:
     """Remove the least recently used entries if the cache is too large."""
     entries = [path for path in cache.iterdir() if path.name.startswith(_SCRATCH) or (path / RECORD).is_file()]
-    sizes = {path: sum(file.lstat().st_size for file in path.rglob("*")) for path in entries}
+    sizes = {path: _size(path) for path in entries if path.is_dir()}
     total = sum(sizes.values())
     for path in sorted(entries, key=lambda path: path.lstat().st_mtime):
         if total <= MAX_BYTES or time.time() - path.lstat().st_mtime < IN_USE:
@@ -277,4 +277,14 @@ def _prune(cache: Path) -> None:
             removed = Path(tempfile.mkdtemp(prefix=_SCRATCH, dir=cache))
             os.rename(path, removed / path.name)  # in one step: another process finds all of it or nothing
             shutil.rmtree(removed, ignore_errors=True)
-            total -= sizes[path]
+            total -= sizes.get(path, 0)
+
+
+def _size(folder: str | Path) -> int:
+    """Return the size of everything below a folder, bytes; `Path.rglob` takes several times as long."""
+    with os.scandir(folder) as entries:
+        return sum(
+            entry.stat(follow_symlinks=False).st_size
+            + (_size(entry.path) if entry.is_dir(follow_symlinks=False) else 0)
+            for entry in entries
+        )

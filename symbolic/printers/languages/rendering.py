@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, pass_context
+from jinja2.runtime import Context
 
 from ...functions import SMALLEST_SQUARE
 from ..definitions import IEEE_ONLY
@@ -128,6 +129,19 @@ def render(
     `templates`: template by file name, in which ``{}`` is the name of the program. `filters`: further filters of the
     templates. `more`: further variables; they replace those of `variables`.
     """
+    environment = _environment(layout)
+    environment.filters |= filters or {}
+    content = {**variables(program, layout), **more}
+    rendered = {
+        file.format(program.name): environment.get_template(f"{template}.jinja").render(content)
+        for file, template in templates.items()
+    }
+    return rendered | program.data_files()
+
+
+@lru_cache(maxsize=16)
+def _environment(layout: Layout) -> Environment:
+    """Return the templates for a layout, compiled when they are first read."""
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"), undefined=StrictUndefined, autoescape=False,
         variable_start_string="<@", variable_end_string="@>", block_start_string="<%", block_end_string="%>",
@@ -141,14 +155,16 @@ def render(
         "wrapped": _wrapped,
         "text": repr,
         "quoted": lambda name: f'"{name}"',
+        "result": _result,
     }
-    content = {**variables(program, layout), **more}
-    environment.filters |= {"result": content["results"].__getitem__, **(filters or {})}
-    rendered = {
-        file.format(program.name): environment.get_template(f"{template}.jinja").render(content)
-        for file, template in templates.items()
-    }
-    return rendered | program.data_files()
+    return environment
+
+
+@pass_context
+def _result(context: Context, name: str) -> PrintedValue:
+    """Return an output or the result of a line by its name."""
+    result: PrintedValue = context["results"][name]
+    return result
 
 
 def _wrapped(items: Iterable[str], width: int = 100) -> str:
