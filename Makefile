@@ -79,7 +79,6 @@ $(VENV)/installed: pyproject.toml | $(VENV)/created
 $(VENV)/installed-dev: pyproject.toml | $(VENV)/created
 	@echo "Installing tirefmu and its development tools into $(VENV) (once, and when pyproject.toml changes)"
 	@$(INSTALL) ".[dev]" --editable benchmarks/missing_effects
-	@$(BIN)/pytest --collect-only --quiet --quiet >/dev/null # compiles here what every process of the tests would compile
 	@touch $(VENV)/installed $@
 
 $(VENV)/created:
