@@ -75,6 +75,8 @@ class Estimate(Posterior):
       the last ones.
     - `residuals`, `outputs`: of the intervals at the solution; of the latter, the Jacobian is that of `UNCERTAIN`, by
       nodes and the unknowns of tires and car.
+    - `beyond`, shape (n, 2): side force that the motion requires of each axle beyond its tires and an effect that they
+      lack, per static load: what no entry of the car explains.
     - `weights`, shape (n, 2): by which the residuals of the balance, per static load, are multiplied.
     - `evidence`: logarithm of the probability of the log, integrated over states and unknowns (Laplace), up to a
       constant of the log.
@@ -88,6 +90,7 @@ class Estimate(Posterior):
     deviations: FloatArray
     residuals: Linear
     outputs: Linear
+    beyond: FloatArray
     weights: FloatArray
     evidence: float
     size: float
@@ -275,9 +278,11 @@ def _estimate(at: _Point, size: float, converged: bool) -> Estimate:
     outputs = evaluated(interval.output_chunk, grid, at.states, at.problem.added.tires(z), data)
     outputs = Linear(outputs.values, outputs.jacobian[:, [OUTPUTS.index(name) for name in UNCERTAIN]])
     weights = (at.problem.weights / at.problem.deviations / scale)[:, -n_balance:]
+    rest = at.linear.values[:, -n_balance:] / weights
+    beyond = rest + at.problem.added.columns[:, :, -len(SIZED) :] @ z[-len(SIZED) :]
     return Estimate(**vars(posterior_of(grid, factor)), states=at.states, z=z, deviations=at.problem.deviations,
-                    residuals=at.linear, outputs=outputs, weights=weights, evidence=float(evidence), size=size,
-                    converged=converged)  # fmt: skip
+                    residuals=at.linear, outputs=outputs, beyond=beyond, weights=weights, evidence=float(evidence),
+                    size=size, converged=converged)  # fmt: skip
 
 
 def _part(part: float, last: FloatArray, step: FloatArray) -> float:
