@@ -34,7 +34,6 @@ from tirefmu.applications.driving.evaluation import curvature_of
 from tirefmu.applications.driving.factors import factors_of, scaled_tires, withheld
 from tirefmu.applications.driving.figures import write_drive
 from tirefmu.applications.driving.inputs.car import Car, loads_of
-from tirefmu.applications.driving.inputs.unknowns import AXLES
 from tirefmu.applications.driving.interval import OUTPUTS, Relaxation, interval_of
 from tirefmu.applications.driving.rivals import (
     DriveExplanation,
@@ -57,6 +56,8 @@ from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.commands.cli import main
 from tirefmu.symbolic.vehicle.quantities import CORNERS
 from tirefmu.tires import read_tir
+
+AXLES = ("front", "rear")
 
 
 def test_the_factors_are_those_of_the_truth(answer):
