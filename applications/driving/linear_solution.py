@@ -88,7 +88,7 @@ class Factor:
     @cached_property
     def _border(self) -> FloatArray:
         n, J = self.n, self._J
-        sums = np.zeros((self._size, J.shape[2] - 2 * n), order="F")  # as LAPACK has it, without copies
+        sums = np.zeros((self._size, J.shape[2] - 2 * n))
         for first in range(0, len(J), SOME):
             some = slice(first, first + SOME)
             self._add(sums, some, np.matmul(J[some, :, : 2 * n].transpose(0, 2, 1), J[some, :, 2 * n :]))
