@@ -6,7 +6,8 @@ The drives are those of an independent program (tests/driving/road.py): five kin
 a consumer IMU. Errors of the car within its file, lag of the load transfer, compliance, gains, misalignment and delays
 are drawn at random for each. Two of three are driven to the peak. Further drives have the tires of the file and such a
 car (nothing to find), or the tires of the file and a wrong car (no tire to find). The drives with an effect that the
-tire of the file lacks, and as many with changed tires only, are those of tests/driving/hidden.py.
+tire of the file lacks, and as many with changed tires only, are those of tests/driving/hidden.py. With --measured,
+steering ratio, position of the sensor, compliance and masses are known better than a workshop knows them.
 """
 
 from __future__ import annotations
@@ -30,10 +31,14 @@ import road
 
 import tirefmu
 from tirefmu.applications.driving.inputs.car import Car
+from tirefmu.applications.driving.inputs.car_entries import ENTRIES
 from tirefmu.applications.driving.inputs.unknowns import SAME
 from tirefmu.measurements.checks.recordings.coverage import PEAK_SHARE
 
 AXLES, NAMES = ("front", "rear"), ("LMUY", "LKY")
+#: Entries that scales, a tape, a turntable and a test rig for compliance measure; a change that a car of a workshop's
+#: numbers shows, beyond three standard deviations of LKY.
+MEASURED, LARGE = ("mass", "cg_to_front", "ratio", "x", "y", "steer_front", "steer_rear"), 0.1
 #: What is wrong in the car file of the last drives, relative to the true car or absolute.
 WRONG = ({"yaw_inertia": 1.45}, {"cg_to_front": 1.12}, {"ratio": 1.06}, {"wheelbase": 1.02}, {"offset": 0.02})
 
@@ -65,12 +70,19 @@ def spins(rows: dict[str, Any], i: int) -> bool:
     return not np.isfinite(rows["vy"][:, i]).all() or bool(np.abs(rows["vy"][:, i]).max() > 6.0)
 
 
-def recovery(n: int, seconds: float, seed: int) -> dict[str, Any]:
-    """Return names, errors and coverage of the factors over drives with changed tires."""
+def recovery(n: int, seconds: float, seed: int, measured: float = 1.0) -> dict[str, Any]:
+    """Return names, errors and coverage of the factors over drives with changed tires.
+
+    `measured`: error of the entries in `MEASURED` over that of a workshop's numbers; the car file states it.
+    """
     rng = np.random.default_rng(seed)
     truths = [road.drawn_truth(rng) for _ in range(n)]
+    truths = [
+        replace(truth, car=truth.car | {k: road.CAR[k] + measured * (truth.car[k] - road.CAR[k]) for k in MEASURED})
+        for truth in truths
+    ]
     hard = [i // 5 % 3 < 2 for i in range(n)]
-    return judged(truths, hard, seconds, seed + 1, [{}] * n)
+    return judged(truths, hard, seconds, seed + 1, [{}] * n, measured)
 
 
 def nothing_to_find(n: int, seconds: float, seed: int, *, wrong_car: bool) -> dict[str, Any]:
@@ -83,37 +95,42 @@ def nothing_to_find(n: int, seconds: float, seed: int, *, wrong_car: bool) -> di
     )
 
 
-def car_file(wrong: Mapping[str, float]) -> Car:
-    """Return the car with wrong entries."""
+def car_file(wrong: Mapping[str, float], measured: float = 1.0) -> Car:
+    """Return the car with wrong entries, and with the uncertainties of measured ones; see `recovery`."""
     content = road.car_content()
     for name, factor in wrong.items():
-        section = "steering" if name in ("ratio", "offset") else "body"
+        section = ENTRIES[name].section
         content[section][name] = content[section][name] * factor if name != "offset" else factor
+    for name in MEASURED if measured < 1.0 else ():
+        entry = {"value": road.CAR[name], "uncertainty": measured * road.SPREAD[name]}
+        content[ENTRIES[name].section][name] = entry
     return Car.from_content(content, "car")
 
 
 def judged(
-    truths: list[road.Truth], hard: list[bool], seconds: float, seed: int, wrong: Sequence[Mapping[str, float]]
-) -> dict[str, Any]:
+    truths: list[road.Truth], hard: list[bool], seconds: float, seed: int, wrong: Sequence[Mapping[str, float]],
+    measured: float = 1.0,
+) -> dict[str, Any]:  # fmt: skip
     """Return what is named on drives, errors and coverage of the determined factors. `wrong`: of each car file.
 
     A name is right if the factor differs from 1 by more than tires of one kind, in the direction of the finding. Within
-    reach are changed factors but those of a friction whose peak the drive does not reach.
+    reach are changed factors but those of a friction whose peak the drive does not reach; `large`: those of them that
+    differ from 1 by more than 10 %.
     """
     kinds = [road.KINDS[i % 5] for i in range(len(truths))]
     logs, rows = road.made_drives(truths, kinds, hard, seed, seconds)
     errors: dict[str, list[float]] = {name: [] for name in NAMES}
     inside: dict[str, list[bool]] = {name: [] for name in NAMES}
     counts = dict.fromkeys(
-        ("drives", "spun", "to_name", "within_reach", "right_names", "wrong_names", "effects", "contradictions",
-         "car_names", "right_car_names", "determined_before_the_peak"), 0,
+        ("drives", "spun", "to_name", "within_reach", "large", "large_named", "right_names", "wrong_names", "effects",
+         "contradictions", "car_names", "right_car_names", "determined_before_the_peak"), 0,
     )  # fmt: skip
     cpu = []
     for i, (truth, log) in enumerate(zip(truths, logs, strict=True)):
         if spins(rows, i):
             counts["spun"] += 1
             continue
-        answer = answered(log, car_file(wrong[i]), i, kinds[i])
+        answer = answered(log, car_file(wrong[i], measured), i, kinds[i])
         cpu.append(answer["seconds"])
         counts["drives"] += 1
         counts["effects"] += bool(answer["effect"])
@@ -129,7 +146,11 @@ def judged(
                 changed = abs(true - 1.0) > SAME
                 right = changed and found.get((axle, name)) == (true > 1.0)
                 counts["to_name"] += changed
-                counts["within_reach"] += changed and (name == "LKY" or reached > PEAK_SHARE)
+                within_reach = changed and (name == "LKY" or reached > PEAK_SHARE)
+                large = within_reach and abs(true - 1.0) > LARGE
+                counts["within_reach"] += within_reach
+                counts["large"] += large
+                counts["large_named"] += large and right
                 counts["right_names"] += right
                 counts["wrong_names"] += (axle, name) in found and not right
                 if not factor["determined"]:
@@ -183,10 +204,11 @@ def main() -> None:
     parser.add_argument("--effects", type=int, default=3, help="drives for each kind of effect")
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--seed", type=int, default=36)
+    parser.add_argument("--measured", type=float, default=1.0, help="error of measured entries over a workshop's")
     options = parser.parse_args()
     checks = options.checks, options.seconds, options.seed
     for name, count, part in (
-        ("recovery", options.drives, lambda: recovery(options.drives, options.seconds, options.seed)),
+        ("recovery", options.drives, lambda: recovery(options.drives, options.seconds, options.seed, options.measured)),
         ("nothing_to_find", options.checks, lambda: nothing_to_find(*checks, wrong_car=False)),
         ("wrong_car", options.checks, lambda: nothing_to_find(*checks, wrong_car=True)),
         ("effects", options.effects, lambda: named_effects(options.effects, options.seconds, options.seed)),

@@ -23,7 +23,7 @@ from .inputs.grid import Grid, forward_speed, gridded, spinning, unwrapped
 from .inputs.log import Log, LogLike, read_log
 from .inputs.plausibility import check_load_class, check_log, check_wheel_speeds, exchanged_axles
 from .inputs.unknowns import Unknowns, check_factors, unknowns_of
-from .interval import BALANCE, POSE, interval_of
+from .interval import POSE, interval_of
 from .result import Drive, wheel_table
 from .rivals import (
     DriveExplanation,
@@ -228,8 +228,7 @@ def _lacking(
         whole = best.missing.on(best.estimate.z[len(unknowns) :], factors)
     else:
         whole = {axle: scaled(tire, factors[axle]) for axle, tire in tires.items()}
-    rest = best.estimate.residuals.values[:, -len(BALANCE) :] / best.estimate.weights
-    required = motion.side_forces(whole) + rest
+    required = motion.side_forces(whole) + best.estimate.beyond
     return np.stack([(required - motion.side_forces(pair)) * motion.loads for pair in compared])
 
 

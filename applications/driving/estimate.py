@@ -26,7 +26,7 @@ from .inputs.car import Car
 from .inputs.grid import Grid, with_delays
 from .inputs.log import Log
 from .inputs.unknowns import Unknowns
-from .interval import BALANCE, MOTION, OUTPUTS, UNCERTAIN, AddedForces, Interval, Linear
+from .interval import BALANCE, MOTION, UNCERTAIN, AddedForces, Interval, Linear
 from .linear_solution import LONGEST_STEP, Factor, Posterior, posterior_of
 
 FloatArray = npt.NDArray[np.float64]
@@ -75,6 +75,8 @@ class Estimate(Posterior):
       the last ones.
     - `residuals`, `outputs`: of the intervals at the solution; of the latter, the Jacobian is that of `UNCERTAIN`, by
       nodes and the unknowns of tires and car.
+    - `beyond`, shape (n, 2): side force that the motion requires of each axle beyond its tires and an effect that they
+      lack, per static load: what no entry of the car explains.
     - `weights`, shape (n, 2): by which the residuals of the balance, per static load, are multiplied.
     - `evidence`: logarithm of the probability of the log, integrated over states and unknowns (Laplace), up to a
       constant of the log.
@@ -88,6 +90,7 @@ class Estimate(Posterior):
     deviations: FloatArray
     residuals: Linear
     outputs: Linear
+    beyond: FloatArray
     weights: FloatArray
     evidence: float
     size: float
@@ -241,7 +244,9 @@ def _estimated(
             held = forces(grid, states, z)
         added = curved(grid, interval, acting(grid, states, z, held), states, z)
         at = _Problem(grid, interval, added, z, deviations, weights).solved(states)
-    return grid, _estimate(at, size, converged)
+    given = at.problem, at.states, at.linear, at.evidence
+    del at  # a long log has large arrays
+    return grid, _estimate(*given, size, converged)
 
 
 def _sample(grid: Grid) -> IntArray | None:
@@ -260,23 +265,25 @@ def _moved(
     return with_lags(with_delays(grid, log, car, entries), interval, states, car, entries)
 
 
-def _estimate(at: _Point, size: float, converged: bool) -> Estimate:
-    """Return the estimate at a point, which this uses up.
+def _estimate(
+    problem: _Problem, states: FloatArray, linear: Linear, evidence: float, size: float, converged: bool
+) -> Estimate:  # fmt: skip
+    """Return the estimate of a problem, solved by states; this uses up the residuals there, `linear`.
 
     A residual that is correlated over time has the information of fewer ones.
     """
-    grid, interval, z, n_balance = at.problem.grid, at.problem.interval, at.problem.z, len(BALANCE)
-    lengths = [correlation_length(at.linear.values[:, i], grid.segment) for i in range(-n_balance, 0)]
-    scale = np.concatenate([np.ones(len(at.problem.deviations) - n_balance), np.sqrt(lengths)])
-    evidence = -at.criterion - np.linalg.slogdet(at.factor.schur)[1] / 2
-    at.linear.weigh(np.tile(1.0 / scale, (len(grid.t), 1)))
-    factor = Factor(grid, at.linear, at.states.shape[1], 1e-9)
-    data = interval_data(grid)
-    outputs = evaluated(interval.output_chunk, grid, at.states, at.problem.added.tires(z), data)
-    outputs = Linear(outputs.values, outputs.jacobian[:, [OUTPUTS.index(name) for name in UNCERTAIN]])
-    weights = (at.problem.weights / at.problem.deviations / scale)[:, -n_balance:]
-    return Estimate(**vars(posterior_of(grid, factor)), states=at.states, z=z, deviations=at.problem.deviations,
-                    residuals=at.linear, outputs=outputs, weights=weights, evidence=float(evidence), size=size,
+    grid, interval, z, n_balance = problem.grid, problem.interval, problem.z, len(BALANCE)
+    lengths = [correlation_length(linear.values[:, i], grid.segment) for i in range(-n_balance, 0)]
+    scale = np.concatenate([np.ones(len(problem.deviations) - n_balance), np.sqrt(lengths)])
+    linear.weigh(np.tile(1.0 / scale, (len(grid.t), 1)))
+    given = grid, states, problem.added.tires(z), interval_data(grid)
+    outputs = evaluated(interval.output_chunk, *given, differentiated=len(UNCERTAIN))
+    weights = (problem.weights / problem.deviations / scale)[:, -n_balance:]
+    rest = linear.values[:, -n_balance:] / weights
+    beyond = rest + problem.added.columns[:, :, -len(SIZED) :] @ z[-len(SIZED) :]
+    posterior = posterior_of(grid, Factor(grid, linear, states.shape[1], 1e-9))
+    return Estimate(**vars(posterior), states=states, z=z, deviations=problem.deviations, residuals=linear,
+                    outputs=outputs, beyond=beyond, weights=weights, evidence=evidence, size=size,
                     converged=converged)  # fmt: skip
 
 
@@ -370,6 +377,11 @@ class _Point:
     def factor(self) -> Factor:
         """The factored problem."""
         return Factor(self.problem.grid, self.linear, self.states.shape[1], 1e-9)
+
+    @property
+    def evidence(self) -> float:
+        """Logarithm of the probability of the log, integrated over states and unknowns."""
+        return float(-self.criterion - np.linalg.slogdet(self.factor.schur)[1] / 2)
 
     @cached_property
     def posterior(self) -> Posterior:

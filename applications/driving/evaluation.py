@@ -63,19 +63,21 @@ def curvature_of(grid: Grid, states: FloatArray) -> FloatArray:
 
 def evaluated(
     function: Any, grid: Grid, states: FloatArray, z: FloatArray, data: FloatArray, more: FloatArray | None = None,
-    further: int = 0,
+    further: int = 0, differentiated: int | None = None,
 ) -> Linear:  # fmt: skip
     """Return a function of `Interval` at all intervals.
 
     `states`: of the nodes, shape (n_nodes, n_states), or of both ends of the intervals, shape (2, n, n_states).
     `more`, shape (n, n_more): its last argument. `further`: number of unknowns after z, on which it does not depend.
+    `differentiated`: number of its first results that have derivatives, by default all.
     """
     n, m = len(grid.t), function.size1_out(0)
-    width = function.size1_out(1) // m
-    linear = Linear(np.empty((n, m)), np.zeros((n, m, width + further)))
-    for rows, (values, by) in _chunks(function, grid, states, z, data, (m, m * width), more):
+    few = differentiated or m
+    width = function.size1_out(1) // few
+    linear = Linear(np.empty((n, m)), np.zeros((n, few, width + further)))
+    for rows, (values, by) in _chunks(function, grid, states, z, data, (m, few * width), more):
         linear.values[rows] = values
-        linear.jacobian[rows, :, :width] = by.reshape(-1, width, m).transpose(0, 2, 1)
+        linear.jacobian[rows, :, :width] = by.reshape(-1, width, few).transpose(0, 2, 1)
     return linear
 
 

@@ -35,10 +35,10 @@ BALANCE = ("e_front", "e_rear")
 #: and that of the tire alone; longitudinal force of the left and of the right wheel. Fy is the tire's and half of what
 #: the motion requires beyond it.
 OUTPUTS = tuple(
-    f"{name}_{axle}" for name in ("alpha", "kappa", "V", "Fz", "Fy", "Fy_tire", "Fx_left", "Fx_right") for axle in AXLES
+    f"{name}_{axle}" for name in ("alpha", "Fy", "kappa", "V", "Fz", "Fy_tire", "Fx_left", "Fx_right") for axle in AXLES
 )
-#: Those whose standard deviations are computed.
-UNCERTAIN = tuple(f"{name}_{axle}" for name in ("alpha", "Fy") for axle in AXLES)
+#: Those whose standard deviations are computed: the first ones.
+UNCERTAIN = OUTPUTS[: 2 * len(AXLES)]
 #: Intervals that are evaluated at a time.
 CHUNK = 100
 #: How functions are compiled that each step of the states evaluates, and those of each step of the unknowns: to compile
@@ -90,7 +90,7 @@ class Interval:
     - `residuals`: names; those of `MEASURED` are first, `BALANCE` last.
     - `residual_chunk`, `output_chunk`: functions of `CHUNK` columns of left node, right node, data
       (`evaluation.interval_data`), and unknowns followed by the delay and the lags in the data. They give
-      the residuals or `OUTPUTS`, and their Jacobian by left node, right node, unknowns.
+      the residuals or `OUTPUTS`, and the Jacobian of residuals or `UNCERTAIN` by left node, right node, unknowns.
     - `value_chunk`, `node_chunk`: of the same arguments, the residuals alone, and with their Jacobian by both nodes.
     - `relaxations`: of the tire of each axle, in the directions "x" and "y".
     - `volume_chunk`: of the same and a matrix for the Jacobian of the residuals by both nodes: their product minus the
@@ -180,7 +180,8 @@ def interval_of(
         function = ca.Function(name, arguments, whole, {"cse": True})
         return (function if flags is None else compiled(function, flags)).map(CHUNK)
 
-    by, of_outputs = (ca.densify(ca.jacobian(results, ca.vertcat(left, right, z))) for results in (residual, outputs))
+    uncertain = outputs[: len(UNCERTAIN)]
+    by, of_outputs = (ca.densify(ca.jacobian(results, ca.vertcat(left, right, z))) for results in (residual, uncertain))
     by_nodes = by[:, : 2 * len(states)]
     chunks = [
         chunk("values", arguments, [residual], OFTEN),
@@ -351,7 +352,7 @@ def _outputs(
     Fy = [forces[axle][1][2] for axle in AXLES]
     whole = [Fy[i] + required[i] for i in (0, 1)]
     slips = [(left + right) / 2 for left, right in kappa]
-    return [*means["alpha"], *slips, *means["V"], *means["Fz"], *whole, *Fy]
+    return [*means["alpha"], *whole, *slips, *means["V"], *means["Fz"], *Fy]
 
 
 @dataclass(frozen=True)

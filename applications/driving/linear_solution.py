@@ -14,7 +14,7 @@ from .interval import Linear
 
 #: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
 LONGEST_STEP = 1.0
-#: Intervals whose variances are computed at a time. Convention: memory.
+#: Intervals whose variances or parts of the border are computed at a time. Convention: memory.
 SOME = 500
 #: Largest deviation of an unknown: one that reaches it contradicts the car file.
 LARGEST = 20.0
@@ -77,15 +77,22 @@ class Factor:
     def at_nodes(self, parts: FloatArray) -> FloatArray:
         """Return the sums at the nodes of parts at both ends of the intervals, shape (n_nodes n, n_columns)."""
         sums = np.zeros((self._size, parts.shape[2]))
-        for end in (slice(0, self.n), slice(self.n, 2 * self.n)):
-            sums[self._rows[:, end]] += parts[:, end]
+        self._add(sums, slice(None), parts)
         return sums
+
+    def _add(self, sums: FloatArray, some: slice, parts: FloatArray) -> None:
+        """Add parts at both ends of some intervals to the sums at the nodes."""
+        for end in (slice(0, self.n), slice(self.n, 2 * self.n)):
+            sums[self._rows[some, end]] += parts[:, end]
 
     @cached_property
     def _border(self) -> FloatArray:
         n, J = self.n, self._J
-        blocks = np.matmul(J[:, :, : 2 * n].transpose(0, 2, 1), J[:, :, 2 * n :])
-        return self.at_nodes(blocks)
+        sums = np.zeros((self._size, J.shape[2] - 2 * n))
+        for first in range(0, len(J), SOME):
+            some = slice(first, first + SOME)
+            self._add(sums, some, np.matmul(J[some, :, : 2 * n].transpose(0, 2, 1), J[some, :, 2 * n :]))
+        return sums
 
     @cached_property
     def solved_border(self) -> FloatArray:

@@ -13,7 +13,6 @@ import pandas as pd
 
 from ...boundary.errors import TirefmuError, path_from
 from ...boundary.json_schema import document, json_value, schema_of
-from ...fmu.packaging.export import export
 from ...measurements import Recording, write_table
 from ...tires import Tire
 from .estimate import Estimate
@@ -210,7 +209,11 @@ class Drive:
                 path = folder / f"{axle}.tir"
                 note = "; ".join(line for line in self.verdict.lines if line.startswith((axle, "the tires lack")))
                 replace(self.scaled[axle], about={**self.scaled[axle].about, "drive": note}).save(path)
-                written += [path, *([export(path, path.with_suffix(".fmu"))] if self.after.fmus else [])]
+                written.append(path)
+                if self.after.fmus:
+                    from ...fmu.packaging.export import export  # imports FMPy, which is large
+
+                    written.append(export(path, path.with_suffix(".fmu")))
         except OSError as error:
             raise TirefmuError(f"{folder}: cannot be written ({error.strerror or error})") from error
         return written

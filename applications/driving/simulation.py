@@ -17,8 +17,6 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from ...fmu.packaging.export import export
-from ...fmu.simulation.simulate import Coupled, instances
 from ...symbolic.vehicle.quantities import CORNERS
 from ...tires import Tire
 from ...tires.code.interface import all_plain
@@ -265,6 +263,9 @@ def code_forces(tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, Fl
 @contextmanager
 def fmu_forces(tires: Mapping[str, Tire], n: int) -> Iterator[TireForces]:
     """Export the tires, and yield the forces of an FMU at each wheel of `n` vehicles."""
+    from ...fmu.packaging.export import export  # imports FMPy, which is large
+    from ...fmu.simulation.simulate import Coupled, instances
+
     with TemporaryDirectory(prefix="tirefmu-", ignore_cleanup_errors=True) as folder, ExitStack() as stack:
         axles = []
         for axle in AXLES:

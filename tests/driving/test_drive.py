@@ -33,7 +33,7 @@ from tirefmu.applications.driving.estimate import estimated
 from tirefmu.applications.driving.evaluation import curvature_of
 from tirefmu.applications.driving.factors import factors_of, scaled_tires, withheld
 from tirefmu.applications.driving.figures import write_drive
-from tirefmu.applications.driving.inputs.car import Car
+from tirefmu.applications.driving.inputs.car import Car, loads_of
 from tirefmu.applications.driving.interval import OUTPUTS, Relaxation, interval_of
 from tirefmu.applications.driving.rivals import (
     DriveExplanation,
@@ -56,6 +56,8 @@ from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.commands.cli import main
 from tirefmu.symbolic.vehicle.quantities import CORNERS
 from tirefmu.tires import read_tir
+
+AXLES = ("front", "rear")
 
 
 def test_the_factors_are_those_of_the_truth(answer):
@@ -195,6 +197,24 @@ def test_longitudinal_slips_lag_by_the_relaxation_length_and_differ_by_the_radii
     rate = np.gradient(slips + added, grid.step, axis=1)
     lacking = added + length / V * rate  # a first-order lag, but for what the grid does not resolve
     assert np.sqrt(np.mean(lacking**2)) < 0.3 * np.sqrt(np.mean(added**2))
+
+
+def test_side_forces_that_nothing_explains_are_told(car, tire):
+    """Those that the discrepancy takes as well: the balance of forces with the tires as estimated."""
+
+    def worse_in_braking(kappa, alpha, Fz, V, factors):
+        Fx, Fy = road.tire_forces(kappa, alpha, Fz, V, factors)
+        return Fx, Fy * (1.0 + 4.0 * np.minimum(kappa, 0.0))
+
+    truth = road.Truth({axle: dict.fromkeys(("LMUX", "LMUY", "LKX", "LKY"), 1.0) for axle in AXLES}, {})
+    logs, _ = road.made_drives([truth], ["brake"], [True], seed=5, seconds=20.0, tire=worse_in_braking)
+    answer = tirefmu.drive(logs[0], vehicle=car, tire=tire)
+    values = answer.estimate.outputs.values
+    Fy, of_tires = (values[:, [OUTPUTS.index(f"{name}_{axle}") for axle in AXLES]] for name in ("Fy", "Fy_tire"))
+    entries = answer.unknowns.car_values(answer.car, answer.estimate.z)
+    balance, told = 2.0 * (Fy - of_tires), answer.estimate.beyond * loads_of(entries)
+    rms = np.sqrt(np.mean((told - balance) ** 2, axis=0)), np.sqrt(np.mean(balance**2, axis=0))
+    assert np.all(rms[0] < 0.4 * rms[1])  # but for the curvature of the motion within an interval
 
 
 def test_turns_to_one_side_determine_no_factor(answer):
