@@ -47,6 +47,10 @@ class NoiseParts:
     fading: float
     memory: float
 
+    def times(self, factor: float) -> NoiseParts:
+        """Return noise with a multiple of the variances."""
+        return replace(self, white=factor * self.white, short=factor * self.short, drift=factor * self.drift)
+
 
 def noise_parts(residual: FloatArray, present: BoolArray, step: float) -> NoiseParts:
     """Estimate the noise of a channel from its residual.

@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...numerics.arrays import FloatArray
-from ...numerics.correlation import correlation_length
 from ...numerics.noise_model import Whitening, noise_parts
 from ...numerics.ties import graded
 from ...symbolic.detection import Form
@@ -115,13 +114,14 @@ def final_fits(
         budget.tell("adding the proposed formula to the model equations")
         part, with_formula = proposed(structure, extended, solution, no_formula)
         unknown, (extended, solution) = (part,), with_formula or (extended, solution)
+    noise = _noise_of(comparison, extended)
     for correcting in (False, correct_form, False):
-        extended, solution = balanced(extended, solution).fitted(solution.parameters, solution.free)
+        extended, solution = balanced(extended, solution, noise).fitted(solution.parameters, solution.free)
         if correcting and not budget.late and (corrected := form_of(extended, solution)):
             extended, solution, change = corrected
     added = [declared.name for part in unknown if part.added and part.effect for declared in part.effect.declarations]
     extended, solution, explanation, refinements, unproved = with_proven(
-        extended, solution, linear.explanation, refinements, added
+        extended, solution, noise, linear.explanation, refinements, added
     )
     if UNKNOWN in unproved:
         without = replace(comparison, answer=comparison.answer.with_unproven(UNKNOWN))
@@ -151,6 +151,12 @@ def final_fits(
     )
 
 
+def _noise_of(comparison: ComparedExplanations, problem: LeastSquares) -> FloatArray:
+    """Return the inverse noise of the comparison, what no column explains, for the rows of a problem."""
+    of_some, of_all = (of.inverse_noise.max(axis=1) for of in (comparison.shared.problem, problem))
+    return np.asarray(problem.inverse_noise * (of_some / np.where(of_all > 0.0, of_all, 1.0))[:, None])
+
+
 def _in_order(problem: LeastSquares, names: Collection[str]) -> tuple[str, ...]:
     """Return different coefficients in the order of the model."""
     return tuple(sorted(set(names), key=problem.simulator.names.index))
@@ -165,8 +171,8 @@ def refined_core(problem: LeastSquares) -> list[str]:
 
 
 def with_proven(
-    problem: LeastSquares, solution: Solution, explanation: Explanation, refinements: Refinements = (),
-    formula: Collection[str] = (),
+    problem: LeastSquares, solution: Solution, noise: FloatArray, explanation: Explanation,
+    refinements: Refinements = (), formula: Collection[str] = (),
 ) -> tuple[LeastSquares, Solution, Explanation, Refinements, tuple[str, ...]]:  # fmt: skip
     """Return a fit without what the recording does not prove, what it has of the explanation, and the absent effects.
 
@@ -175,12 +181,13 @@ def with_proven(
     left out, the least certain one first: of two that are in each other's place, one remains. Only those that were not
     proven are judged again at once, and all when these are proven or left out.
 
-    `refinements`: they are absent with their effects. `formula`: coefficients of the formula of an unknown component,
-    which is judged with the effects. If it is the one to omit, the fit ends: the others were fitted together with it.
+    `noise`: inverse, without weights. `refinements`: they are absent with their effects. `formula`: coefficients of the
+    formula of an unknown component, which is judged with the effects. If it is the one to omit, the fit ends: the
+    others were fitted together with it.
     """
     absent, doubtful = list[str](), list[str]()
     while (explanation.effects or formula) and not problem.stop():
-        weighted = balanced(problem, solution)
+        weighted = balanced(problem, solution, noise)
         after = Screen(weighted, weighted.at(solution.parameters, solution.free))
         model = problem.simulator.symbolic_model
         judged = {name: _absent_without(name, explanation, model, solution) for name in explanation.effects}
@@ -223,17 +230,17 @@ def _absent_without(effect: str, explanation: Explanation, model: Model, solutio
     return tuple(name for name in both if name not in shared) or both
 
 
-def balanced(problem: LeastSquares, solution: Solution) -> LeastSquares:
-    """Return the problem with each channel weighted by its residual, as in a fit of maximum likelihood.
+def balanced(problem: LeastSquares, solution: Solution, noise: FloatArray) -> LeastSquares:
+    """Return the problem with each channel weighted by the square of its residual over noise.
 
-    The comparison weights a channel by its short-range noise. A channel whose formula is inexact has a larger residual,
-    of rows that are wrong together; the fit would then make the other channels worse for it.
+    By the residual alone, as in a fit of maximum likelihood, rows of a channel whose formula is inexact would count as
+    independent. They are wrong together, and the fit would make the other channels worse for them.
+
+    `noise`, shape (n_channels, n): inverse, without weights.
     """
-    rows = np.where(problem.inverse_noise > 0.0, problem.inverse_noise * solution.residual, np.nan)
-    correlated = np.array([correlation_length(row) if np.isfinite(row).any() else 1.0 for row in rows])
-    size = problem.sizes(solution.residual) * np.sqrt(correlated)
+    size = replace(problem, inverse_noise=noise).sizes(solution.residual) ** 2
     relative = size / np.sqrt(np.mean(size[size > 0.0] ** 2)) if size.any() else np.ones_like(size)
-    return replace(problem, inverse_noise=problem.inverse_noise / np.where(size > 0.0, relative, 1.0)[:, None])
+    return replace(problem, inverse_noise=noise / np.where(size > 0.0, relative, 1.0)[:, None])
 
 
 def _whitened(
@@ -250,7 +257,10 @@ def _whitened(
         return before, solution, Screen(uncertain, uncertain.at(solution.parameters, solution.free))
     t = signals.t[signals.rows]
     rest, step = problem.weighted(solution.residual), float(np.median(np.diff(t)))
-    noise = tuple(noise_parts(*rows, step) for rows in zip(rest, problem.inverse_noise > 0.0, strict=True))
+    parts = [noise_parts(*rows, step) for rows in zip(rest, problem.inverse_noise > 0.0, strict=True)]
+    size = problem.sizes(solution.residual)
+    level = (size.max() / np.where(size > 0.0, size, size.max())) ** 2  # the channels keep their weights
+    noise = tuple(part.times(float(factor)) for part, factor in zip(parts, level, strict=True))
     whitening = Whitening(noise, t, problem.inverse_noise)
     final, base = _refitted(problem, solution, whitening), before.solution
     base = final if base is solution else _refitted(before.problem, base, whitening)

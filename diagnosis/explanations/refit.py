@@ -242,8 +242,6 @@ def _with_noise(problem: LeastSquares, residual: FloatArray, explained: float) -
         size = _sizes(problem, residual)[:, None]
         return replace(problem, inverse_noise=np.sqrt(power) * problem.inverse_noise / size)
     t = signals.t[signals.rows]
-    parts = [noise_parts(*rows, float(np.median(np.diff(t)))) for rows in zip(residual, used, strict=True)]
-    noise = tuple(
-        replace(part, **{name: getattr(part, name) / power for name in ("white", "short", "drift")}) for part in parts
-    )
+    step = float(np.median(np.diff(t)))
+    noise = tuple(noise_parts(*rows, step).times(1.0 / power) for rows in zip(residual, used, strict=True))
     return replace(problem, whitening=Whitening(noise, t, problem.inverse_noise))

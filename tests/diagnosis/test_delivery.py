@@ -281,7 +281,7 @@ def test_an_effect_with_which_the_tire_predicts_worse_is_left_out_however_probab
     wrong = tire.parameters()
     wrong[lacking.simulator.index["PVY3"]] = 0.3
     before = lacking.at(wrong, free)
-    _, solution, explanation, _, absent = with_proven(lacking, before, Explanation(tuple(forms)))
+    _, solution, explanation, _, absent = with_proven(lacking, before, lacking.inverse_noise, Explanation(tuple(forms)))
     assert (explanation.effects, absent) == (("plysteer",), ("camber_thrust",))
     assert "PVY3" not in solution.free
     used = problem.inverse_noise > 0.0
@@ -297,7 +297,9 @@ def test_a_finer_form_is_absent_without_its_effect(at_true_values, tire):
     wrong[problem.simulator.index["PVY3"]] = 0.3
     camber = Explanation((("camber_thrust", Form.each({"PVY3": 0.1})),))
     finer = (("camber_thrust", Form.each({"PHY1": 0.01})), ("plysteer", Form.each({"PVY1": 0.1})))
-    _, solution, _, refinements, absent = with_proven(problem, problem.at(wrong, free), camber, finer)
+    _, solution, _, refinements, absent = with_proven(
+        problem, problem.at(wrong, free), problem.inverse_noise, camber, finer
+    )
     assert (refinements, absent) == (finer[1:], ("camber_thrust",))
     assert set(free) - set(solution.free) == {"PHY1", "PVY3"} & set(free)
 
@@ -308,7 +310,7 @@ def test_a_formula_with_which_the_tire_predicts_worse_ends_the_fit(at_true_value
     wrong = tire.parameters()
     wrong[lacking.simulator.index["PVY3"]] = 0.3
     before = lacking.at(wrong, (*at_true_values.solution.free, "PVY3"))
-    _, solution, _, _, absent = with_proven(lacking, before, Explanation(), (), ["PVY3"])
+    _, solution, _, _, absent = with_proven(lacking, before, lacking.inverse_noise, Explanation(), (), ["PVY3"])
     assert absent == ("UNKNOWN",)
     assert solution is before
 

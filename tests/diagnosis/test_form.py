@@ -60,9 +60,9 @@ def test_a_force_does_not_correct_the_formula_of_a_moment(made):
     problem, solution = made
     wrong = distorted(problem, 0.5, "Mz")
     fitted = wrong.solve(solution.parameters, solution.free)
-    side = wrong.simulator.signals.channels.index("Fy")
+    side, noise = wrong.simulator.signals.channels.index("Fy"), wrong.inverse_noise
     for _ in range(2):
-        wrong, fitted = balanced(wrong, fitted).fitted(fitted.parameters, fitted.free)
+        wrong, fitted = balanced(wrong, fitted, noise).fitted(fitted.parameters, fitted.free)
     _, corrected, change = form_of(wrong, fitted)
     assert {name[: len("FORM_T")] for name in corrected.free if name.startswith(FORM.upper())} == {"FORM_T"}
     size = np.sqrt(np.mean(wrong.simulator.signals.measured[side] ** 2))

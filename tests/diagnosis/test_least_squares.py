@@ -139,37 +139,16 @@ def test_offsets_drifts_and_cross_talk_are_estimated(problem, tire):
     assert abs(reported["cross_talk"]["Fy_in_Fx"]) < 0.0005
 
 
-def test_the_final_fit_weights_each_channel_by_its_residual(problem, at_true_values):
-    """A channel whose noise is taken to be too small has the weight of the others afterwards."""
-    factor = np.array([1.0, 4.0, 0.5])[:, None]
-    solution = at_true_values.solution
-    before, after = (
-        balanced(replace(problem, inverse_noise=of * problem.inverse_noise), solution).inverse_noise
-        for of in (1.0, factor)
-    )
-    used = before > 0.0
-    ratio = (after[used] / before[used]).reshape(3, -1)  # one factor of all: the unit of the cost
-    np.testing.assert_allclose(ratio, ratio[0, 0], rtol=1e-9)
-    sizes = np.sqrt(np.mean((before * solution.residual) ** 2, axis=1, where=used))
-    np.testing.assert_allclose(sizes, sizes[0], rtol=0.25)  # the residual is nearly independent
-
-
-def test_rows_that_are_wrong_together_have_less_weight_in_the_final_fit(problem, at_true_values):
-    """A wave with the same root mean square as independent rows, over as many rows as a block has."""
-    rng, solution = np.random.default_rng(1), at_true_values.solution
-    shape = solution.residual.shape
-    alone = rng.standard_normal(shape) / np.maximum(problem.inverse_noise, 1e-9)
-    together = alone.copy()
-    wave = np.sqrt(2.0) * np.sin(2.0 * np.pi * np.arange(shape[1]) / 100.0)
-    together[2] = wave / np.maximum(problem.inverse_noise[2], 1e-9)
-    used = (problem.inverse_noise > 0.0).all(axis=0)
-    shares = [
-        balanced(problem, replace(solution, residual=residual)).inverse_noise[:, used] / problem.inverse_noise[:, used]
-        for residual in (alone, together)
-    ]
-    before, after = ((share[2] / share[0]).mean() for share in shares)
-    assert before == pytest.approx(1.0, abs=0.25)
-    assert after < 0.35 * before
+def test_the_final_fit_weights_each_channel_by_its_residual_over_noise(problem, at_true_values):
+    """Inexact formulas are wrong in many rows together; the weights that the problem had do not matter."""
+    solution, noise = at_true_values.solution, problem.inverse_noise
+    used = noise > 0.0
+    sizes = np.sqrt(np.mean((noise * solution.residual) ** 2, axis=1, where=used))
+    inexact = replace(solution, residual=solution.residual * np.array([1.0, 1.0, 3.0])[:, None] / sizes[:, None])
+    for weights in (1.0, np.array([1.0, 4.0, 0.5])[:, None]):
+        weighted = balanced(replace(problem, inverse_noise=weights * noise), inexact, noise).inverse_noise
+        ratio = (weighted[used] / noise[used]).reshape(3, -1)
+        np.testing.assert_allclose(ratio / ratio[0, 0], np.array([1.0, 1.0, 1.0 / 9.0])[:, None] * np.ones_like(ratio))
 
 
 def test_a_coefficient_may_be_differentiated_twice(problem, at_true_values):
