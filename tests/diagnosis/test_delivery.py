@@ -463,3 +463,20 @@ def test_few_rows_have_an_answer(rate, sweeps):
     assert diagnosis.delivered or diagnosis.not_delivered_because
     errors = reported_error(diagnosis, diagnosis.tire, case.signs)
     assert errors == pytest.approx({c: one["after"] for c, one in diagnosis.gap["train"].items()}, rel=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [1102, 1138])
+def test_a_moment_with_an_inexact_formula_moves_no_force(number):
+    """The moment has another form than the library's, and less noise than it errs by: Fy is that of the forces."""
+    case = independent.case_of("single", number)
+    assert case.hidden == ("overturning_Mx",)
+    diagnosis = diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal)
+    assert diagnosis.found[0].effect == "overturning_Mx"
+    force = case.test["Fy"]
+    inputs = case.test.drop(columns=list(diagnosis.gap["train"]))
+    before, after = (
+        np.sqrt(np.mean((tire.evaluate(inputs, signs=case.signs)["Fy"] - force) ** 2))
+        for tire in (diagnosis.base_tire, diagnosis.tire)
+    )
+    assert after < 3.0 * before + 0.002 * np.sqrt(np.mean(force**2))
