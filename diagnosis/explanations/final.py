@@ -2,9 +2,9 @@
 
 A tire contains no discrepancies and no errors of its functional form, so these are left out. Channels are weighted by
 the squares of their residuals over noise, so that a channel with an inexact formula does not make the others worse; the
-baseline tire is fitted with the same weights. If nothing is missing, both are one tire. An offset of the bench without evidence is left out at
-the end: the fits would take errors of the tire's own form for one. In each fit, states are driven by the forces of the
-fit before.
+baseline tire is fitted with the same weights. If nothing is missing, both are one tire. An offset of the bench without
+evidence is left out at the end: the fits would take errors of the tire's own form for one. In each fit, states are
+driven by the forces of the fit before.
 """
 
 from __future__ import annotations
