@@ -199,7 +199,7 @@ def test_longitudinal_slips_lag_by_the_relaxation_length_and_differ_by_the_radii
     assert np.sqrt(np.mean(lacking**2)) < 0.3 * np.sqrt(np.mean(added**2))
 
 
-def test_side_forces_that_nothing_explains_are_told(car, tire):
+def test_side_forces_that_nothing_explains_are_stated(car, tire):
     """Those that the discrepancy takes as well: the balance of forces with the tires as estimated."""
 
     def worse_in_braking(kappa, alpha, Fz, V, factors):
@@ -212,8 +212,8 @@ def test_side_forces_that_nothing_explains_are_told(car, tire):
     values = answer.estimate.outputs.values
     Fy, of_tires = (values[:, [OUTPUTS.index(f"{name}_{axle}") for axle in AXLES]] for name in ("Fy", "Fy_tire"))
     entries = answer.unknowns.car_values(answer.car, answer.estimate.z)
-    balance, told = 2.0 * (Fy - of_tires), answer.estimate.beyond * loads_of(entries)
-    rms = np.sqrt(np.mean((told - balance) ** 2, axis=0)), np.sqrt(np.mean(balance**2, axis=0))
+    balance, stated = 2.0 * (Fy - of_tires), answer.estimate.beyond * loads_of(entries)
+    rms = np.sqrt(np.mean((stated - balance) ** 2, axis=0)), np.sqrt(np.mean(balance**2, axis=0))
     assert np.all(rms[0] < 0.4 * rms[1])  # but for the curvature of the motion within an interval
 
 
