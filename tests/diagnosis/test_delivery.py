@@ -15,6 +15,7 @@ from tirefmu.diagnosis.explanations import (
     Explanation,
     OneOf,
     answer_of,
+    balanced,
     coefficients_of,
     final_fits,
     refined_core,
@@ -29,7 +30,6 @@ from tirefmu.diagnosis.explanations.effect_evidence import (
     joint_z,
     proof_of,
 )
-from tirefmu.diagnosis.explanations.final import _whitened
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.signals import Simulator
 from tirefmu.diagnosis.verdict import (
@@ -297,7 +297,7 @@ def test_the_whitened_fit_keeps_the_weights_of_the_channels(at_true_values):
     problem, solution = at_true_values.problem, at_true_values.solution
     weighted = replace(problem, inverse_noise=np.array([1.0, 1.0, 1.0 / 9.0])[:, None] * problem.inverse_noise)
     before = Screen(weighted, weighted.at(solution.parameters, solution.free))
-    *_, whitened = _whitened(weighted, solution, before, weighted.disturbances)
+    *_, whitened = sys.modules[balanced.__module__]._whitened(weighted, solution, before, weighted.disturbances)
     rows = whitened.problem.weighted(solution.residual)
     sizes = np.sqrt(np.mean(rows**2, axis=1)), weighted.sizes(solution.residual)
     np.testing.assert_allclose(sizes[0] / sizes[0][0], sizes[1] / sizes[1][0], rtol=0.1)
