@@ -262,9 +262,7 @@ def reduced(table: Table, refit: Refitted) -> Move:
     fewer = {part: less for part, less in fewer.items() if less.parts not in table.refits}
     for part, less in fewer.items():  # before refits, which free the columns of this one
         if part != UNKNOWN:
-            least = refit.evidence - table.loss_of(part, refit.explanation.parts)
-            evidence = min(refit.linear.evidence_without(part), least)
-            table = table.with_linear(less.parts, evidence, less.log_prior)
+            table = table.with_linear(less.parts, refit.linear.evidence_without(part), less.log_prior)
     for part, less in fewer.items():
         if part != UNKNOWN and table.is_far(less.parts):
             continue

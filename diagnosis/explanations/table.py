@@ -70,19 +70,6 @@ class Table:
             return self
         return replace(self, linear={**self.linear, parts: (evidence, prior)})
 
-    def loss_of(self, part: str, parts: Parts) -> float:
-        """Return the largest loss of evidence by a part of a refit that has these parts, -infinity if none lacks it.
-
-        An explanation with fewer parts misses it at least as much.
-        """
-        pairs = [
-            (refit, tuple(name for name in of if name != part))
-            for of, refit in self.refits.items()
-            if set(parts) <= set(of)
-        ]
-        losses = [refit.evidence - self.refits[less].evidence for refit, less in pairs if less in self.refits]
-        return max(losses, default=-np.inf)
-
     def is_far(self, parts: Parts) -> bool:
         """Return whether both the score of an explanation and the one that makes its probability are far behind."""
         scores, divided = self.scores, self.divided()

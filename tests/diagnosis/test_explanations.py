@@ -505,15 +505,6 @@ def test_the_best_explanation_without_a_certain_part_is_searched_as_the_leading_
     assert table_of({(): 0.0, ("lag",): 1.0}, set()).doubts == []
 
 
-def test_a_part_that_a_larger_explanation_misses_is_missed_by_a_smaller_one():
-    evidences = {(): 0.0, ("heat",): 5.0, ("heat", "lag"): 40.0, ("heat", "lag", "wear"): 90.0, ("heat", "wear"): 20.0}
-    table = table_of(evidences, set())
-    assert table.loss_of("lag", ("heat", "lag")) == 70.0  # of the largest one, 35 of itself
-    assert table.loss_of("lag", ("lag",)) == 70.0
-    assert table.loss_of("wear", ("heat", "wear")) == 50.0
-    assert table.loss_of("heat", ("heat", "lag")) == -np.inf
-
-
 def test_two_similar_effects_begin_with_half_of_each_and_their_memories(monkeypatch):
     forms = {
         "history": Form.each({"SHMUY": 0.1}, grid={"SHWID": (0.02,)}),
