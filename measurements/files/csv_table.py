@@ -16,8 +16,8 @@ import numpy as np
 import pandas as pd
 
 from ...boundary.errors import DataError
-from .columns.cells import first_with_point, has_decimal_commas, with_point
-from .columns.content import MAX_COLUMNS, Column, Content
+from .columns.cells import first_with_point, has_decimal_commas, with_comma_and_point, with_point
+from .columns.content import DECIMAL_COMMAS, MAX_COLUMNS, Column, Content
 from .columns.layout import SAMPLED, groups_of, layout
 from .encoding import encoding_of
 
@@ -62,16 +62,15 @@ def read_csv(path: Path) -> Content:
     )
     titles = [" ".join(" ".join(row).split()) for _, row in rows[: rows_by_use.names]]
     ignored = (f"{len(titles)} lines above the names",) if titles else ()
-    about = {"decimals": "commas in numbers are read as decimal points"} if commas else {}
+    about = DECIMAL_COMMAS if commas else {}
     return Content(columns, location, about=about, ignored=ignored)
 
 
 def _with_points(cells: pd.Series, path: Path, names: list[str], location: Callable[[int], str]) -> pd.Series:
     """Return texts with points in place of decimal commas; raises `DataError` if a number has a point already."""
     if (row := first_with_point(cells)) is not None:
-        name = names[int(str(cells.name))].strip()
-        shown = f"{location(row)}: column {name}: {cells.iloc[row]!r}"
-        raise DataError(f"{path}: {shown} has a point, other numbers have decimal commas")
+        mixed = with_comma_and_point(names[int(str(cells.name))], cells.iloc[row])
+        raise DataError(f"{path}: {location(row)}: {mixed}")
     return cells.map(with_point, na_action="ignore")
 
 

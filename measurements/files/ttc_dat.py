@@ -6,8 +6,9 @@ import re
 from pathlib import Path
 
 from ...boundary.errors import DataError
-from .columns.cells import is_number, rows_of_cells
-from .columns.content import Column, Content
+from .columns.cells import has_decimal_commas, is_number, rows_of_cells, with_point
+from .columns.content import DECIMAL_COMMAS, Column, Content
+from .columns.layout import SAMPLED
 from .encoding import encoding_of
 from .ttc_channels import bench_content, has_bench_names
 
@@ -36,12 +37,14 @@ def read_ttc_dat(path: Path) -> Content:
     numbers = [number for number in range(at + 1, len(lines)) if lines[number].strip()]
     units = _units(lines[numbers[0]], names, separator, f"{path}: line {numbers[0] + 1}") if numbers else {}
     numbers = numbers[bool(units) :]
-    cells = rows_of_cells(((number + 1, _cells(lines[number], separator)) for number in numbers), names, str(path))
+    rows = ((number + 1, _cells(lines[number], separator)) for number in numbers)
+    commas = has_decimal_commas(_cells(lines[number], separator) for number in numbers[:SAMPLED])
+    cells = rows_of_cells(rows, names, str(path), commas=commas)
     title = " ".join(" ".join(line.split()) for line in lines[:at])
     axes = _AXES.search(title)
     iso = axes is not None and axes["answer"].casefold() == "true"
     columns = tuple(Column(name, cells[:, i], units.get(name, "")) for i, name in enumerate(names))
-    about = {"tireid": title, "testid": "", "credit": ""}
+    about = {"tireid": title, "testid": "", "credit": "", **(DECIMAL_COMMAS if commas else {})}
     content = Content(columns, lambda row: f"line {numbers[row] + 1}", signs="iso" if iso else "sae", about=about)
     return bench_content(content, path.name)
 
@@ -62,7 +65,7 @@ def _units(line: str, names: list[str], separator: str | None, where: str) -> di
     """Return units by name from the line below the names; none if that line is a row of data."""
     # "deg F" is one unit, although blanks separate the cells as well.
     cells = _cells(_UNIT_OF_TWO_WORDS.sub("deg", line), separator)
-    if not cells or all(map(is_number, cells)):
+    if not cells or all(is_number(with_point(cell)) for cell in cells):
         return {}
     if len(cells) != len(names):
         raise DataError(f"{where}: {len(cells)} units for {len(names)} channels")

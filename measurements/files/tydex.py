@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,8 +13,9 @@ import numpy as np
 
 from ...boundary.errors import DataError
 from ...numerics.arrays import FloatArray
-from .columns.cells import is_number, numbers, rows_of_cells
-from .columns.content import Column, Content, is_unit
+from .columns.cells import has_decimal_commas, is_number, numbers, rows_of_cells, with_point
+from .columns.content import DECIMAL_COMMAS, Column, Content, is_unit
+from .columns.layout import SAMPLED
 
 #: TYDEX names by contract name, the preferred one first. H axes are parallel to the W axes (contact point) on a flat
 #: road: their forces are equal. Their moments need the loaded radius and are not read.
@@ -63,15 +65,16 @@ def read_tydex(path: Path) -> Content:
     for name in ("MEASURCHANNELS", "MEASURDATA"):
         if name not in sections:
             raise DataError(f"{source}: no section **{name}: not a TYDEX file")
-    channels = [_quantity(number, text, 3) for number, text in sections["MEASURCHANNELS"]]
-    constants = [_quantity(number, text, 1) for number, text in sections.get("CONSTANTS", ())]
+    rows, declared = sections["MEASURDATA"], [*sections["MEASURCHANNELS"], *sections.get("CONSTANTS", ())]
+    commas = has_decimal_commas(text.split() for _, text in (*declared, *rows[:SAMPLED]))
+    channels = [_quantity(number, text, 3, commas) for number, text in sections["MEASURCHANNELS"]]
+    constants = [_quantity(number, text, 1, commas) for number, text in sections.get("CONSTANTS", ())]
     for given in (channels, constants):
         for name, occurrences in Counter(quantity.name for quantity in given).items():
             if occurrences > 1 and any(name in spelled for spelled in NAMES.values()):
                 raise DataError(f"{source}: {name} occurs {occurrences} times")
-    rows = sections["MEASURDATA"]
     names = [quantity.name for quantity in channels]
-    cells = rows_of_cells(((line, _cells(text, len(names))) for line, text in rows), names, source)
+    cells = rows_of_cells(((line, _cells(text, len(names))) for line, text in rows), names, source, commas=commas)
 
     def location(row: int) -> str:
         return f"line {rows[row][0]}"
@@ -85,6 +88,7 @@ def read_tydex(path: Path) -> Content:
         ignored.append(f"the number of rows {count} behind **MEASURDATA: the file has {len(rows)}")
     header = dict(text.split(maxsplit=1) for _, text in sections.get("HEADER", ()) if len(text.split()) > 1)
     about = {"units": "declared in the file", "tireid": "", "credit": "", "testid": header.get("MEASID", "").strip()}
+    about |= DECIMAL_COMMAS if commas else {}
     lacking = {"Fz": f"no channel FZW (Fz){axes}"}
     return Content(tuple(columns), location, "tydex", "iso", about=about, lacking=lacking, ignored=tuple(ignored))
 
@@ -138,8 +142,13 @@ def _cells(text: str, count: int) -> list[str]:
     return cells
 
 
-def _quantity(line: int, text: str, most: int) -> _Quantity:
-    """Read name, description, unit and up to ``most`` numbers. The unit is in its field, or follows the description."""
+def _quantity(line: int, text: str, most: int, commas: bool) -> _Quantity:
+    """Read name, description, unit and up to ``most`` numbers. The unit is in its field, or follows the description.
+
+    `commas`: whether numbers have decimal commas.
+    """
+    if commas:
+        text = re.sub(r"\S+", lambda word: with_point(word[0]), text)  # the fields keep their places
     fixed = text[UNIT].strip()
     if len(text) > UNIT.start and text[FIELD - 1 : FIELD].isspace() and (not fixed or fixed == "-" or is_unit(fixed)):
         behind = text[UNIT.stop :].split()

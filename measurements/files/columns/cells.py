@@ -89,6 +89,11 @@ def with_point(cell: str) -> str:
     return cell.replace(",", ".") if _COMMAS.fullmatch(cell) else cell
 
 
+def with_comma_and_point(name: str, cell: str) -> str:
+    """Return the message about a number with a point, which may separate thousands, among decimal commas."""
+    return f"column {name.strip()}: {cell!r} has a point, other numbers have decimal commas"
+
+
 def first_with_point(cells: pd.Series) -> int | None:
     """Return the row of the first number with a point, which may separate thousands among decimal commas."""
     pointed = np.flatnonzero(cells.str.fullmatch(_POINT, na=False))
@@ -176,16 +181,22 @@ def _elapsed(cell: Any) -> float:
     return -size if match["sign"] else size
 
 
-def rows_of_cells(rows: Iterable[tuple[int, Sequence[str]]], names: Sequence[str], source: str) -> Any:
+def rows_of_cells(
+    rows: Iterable[tuple[int, Sequence[str]]], names: Sequence[str], source: str, *, commas: bool = False
+) -> Any:
     """Return the cells of the rows of a text file, shape (n, number of names): numbers, or texts if one is none.
 
-    `rows`: line number and cells of each. Raises `DataError` if there is none, or a row has another number of cells
-    than there are names.
+    `rows`: line number and cells of each. `commas`: whether numbers have decimal commas. Raises `DataError` if there is
+    no row, one has another number of cells than there are names, or a number has a point beside decimal commas.
     """
     values, texts = array("d"), []  # 8 bytes each; a list of texts needs ten times as much
     for line, cells in rows:
         if len(cells) != len(names):
             raise DataError(f"{source}: line {line}: {len(cells)} cells for {len(names)} channels")
+        if commas:
+            if (pointed := next((i for i, cell in enumerate(cells) if _POINT.fullmatch(cell)), None)) is not None:
+                raise DataError(f"{source}: line {line}: {with_comma_and_point(names[pointed], cells[pointed])}")
+            cells = list(map(with_point, cells))
         try:
             values.extend(map(float, cells))
         except ValueError:

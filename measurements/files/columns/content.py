@@ -15,6 +15,8 @@ from ...units import UNITS, find_unit
 
 #: Upper limits: columns of a table, characters of a header that may declare a unit.
 MAX_COLUMNS, LONGEST_HEADER = 5000, 200
+#: Metadata of a file whose numbers have decimal commas.
+DECIMAL_COMMAS: Mapping[str, str] = {"decimals": "commas in numbers are read as decimal points"}
 #: Ignored parts of one kind that are listed by name.
 MAX_LISTED = 8
 _HEADER = re.compile(r"(?P<name>.*\S)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\))")

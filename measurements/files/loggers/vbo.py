@@ -8,8 +8,9 @@ import numpy as np
 
 from ....boundary.errors import DataError
 from ....numerics.arrays import FloatArray
-from ..columns.cells import DAY, numbers, rows_of_cells
-from ..columns.content import Column, Content, is_unit
+from ..columns.cells import DAY, has_decimal_commas, numbers, rows_of_cells
+from ..columns.content import DECIMAL_COMMAS, Column, Content, is_unit
+from ..columns.layout import SAMPLED
 
 #: Units of ``[header]`` ("velocity kmh", "Lat accel g") with another meaning elsewhere.
 _UNITS = {"ms": "m/s"}
@@ -34,7 +35,8 @@ def read_vbo(path: Path) -> Content:
             raise DataError(f"{path}: no section [{name}]: not a VBOX log")
     names = " ".join(text for _, text in sections["column names"]).split()
     data = sections["data"]
-    cells = rows_of_cells(((number, text.split()) for number, text in data), names, str(path))
+    commas = has_decimal_commas(text.split() for _, text in data[:SAMPLED])
+    cells = rows_of_cells(((number, text.split()) for number, text in data), names, str(path), commas=commas)
     long_names = [text for _, text in sections.get("header", [])]
     units = _units(names, long_names, [text for _, text in sections.get("channel units", [])])
 
@@ -48,7 +50,7 @@ def read_vbo(path: Path) -> Content:
             columns.append(Column(name, day, "s", "t"))
         else:
             columns.append(Column(name, cells[:, i], units.get(name, "")))
-    return Content(tuple(columns), location, "vbo")
+    return Content(tuple(columns), location, "vbo", about=DECIMAL_COMMAS if commas else {})
 
 
 def _units(names: list[str], long_names: list[str], declared: list[str]) -> dict[str, str]:

@@ -9,6 +9,7 @@ import pytest
 from tirefmu.applications.driving.inputs.log import read_log
 from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import read_recording
+from tirefmu.measurements.files.columns.cells import numbers
 from tirefmu.measurements.files.reading import read_content
 
 T = np.arange(200) * 0.05
@@ -61,11 +62,77 @@ def test_a_bench_file_that_another_program_saved(tmp_path, separator, quoted, en
     np.testing.assert_allclose(recording.table["alpha"], STEER, atol=1e-12)
 
 
-def test_a_decimal_comma_is_refused_with_the_remedy(tmp_path):
-    cells = [list(BENCH), UNITS, *([f"{cell:.4f}".replace(".", ",") for cell in row] for row in BENCH.to_numpy())]
-    (tmp_path / "run.dat").write_text("Round 8\n" + "\n".join(map(";".join, cells)), encoding="utf-8")
-    with pytest.raises(DataError, match=r"line 4: channel ET: '0,0000' is not a number: a decimal comma\? write 0\."):
-        read_recording(tmp_path / "run.dat")
+def bench_file(folder, separator, units=True):
+    cells = [list(BENCH), *([UNITS] if units else []), *([f"{cell:.6f}" for cell in row] for row in BENCH.to_numpy())]
+    path = folder / "A1run1.dat"
+    path.write_text("Round 8\n" + "\n".join(map(separator.join, cells)), encoding="utf-8")
+    return path
+
+
+def tydex_file(folder, fields=False):
+    numbers = BENCH.assign(FY=-BENCH["FY"], FZ=-BENCH["FZ"])[["ET", "SA", "FZ", "FY"]].to_numpy()
+    rows = ["".join(f"{cell:10.4f}" if fields else f" {cell:.6f}" for cell in row) for row in numbers]
+    channels = [
+        f"{name:10}{name:30}{unit:10}1.0       0.0       0.0"
+        for name, unit in (("RUNTIME", "s"), ("SLIPANGL", "deg"), ("FZW", "lb"), ("FYW", "lb"))
+    ]
+    constants = ["INCLANGL  camber                        deg       0.0", "INFLPRES  pressure   psi  12.0"]
+    parts = ["**HEADER", "**CONSTANTS", *constants, "**MEASURCHANNELS", *channels, "**MEASURDATA", *rows, "**END"]
+    (folder / "run.tdx").write_text("\n".join(parts), encoding="utf-8")
+    return folder / "run.tdx"
+
+
+def vbo_file(folder):
+    names = ["time", "velocity", "Latacc"]
+    lines = [f"1000{second:06.3f} 036.000 {g:+.4f}" for second, g in zip(T, STEER, strict=True)]
+    parts = ["[header]", "time", "velocity kmh", "Lat accel g", "[column names]", " ".join(names), "[data]", *lines]
+    (folder / "run.vbo").write_text("\n".join(parts), encoding="utf-8")
+    return folder / "run.vbo"
+
+
+FILES = {
+    "bench, blanks": lambda folder: bench_file(folder, " "),
+    "bench, tabs": lambda folder: bench_file(folder, "\t"),
+    "bench, semicolons": lambda folder: bench_file(folder, ";"),
+    "bench without units": lambda folder: bench_file(folder, " ", units=False),
+    "tydex": tydex_file,
+    "tydex in fields": lambda folder: tydex_file(folder, fields=True),
+    "vbox": vbo_file,
+}
+
+
+def numbers_of(path):
+    content = read_content(path)
+    return {column.header: numbers(column.cells, "", "", content.location)[0] for column in content.columns}
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_a_file_of_any_text_format_may_have_decimal_commas(tmp_path, kind):
+    path = FILES[kind](tmp_path)
+    expected, text = numbers_of(path), path.read_text(encoding="utf-8")
+    assert "decimals" not in read_content(path).about
+    path.write_text(text.replace(".", ","), encoding="utf-8")
+    assert read_content(path).about["decimals"] == "commas in numbers are read as decimal points"
+    for name, values in numbers_of(path).items():
+        np.testing.assert_array_equal(values, expected.pop(name))
+    assert not expected
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_a_point_among_decimal_commas_is_refused(tmp_path, kind):
+    path = FILES[kind](tmp_path)
+    head, _, last = path.read_text(encoding="utf-8").replace(".", ",").removesuffix("\n**END").rpartition("\n")
+    path.write_text(f"{head}\n{last.replace(',', '.')}\n", encoding="utf-8")
+    with pytest.raises(DataError, match=r"line \d+: column \w+: '.+' has a point, other numbers have decimal commas"):
+        read_content(path)
+
+
+def test_a_comma_that_may_separate_thousands_is_refused_in_a_bench_file(tmp_path):
+    path = bench_file(tmp_path, " ")
+    head = path.read_text(encoding="utf-8").splitlines()[:3]
+    path.write_text("\n".join([*head, *(f"{row} 1 0 12 -2,000 -1" for row in range(60))]), encoding="utf-8")
+    with pytest.raises(DataError, match=r"line 4: channel FZ: '-2,000' is not a number: a decimal comma\?"):
+        read_recording(path)
 
 
 @pytest.mark.parametrize("separator", [";", "\t"])
