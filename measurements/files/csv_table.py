@@ -18,7 +18,7 @@ import pandas as pd
 from ...boundary.errors import DataError
 from .columns.cells import first_with_point, has_decimal_commas, with_comma_and_point, with_point
 from .columns.content import DECIMAL_COMMAS, MAX_COLUMNS, Column, Content
-from .columns.layout import SAMPLED, groups_of, layout
+from .columns.layout import SAMPLED, groups_of, is_numeric_row, layout
 from .encoding import encoding_of
 
 _SEPARATORS = ",;\t"
@@ -38,7 +38,7 @@ def read_csv(path: Path) -> Content:
     """
     with _opened(path) as file:
         sample = _sample(file, path)
-    separator = max(_SEPARATORS, key=lambda mark: _agreeing([text for _, text in sample], mark))
+    separator = max(_SEPARATORS, key=lambda mark: _plausible([text for _, text in sample], path, mark))
     rows = [(line, row) for line, text in sample for _, row in _rows([text], path, line - 1, separator)]
     if not rows:
         raise DataError(f"{path}: the file is empty")
@@ -53,7 +53,7 @@ def read_csv(path: Path) -> Content:
     location = partial(_location, path, skipped)
     if commas:
         table = table.apply(_with_points, path=path, names=names, location=location)
-    groups = groups_of(names, [] if rows_by_use.sources is None else rows[rows_by_use.sources][1])
+    groups = groups_of(names, [row for _, row in rows], rows_by_use)
     columns = tuple(
         Column(name.strip(), _exact(table.iloc[:, i]), units[i], group=groups[i])
         for i, name in enumerate(names)
@@ -97,11 +97,12 @@ def _sample(file: TextIO, path: Path) -> list[tuple[int, str]]:
     return sample
 
 
-def _agreeing(lines: list[str], separator: str) -> tuple[int, int]:
-    """Return how many lines have the commonest number of a separator, and this number."""
+def _plausible(lines: list[str], path: Path, separator: str) -> tuple[int, int, int]:
+    """Return how many lines a separator divides into numbers, how many have it most commonly often, and how often."""
+    rows = (list(map(with_point, row)) for line in lines for _, row in _rows([line], path, 0, separator))
     counts = [line.count(separator) for line in lines]
     most = max((count for count in set(counts) if count), key=lambda count: (counts.count(count), count), default=0)
-    return (counts.count(most), most) if most else (0, 0)
+    return sum(map(is_numeric_row, rows)), counts.count(most) if most else 0, most
 
 
 def _rows(lines: Iterable[str], path: Path, before: int, separator: str) -> Iterator[tuple[int, list[str]]]:

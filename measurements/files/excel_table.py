@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from ...boundary.errors import DataError
 from . import native_reader
-from .columns.cells import is_missing, is_number
-from .columns.content import Column, Content, listed
-from .columns.layout import groups_of, layout
+from .columns.cells import has_decimal_commas, is_missing, is_number, with_point
+from .columns.content import DECIMAL_COMMAS, Column, Content, listed
+from .columns.layout import SAMPLED, groups_of, layout
 
 EXTRA = "Excel needs openpyxl, which the extra 'excel' installs: pip install 'tirefmu[excel]'"
 
@@ -29,11 +30,14 @@ def read_excel(path: Path) -> Content:
     name, rows = next(((name, rows) for name, rows in visible if _numbers(rows) > 1), visible[0])
     if not rows:
         raise DataError(f"{path}: no rows")
+    texts = ([cell for cell in cells if isinstance(cell, str)] for _, cells in rows[:SAMPLED])
+    if commas := has_decimal_commas(texts):
+        rows = [(number, list(map(_with_point, cells))) for number, cells in rows]
     rows_by_use = layout([cells for _, cells in rows])
     units = [] if rows_by_use.units is None else rows[rows_by_use.units][1]
     body = rows[rows_by_use.first :]
     names = rows[rows_by_use.names][1]
-    groups = groups_of(names, [] if rows_by_use.sources is None else rows[rows_by_use.sources][1])
+    groups = groups_of(names, [cells for _, cells in rows], rows_by_use)
     columns = []
     for i, header in enumerate(names):
         cells = [cells[i] for _, cells in body]
@@ -43,9 +47,14 @@ def read_excel(path: Path) -> Content:
             columns.append(
                 Column(text, pd.Series([np.nan if cell is None else cell for cell in cells]), unit, "", groups[i])
             )
+    about = DECIMAL_COMMAS if commas else {}
     others = [other for other, _, _ in sheets if other != name]
     ignored = (f"sheets {listed(others)}",) if others else ()
-    return Content(tuple(columns), lambda row: f"row {body[row][0]}", ignored=ignored)
+    return Content(tuple(columns), lambda row: f"row {body[row][0]}", about=about, ignored=ignored)
+
+
+def _with_point(cell: Any) -> Any:
+    return with_point(cell) if isinstance(cell, str) else cell
 
 
 def _numbers(rows: list[tuple[int, list[object]]]) -> int:

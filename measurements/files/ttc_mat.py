@@ -18,6 +18,8 @@ from .ttc_channels import bench_content, has_bench_names
 
 #: Names of the times of a struct, in lower case.
 TIMES = ("t", "time", "timestamp")
+#: Names of the values and the unit in a struct of one quantity, in lower case, as of exports of MoTeC i2.
+VALUE_FIELDS, UNIT_FIELDS = ("value", "values", "data"), ("unit", "units")
 EXTRA = "mat-io, which the extra 'matlab' installs: pip install 'tirefmu[matlab]'"
 
 
@@ -40,10 +42,7 @@ def read_mat(path: Path) -> Content:
         texts |= {key: inside[key] for key in ("tireid", "testid", "source") if key in inside}
         if isinstance(value, pd.DataFrame):
             columns += [replace(column, group=name) for column in frame_columns(value, dict(_table_units(value)))]
-        vectors = {key: cells for key, part in inside.items() if (cells := _vector(part)) is not None}
-        for key, cells in vectors.items():
-            group, _, field = f"{name}.{key}".rpartition(".")
-            columns.append(Column(field, cells, group=group))
+        columns += _columns(name, inside)
         if (cells := _vector(value)) is not None:
             columns.append(Column(name, cells))
     texts = {key: fields.get(key, texts.get(key)) for key in ("tireid", "testid", "source")}
@@ -61,6 +60,29 @@ def read_mat(path: Path) -> Content:
         return content
     about = {("credit" if key == "source" else key): _text(value) for key, value in texts.items()}
     return bench_content(replace(content, signs="sae", about=about), path.name)
+
+
+def _columns(name: str, inside: Mapping[str, Any]) -> Iterator[Column]:
+    """Yield the columns of a variable from the fields of its structs.
+
+    The values of a struct of one quantity, with or without times, have its name, and the unit of its field of units.
+    """
+    structs: dict[str, dict[str, Any]] = {}
+    for key, part in inside.items():
+        group, _, field = f"{name}.{key}".rpartition(".")
+        structs.setdefault(group, {})[field] = part
+    for group, parts in structs.items():
+        vectors = {field: cells for field, part in parts.items() if (cells := _vector(part)) is not None}
+        values = [field for field in vectors if field.casefold() not in TIMES]
+        if len(values) == 1 and values[0].casefold() in VALUE_FIELDS:
+            (field,) = values
+            unit = next((_text(part) for name, part in parts.items() if name.casefold() in UNIT_FIELDS), "")
+            clocks = [numbers(cells, "", "", str, clock=True)[0] for name, cells in vectors.items() if name != field]
+            times = next((times for times in clocks if len(times) == len(vectors[field])), None)
+            outer, _, header = group.rpartition(".")
+            yield Column(header, vectors[field], unit, group=outer, times=times)
+        else:
+            yield from (Column(field, cells, group=group) for field, cells in vectors.items())
 
 
 def _with_own_times(columns: list[Column]) -> list[Column]:

@@ -22,8 +22,8 @@ MISSING = frozenset(
 )  # fmt: skip
 _COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
 _COMMAS, _POINT = re.compile(rf"\s*{_COMMA.pattern}\s*"), re.compile(rf"\s*{_COMMA.pattern.replace(',', '[.]')}\s*")
-#: A number with marks between thousands and before decimals, in either order.
-_BOTH = re.compile(r"[-+]?\d{1,3}(?:(?:\.\d{3})+,|(?:,\d{3})+\.)\d+")
+#: A number with marks between thousands: with a mark before decimals, too, in either order, or blanks or apostrophes.
+_BOTH = re.compile(r"[-+]?\d{1,3}(?:(?:(?:\.\d{3})+,|(?:,\d{3})+\.)\d+|(?:[\s'\u2019]\d{3})+(?:[.,]\d*)?)")
 #: A number whose comma may separate thousands.
 _THOUSANDS = re.compile(r"\s*[-+]?[1-9]\d{0,2}(,\d{3})+\s*")
 _ELAPSED = re.compile(

@@ -12,6 +12,7 @@ import pandas as pd
 
 from ....numerics.arrays import FloatArray
 from ...units import UNITS, find_unit
+from .cells import is_number
 
 #: Upper limits: columns of a table, characters of a header that may declare a unit.
 MAX_COLUMNS, LONGEST_HEADER = 5000, 200
@@ -22,6 +23,8 @@ MAX_LISTED = 8
 _HEADER = re.compile(r"(?P<name>.*\S)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\))")
 
 _INDEX = re.compile(r"\S\[\d+\]$")
+#: A unit behind a name: "Fz/N", "alpha / deg", "Fz, N", "Fz in N".
+_BEHIND = re.compile(r"(?P<name>[^/,\s\[({][^/,\[({]*?)(?:\s*[/,]\s*|\s+in\s+)(?P<unit>\S.*)")
 #: A unit at another place of a header.
 _ELSEWHERE = re.compile(r"\[(?P<square>[^\[\]]*[^\[\]\d]+)\]|\{(?P<curly>[^{}]*[^{}\d]+)\}")
 
@@ -96,17 +99,22 @@ class Content:
 
 
 def name_and_unit(header: str) -> tuple[str, str | None]:
-    """Return the name of a header, and the unit in brackets behind it.
+    """Return the name of a header, and the unit behind it: in brackets, or behind a slash, a comma or "in".
 
-    Round brackets declare a unit only if it is a known one, and so do others at another place; a number without a blank
-    before its bracket is an index.
+    Only square brackets at the end declare a unit that is not known; a number without a blank before its bracket is an
+    index.
 
     >>> name_and_unit("alpha [deg]"), name_and_unit("V (km/h)"), name_and_unit("W (IMU)"), name_and_unit("gyro[2]")
     (('alpha', 'deg'), ('V', 'km/h'), ('W (IMU)', None), ('gyro[2]', None))
     >>> name_and_unit("[km/h] V"), name_and_unit("V [km/h] CAN1"), name_and_unit("p {kPa}")
     (('V', 'km/h'), ('V CAN1', 'km/h'), ('p', 'kPa'))
+    >>> name_and_unit("Fz/N"), name_and_unit("V / (km/h)"), name_and_unit("alpha in deg"), name_and_unit("run2/FZ")
+    (('Fz', 'N'), ('V', 'km/h'), ('alpha', 'deg'), ('run2/FZ', None))
     """
     header = header.strip()
+    behind = _BEHIND.fullmatch(header) if len(header) <= LONGEST_HEADER else None
+    if behind is not None and is_unit(behind["unit"]) and not is_number(behind["unit"]):
+        return behind["name"], behind["unit"].strip(" ()[]")
     match = _HEADER.fullmatch(header) if len(header) <= LONGEST_HEADER else None
     if match is None or (match["square"] is None and not is_unit(match["round"])) or _INDEX.search(header):
         units = [unit for unit in _ELSEWHERE.finditer(header[:LONGEST_HEADER]) if is_unit(unit[0][1:-1])]
@@ -140,8 +148,18 @@ def frame_columns(table: pd.DataFrame, units: Mapping[str, str] | None = None) -
         if values.name is not None or clock:
             header = "Time" if values.name is None else str(values.name)
             yield Column(header, pd.Series(values), units.get(header, ""), "t" if clock else "")
-    for number, name in enumerate(map(str, table.columns)):
-        yield Column(name, table.iloc[:, number].reset_index(drop=True), units.get(name, ""))
+    for number, (name, unit, group) in enumerate(_labels(table.columns)):
+        yield Column(name, table.iloc[:, number].reset_index(drop=True), unit or units.get(name, ""), group=group)
+
+
+def _labels(columns: pd.Index[Any]) -> Iterator[tuple[str, str, str]]:
+    """Yield name, unit and group of the columns of a DataFrame; a row of units is the last of several rows of names."""
+    rows = [[str(part).strip() for part in label] if isinstance(label, tuple) else [str(label)] for label in columns]
+    last = [row[-1] for row in rows]
+    units = columns.nlevels > 1 and any(map(is_unit, last)) and all(find_unit(unit) is not None for unit in last)
+    for row in rows:
+        names = [part for part in (row[:-1] if units else row) if part and not part.startswith("Unnamed: ")]
+        yield names[-1] if names else "", row[-1] if units else "", "/".join(names[:-1])
 
 
 def listed(names: list[str]) -> str:

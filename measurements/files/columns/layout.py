@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import Any
 
 from .cells import is_missing, is_number, is_time
@@ -42,7 +43,7 @@ def layout(rows: Sequence[Sequence[Any]]) -> Layout:
     rows = rows[:SAMPLED]
     width = _common_width(rows)
     wide = [number for number, row in enumerate(rows) if _width(row) >= width and _filled(row)]
-    numeric = [_is_numeric(row) for row in rows]
+    numeric = [is_numeric_row(row) for row in rows]
     start = next(
         (n for n in wide if n and numeric[n] and (n + 1 >= len(rows) or numeric[n + 1] or n + 1 not in wide)), None
     )
@@ -60,13 +61,22 @@ def layout(rows: Sequence[Sequence[Any]]) -> Layout:
     return Layout(above[-1], None, above[-1] + 1)
 
 
-def groups_of(names: Sequence[Any], sources: Sequence[Any]) -> list[str]:
-    """Return what distinguishes columns of one name: their sources, or their numbers where these are the same.
+def groups_of(names: Sequence[Any], rows: Sequence[Sequence[Any]], use: Layout) -> list[str]:
+    """Return what distinguishes columns of one name: their sources, or headings above, or their numbers.
 
-    >>> groups_of(["t", "v", "v", "a", "a"], ["", "gps", "can", "calc", "calc"])
+    A heading is above the first of its columns. `rows`: of the sheet, of which `use` says what they are.
+
+    >>> groups_of(["t", "v", "v", "a", "a"], [["", "gps", "can", "calc", "calc"]], Layout(0, None, 1, sources=0))
     ['', 'gps', 'can', 'column 4', 'column 5']
+    >>> groups_of(["t", "v", "a", "v", "a"], [["", "left", None, "right", ""]], Layout(1, None, 2))
+    ['', 'left', 'left', 'right', 'right']
     """
-    written = ["" if _is_empty(source) else str(source).strip() for source in sources]
+    if use.sources is not None:
+        written = ["" if _is_empty(source) else str(source).strip() for source in rows[use.sources]]
+    else:
+        above = rows[use.names - 1] if use.names else []
+        written = list(accumulate(above, lambda last, cell: last if _is_empty(cell) else cell))
+        written = ["" if _is_empty(cell) else str(cell).strip() for cell in written]
     columns = list(zip(names, [*written, *[""] * len(names)], strict=False))
     return [
         "" if names.count(name) == 1 else source if source and columns.count((name, source)) == 1 else f"column {i + 1}"
@@ -92,7 +102,7 @@ def _is_empty(cell: Any) -> bool:
     return cell is None or cell != cell or (isinstance(cell, str) and not cell.strip())
 
 
-def _is_numeric(row: Sequence[Any]) -> bool:
+def is_numeric_row(row: Sequence[Any]) -> bool:
     """Return whether most cells of a row are numbers, times or missing values, and one is not missing."""
     cells = [cell for cell in row if not _is_empty(cell)]
     values = sum(is_number(cell) or is_time(cell) for cell in cells)

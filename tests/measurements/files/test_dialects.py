@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.io import savemat
 
 from tirefmu.applications.driving.inputs.log import read_log
 from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import read_recording
 from tirefmu.measurements.files.columns.cells import numbers
+from tirefmu.measurements.files.columns.content import name_and_unit
 from tirefmu.measurements.files.reading import read_content
 
 T = np.arange(200) * 0.05
@@ -37,12 +39,108 @@ def test_a_text_of_any_encoding_with_blank_rows(tmp_path, encoding, blank):
     assert_is_the_log(read_log(tmp_path / "a.csv"))
 
 
-@pytest.mark.parametrize("pattern", ["{0} [{1}]", "{0} ({1})", "{0} {{{1}}}", "[{1}] {0}", "CAN1 [{1}] {0}"])
-def test_a_unit_is_found_wherever_a_header_has_it(pattern):
+PATTERNS = ["{0} [{1}]", "{0} ({1})", "{0} {{{1}}}", "[{1}] {0}", "CAN1 [{1}] {0}", "{0}/{1}", "{0} / {1}", "{0}/({1})",
+            "{0} / [{1}]", "{0}, {1}", "{0} in {1}"]  # fmt: skip
+
+
+@pytest.mark.parametrize("pattern", PATTERNS)
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_a_unit_is_found_wherever_a_header_has_it(tmp_path, pattern, separator):
     headers = {name: pattern.format(name, unit) for name, unit in (("speed", "km/h"), ("steer", "deg"))}
     table = LOG.assign(speed=3.6 * LOG["speed"], steer=np.degrees(LOG["steer"])).rename(columns=headers)
     columns = headers if pattern.startswith("CAN1") else None
     assert_is_the_log(read_log(table, columns))
+    assert_is_the_log(read_log(table, headers))
+    stated = {name: f"{header} [{unit}]" for (name, header), unit in zip(headers.items(), ("m/s", "rad"), strict=True)}
+    assert_is_the_log(read_log(LOG.rename(columns=headers), stated))
+    path = tmp_path / "a.csv"
+    names = separator.join(f'"{name}"' for name in table)
+    for comma in (False, True) if separator != "," else (False,):
+        lines = [line.replace(".", ",") if comma else line for line in rows(table, separator)]
+        path.write_text("\n".join([names, *lines]), encoding="utf-8")
+        assert_is_the_log(read_log(path, columns))
+
+
+@pytest.mark.parametrize("header", ["Fz/Fx", "run2/FZ", "/imu/g", "a/b/N", "Force/2", "kappa/1", "gyro[2]", "lap, pit"])
+def test_what_is_behind_a_slash_is_no_unit(header):
+    assert name_and_unit(header) == (header, None)
+
+
+@pytest.mark.parametrize("units", [True, False])
+@pytest.mark.parametrize("kind", ["parquet", "xlsx", "csv", "table"])
+def test_a_table_with_several_rows_of_names(tmp_path, kind, units):
+    table = LOG.assign(speed=3.6 * LOG["speed"])
+    labels = [(name, {"t": "s", "speed": "km/h"}.get(name, "")) if units else ("car", name) for name in table]
+    table.columns = pd.MultiIndex.from_tuples(labels)
+    path = tmp_path / f"a.{kind}"
+    if kind == "parquet":
+        pytest.importorskip("pyarrow")
+        table.to_parquet(path)
+    elif kind == "xlsx":
+        pytest.importorskip("openpyxl")
+        table.to_excel(path)
+    elif kind == "csv":
+        table.to_csv(path, index=False)
+    log = read_log(table if kind == "table" else path, None if units else {"speed": "speed [km/h]"})
+    assert_is_the_log(log)
+
+
+@pytest.mark.parametrize("fields", [("Time", "Value", "Units"), ("time", "data", "unit"), ("t", "Values", "Unit")])
+@pytest.mark.parametrize("outer", ["", "run"])
+@pytest.mark.parametrize("rates", [1, 2])
+def test_structs_of_one_quantity_have_its_name_and_unit(tmp_path, fields, outer, rates):
+    time, value, unit = fields
+    channels = {}
+    for number, (name, spelled, scale) in enumerate(
+        [("steer", "deg", np.degrees(1.0)), ("speed", "km/h", 3.6), ("yaw_rate", "rad/s", 1.0), ("ay", "m/s^2", 1.0)]
+    ):
+        step = 1 + number % rates
+        channels[name] = {time: T[::step], value: scale * LOG[name].to_numpy()[::step], unit: spelled}
+    savemat(tmp_path / "a.mat", {outer: channels} if outer else channels)
+    log = read_log(tmp_path / "a.mat")
+    for number, name in enumerate(channels):
+        t, values = log.channels[name]
+        np.testing.assert_allclose(t, T[:: 1 + number % rates], atol=1e-9)
+        np.testing.assert_allclose(values, LOG[name][:: 1 + number % rates], rtol=1e-12, atol=1e-12)
+
+
+def test_a_struct_of_several_quantities_has_the_names_of_its_fields(tmp_path):
+    savemat(tmp_path / "a.mat", {"data": {name: LOG[name].to_numpy() for name in LOG} | {"unit": "deg"}})
+    assert_is_the_log(read_log(tmp_path / "a.mat"))
+
+
+@pytest.mark.parametrize("kind", ["csv", "xlsx"])
+def test_headings_above_the_names_distinguish_columns_of_one_name(tmp_path, kind):
+    names = ["t", "speed", "steer", "speed", "yaw_rate", "ay"]
+    above = ["", "GPS", "", "Wheels", "", ""]
+    table = [LOG["t"], LOG["speed"], LOG["steer"], 2.0 * LOG["speed"], LOG["yaw_rate"], LOG["ay"]]
+    sheet = pd.DataFrame([above, names, *np.transpose(table).tolist()])
+    path = tmp_path / f"a.{kind}"
+    if kind == "csv":
+        sheet.to_csv(path, index=False, header=False)
+    else:
+        pytest.importorskip("openpyxl")
+        sheet.replace("", None).to_excel(path, index=False, header=False)
+    with pytest.raises(DataError, match=r"'speed' occurs 2 times.*'speed=GPS/speed' or 'speed=Wheels/speed'"):
+        read_log(path)
+    assert_is_the_log(read_log(path, {"speed": "GPS/speed"}))
+
+
+def test_a_workbook_of_texts_with_decimal_commas(tmp_path):
+    pytest.importorskip("openpyxl")
+    texts = LOG.map(lambda number: repr(number).replace(".", ","))
+    texts["speed"] = LOG["speed"]  # a cell of a number beside them
+    texts.to_excel(tmp_path / "a.xlsx", index=False)
+    assert_is_the_log(read_log(tmp_path / "a.xlsx"))
+    assert "decimals" in read_content(tmp_path / "a.xlsx").about
+
+
+@pytest.mark.parametrize("number", ["1 102,5", "1'102.5", "1\u2019102,5", "12\u00a0102", "1\u202f102.5", "1.102,5"])
+def test_marks_between_thousands_are_named(tmp_path, number):
+    lines = ["t;steer;speed;yaw_rate;ay", *(f"{i};0;{number};0;0" for i in range(30))]
+    (tmp_path / "a.csv").write_text("\n".join(lines), encoding="utf-8")
+    with pytest.raises(DataError, match=r"line 2: column speed: .* is not a number: export it without marks between"):
+        read_log(tmp_path / "a.csv")
 
 
 BENCH = pd.DataFrame({"ET": T, "SA": np.degrees(STEER), "IA": 0.0, "P": 12.0, "FZ": -200.0, "FY": 1500.0 * STEER})

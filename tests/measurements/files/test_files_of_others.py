@@ -306,7 +306,7 @@ def test_a_unit_is_that_of_the_user_otherwise_of_the_header(header):
 
 
 @pytest.mark.parametrize(
-    "header", ["wheel_deg", "Steered Angle deg", "wheel, deg", "wheel:Degrees", "SteerDeg", "wheel °"]
+    "header", ["wheel_deg", "Steered Angle deg", "wheel; deg", "wheel:Degrees", "SteerDeg", "wheel °"]
 )
 def test_a_unit_in_the_name_of_a_header_is_not_ignored(header):
     rows = drive_rows().rename(columns={"steer": header})
