@@ -18,6 +18,8 @@ from .cells import is_number
 MAX_COLUMNS, LONGEST_HEADER = 5000, 200
 #: Metadata of a file whose numbers have decimal commas.
 DECIMAL_COMMAS: Mapping[str, str] = {"decimals": "commas in numbers are read as decimal points"}
+#: Where a last word of a header may begin: ``wheel_deg``, ``Yaw deg/s``, ``SlipDeg``.
+WORD_BEGINS = re.compile(r"(?:(?<=[\s_.,:;])|(?<=[a-z])(?=[A-Z]))(?=[^\W\d_]|°)")
 #: Ignored parts of one kind that are listed by name.
 MAX_LISTED = 8
 _HEADER = re.compile(r"(?P<name>.*\S)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\))")
@@ -114,7 +116,9 @@ def name_and_unit(header: str) -> tuple[str, str | None]:
     header = header.strip()
     behind = _BEHIND.fullmatch(header) if len(header) <= LONGEST_HEADER else None
     if behind is not None and is_unit(behind["unit"]) and not is_number(behind["unit"]):
-        return behind["name"], behind["unit"].strip(" ()[]")
+        begins = (0, *(begin.start() for begin in WORD_BEGINS.finditer(behind["name"])))
+        if not any(is_unit(header[begin:]) for begin in begins):  # the slash of speed_km/h is one of its unit
+            return behind["name"], behind["unit"].strip(" ()[]")
     match = _HEADER.fullmatch(header) if len(header) <= LONGEST_HEADER else None
     if match is None or (match["square"] is None and not is_unit(match["round"])) or _INDEX.search(header):
         units = [unit for unit in _ELSEWHERE.finditer(header[:LONGEST_HEADER]) if is_unit(unit[0][1:-1])]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -15,12 +14,10 @@ from ....numerics.arrays import FloatArray
 from ...interpretation import NOT_READ
 from ...units import to_si, unit_named
 from .cells import numbers
-from .content import LONGEST_HEADER, MAX_COLUMNS, Column, Content, is_unit, listed, name_and_unit
+from .content import LONGEST_HEADER, MAX_COLUMNS, WORD_BEGINS, Column, Content, is_unit, listed, name_and_unit
 
 #: Formats that define what their columns are; the names of others count.
 DEFINED = ("ttc", "tydex")
-#: Where a last word of a header may begin: ``wheel_deg``, ``Yaw deg/s``, ``SlipDeg``.
-_WORD_BEGINS = re.compile(r"(?:(?<=[\s_.,:;])|(?<=[a-z])(?=[A-Z]))(?=[^\W\d_]|°)")
 #: Quantities that benches do not measure in SI units: without a declared unit a name of theirs may be meant either way.
 _BENCH_UNITS = ("angle", "pressure", "speed")
 
@@ -134,7 +131,7 @@ def unit_at_end(header: str, quantity: str) -> tuple[str, str]:
     >>> unit_at_end("wheel_deg", "angle"), unit_at_end("ay_m_s2", "acceleration"), unit_at_end("steer_in", "angle")
     (('wheel', 'deg'), ('ay', 'm_s2'), ('steer_in', ''))
     """
-    for begin in _WORD_BEGINS.finditer(header[:LONGEST_HEADER]):
+    for begin in WORD_BEGINS.finditer(header[:LONGEST_HEADER]):
         written = header[begin.start() :]
         for unit in (written, written.replace("_", "/")):
             if is_unit(unit) and unit_named(unit).quantity == quantity:
