@@ -14,7 +14,7 @@ from ..symbolic.channels import CHANNELS
 from .checks.columns.limits import check_plausible
 from .checks.rows.incomplete_rows import without_incomplete_rows
 from .column_names import check_names
-from .files.columns.content import Content, frame_columns
+from .files.columns.frames import frame_content
 from .files.reading import read_recording
 from .files.table_recording import check_finite, recording_of
 from .interpretation import Interpretation
@@ -89,7 +89,7 @@ def recording_from(
             )
         recording = table
     elif isinstance(table, pd.DataFrame):
-        content = Content(tuple(frame_columns(table)))
+        content = frame_content(table, "table")
         recording = recording_of(content, "table", "table", signs, Interpretation(**reading))
     elif isinstance(table, (str, os.PathLike)):
         recording = read_recording(table, signs=signs, **reading)

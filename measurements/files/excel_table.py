@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
-
-import numpy as np
-import pandas as pd
 
 from ...boundary.errors import DataError
 from . import native_reader
-from .columns.cells import has_decimal_commas, is_missing, is_number, with_point
-from .columns.content import DECIMAL_COMMAS, Column, Content, listed
-from .columns.layout import SAMPLED, groups_of, layout
+from .columns.cells import is_missing, is_number
+from .columns.content import Content, listed
+from .columns.frames import sheet_content
 
 EXTRA = "Excel needs openpyxl, which the extra 'excel' installs: pip install 'tirefmu[excel]'"
 
@@ -30,31 +26,9 @@ def read_excel(path: Path) -> Content:
     name, rows = next(((name, rows) for name, rows in visible if _numbers(rows) > 1), visible[0])
     if not rows:
         raise DataError(f"{path}: no rows")
-    texts = ([cell for cell in cells if isinstance(cell, str)] for _, cells in rows[:SAMPLED])
-    if commas := has_decimal_commas(texts):
-        rows = [(number, list(map(_with_point, cells))) for number, cells in rows]
-    rows_by_use = layout([cells for _, cells in rows])
-    units = [] if rows_by_use.units is None else rows[rows_by_use.units][1]
-    body = rows[rows_by_use.first :]
-    names = rows[rows_by_use.names][1]
-    groups = groups_of(names, [cells for _, cells in rows], rows_by_use)
-    columns = []
-    for i, header in enumerate(names):
-        cells = [cells[i] for _, cells in body]
-        if header is not None or any(cell is not None for cell in cells):
-            unit = str(units[i]).strip(" []()") if units and units[i] is not None else ""
-            text = "" if header is None else str(header).strip()
-            columns.append(
-                Column(text, pd.Series([np.nan if cell is None else cell for cell in cells]), unit, "", groups[i])
-            )
-    about = DECIMAL_COMMAS if commas else {}
     others = [other for other, _, _ in sheets if other != name]
     ignored = (f"sheets {listed(others)}",) if others else ()
-    return Content(tuple(columns), lambda row: f"row {body[row][0]}", about=about, ignored=ignored)
-
-
-def _with_point(cell: Any) -> Any:
-    return with_point(cell) if isinstance(cell, str) else cell
+    return sheet_content(rows, str(path), ignored)
 
 
 def _numbers(rows: list[tuple[int, list[object]]]) -> int:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 from ...boundary.errors import DataError
 from . import native_reader
-from .columns.content import Content, frame_columns
+from .columns.content import Content
+from .columns.frames import frame_content
 
 EXTRA = "Parquet needs pyarrow, which the extra 'parquet' installs: pip install 'tirefmu[parquet]'"
 
@@ -21,4 +22,4 @@ def read_parquet(path: Path) -> Content:
         table, units = native_reader.load("parquet", path)
     except native_reader.MissingPackage:
         raise DataError(f"{path}: {EXTRA}") from None
-    return Content(tuple(frame_columns(table, units)))
+    return frame_content(table, str(path), units)

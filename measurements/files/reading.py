@@ -15,7 +15,8 @@ from ...tires.signs import reversed_columns
 from ..checks.rows.incomplete_rows import without_incomplete_rows
 from ..interpretation import Interpretation
 from ..recording import Recording
-from .columns.content import Content, frame_columns
+from .columns.content import Content
+from .columns.frames import frame_columns
 from .formats import FORMATS, Format, format_of, is_bag
 from .table_recording import recording_of
 

@@ -13,7 +13,8 @@ import pandas as pd
 from ...boundary.errors import DataError
 from . import native_reader
 from .columns.cells import numbers
-from .columns.content import Column, Content, frame_columns, listed
+from .columns.content import Column, Content, listed
+from .columns.frames import frame_columns
 from .ttc_channels import bench_content, has_bench_names
 
 #: Names of the times of a struct, in lower case.

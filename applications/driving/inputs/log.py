@@ -12,7 +12,8 @@ import pandas as pd
 
 from ....boundary.errors import DataError, WrongType
 from ....boundary.escaping import quoted
-from ....measurements.files.columns.content import Content, frame_columns
+from ....measurements.files.columns.content import Content
+from ....measurements.files.columns.frames import frame_content
 from ....measurements.files.columns.resolution import ColumnChoice, choices, ignored_columns
 from ....measurements.files.reading import read_content
 from .clock import clock_problem
@@ -94,7 +95,7 @@ def read_log(log: LogLike, columns: Mapping[str, str] | None = None) -> Log:
         If the log is neither a table nor a path.
     """
     if isinstance(log, pd.DataFrame):
-        source, content = "log", Content(tuple(frame_columns(log)))
+        source, content = "log", frame_content(log, "log")
     elif isinstance(log, (str, os.PathLike)):
         source, content = str(log), read_content(log)
     else:

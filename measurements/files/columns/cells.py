@@ -89,6 +89,15 @@ def with_point(cell: str) -> str:
     return cell.replace(",", ".") if _COMMAS.fullmatch(cell) else cell
 
 
+def has_point(cell: str) -> bool:
+    """Return whether a text is a number with a point.
+
+    >>> has_point("1.5"), has_point("1,5"), has_point("15")
+    (True, False, False)
+    """
+    return bool(_POINT.fullmatch(cell))
+
+
 def with_comma_and_point(name: str, cell: str) -> str:
     """Return the message about a number with a point, which may separate thousands, among decimal commas."""
     return f"column {name.strip()}: {cell!r} has a point, other numbers have decimal commas"
@@ -194,7 +203,7 @@ def rows_of_cells(
         if len(cells) != len(names):
             raise DataError(f"{source}: line {line}: {len(cells)} cells for {len(names)} channels")
         if commas:
-            if (pointed := next((i for i, cell in enumerate(cells) if _POINT.fullmatch(cell)), None)) is not None:
+            if (pointed := next((i for i, cell in enumerate(cells) if has_point(cell)), None)) is not None:
                 raise DataError(f"{source}: line {line}: {with_comma_and_point(names[pointed], cells[pointed])}")
             cells = list(map(with_point, cells))
         try:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from ....numerics.arrays import FloatArray
 from ...units import UNITS, find_unit
@@ -138,32 +137,6 @@ def is_unit(spelling: str) -> bool:
     """
     unit = find_unit(spelling)
     return unit is not None and unit is not UNITS[""]
-
-
-def frame_columns(table: pd.DataFrame, units: Mapping[str, str] | None = None) -> Iterator[Column]:
-    """Yield the columns of a DataFrame and its named index, where Parquet files and MATLAB timetables have their times.
-
-    `units`: by name. An index of dates or durations is the time unless a column is named t.
-    """
-    units = units or {}
-    for level in range(table.index.nlevels):
-        values = table.index.get_level_values(level)
-        clock = values.dtype.kind in "Mm" and "t" not in table.columns
-        if values.name is not None or clock:
-            header = "Time" if values.name is None else str(values.name)
-            yield Column(header, pd.Series(values), units.get(header, ""), "t" if clock else "")
-    for number, (name, unit, group) in enumerate(_labels(table.columns)):
-        yield Column(name, table.iloc[:, number].reset_index(drop=True), unit or units.get(name, ""), group=group)
-
-
-def _labels(columns: pd.Index[Any]) -> Iterator[tuple[str, str, str]]:
-    """Yield name, unit and group of the columns of a DataFrame; a row of units is the last of several rows of names."""
-    rows = [[str(part).strip() for part in label] if isinstance(label, tuple) else [str(label)] for label in columns]
-    last = [row[-1] for row in rows]
-    units = columns.nlevels > 1 and any(map(is_unit, last)) and all(find_unit(unit) is not None for unit in last)
-    for row in rows:
-        names = [part for part in (row[:-1] if units else row) if part and not part.startswith("Unnamed: ")]
-        yield names[-1] if names else "", row[-1] if units else "", "/".join(names[:-1])
 
 
 def listed(names: list[str]) -> str:

@@ -130,10 +130,44 @@ def test_headings_above_the_names_distinguish_columns_of_one_name(tmp_path, kind
     assert_is_the_log(read_log(path, {"speed": "GPS/speed"}))
 
 
-def test_a_workbook_of_texts_with_decimal_commas(tmp_path):
+@pytest.mark.parametrize("kind", ["xlsx", "parquet", "table"])
+@pytest.mark.parametrize("comma", [True, False])
+@pytest.mark.parametrize("units", [True, False])
+def test_a_table_of_texts_may_have_decimal_commas_and_a_row_of_units(tmp_path, kind, comma, units):
+    texts = LOG.assign(speed=3.6 * LOG["speed"]).map(repr)
+    if comma:
+        texts = texts.map(lambda number: number.replace(".", ","))
+    if units:
+        row = pd.DataFrame([["s", "rad", "km/h", "rad/s", "m/s^2"]], columns=list(LOG))
+        texts = pd.concat([row, texts], ignore_index=True)
+    path = tmp_path / f"a.{kind}"
+
+    def read(table):
+        if kind == "xlsx":
+            pytest.importorskip("openpyxl")
+            table.to_excel(path, index=False)
+        elif kind == "parquet":
+            pytest.importorskip("pyarrow")
+            table.to_parquet(path)
+        return read_log(table if kind == "table" else path, None if units else {"speed": "speed [km/h]"})
+
+    assert_is_the_log(read(texts))
+    if comma:
+        many = pd.concat([texts, *[texts.iloc[1:]] * 2], ignore_index=True)  # behind the rows that decide
+        many.loc[len(many) - 1, "ay"] = "1.234"
+        with pytest.raises(DataError, match=r"row \d+: column ay: '1\.234' has a point, other numbers have decimal"):
+            read(many)
+        texts.loc[len(texts) - 1, "ay"] = "x"
+    else:
+        texts.loc[len(texts) - 1, "ay"] = "1,5"
+    with pytest.raises(DataError, match=rf"row {len(texts) + (kind == 'xlsx')}: column ay: .* is not a number"):
+        read(texts)
+
+
+def test_numbers_and_texts_with_decimal_commas_in_one_sheet(tmp_path):
     pytest.importorskip("openpyxl")
     texts = LOG.map(lambda number: repr(number).replace(".", ","))
-    texts["speed"] = LOG["speed"]  # a cell of a number beside them
+    texts["speed"] = LOG["speed"]
     texts.to_excel(tmp_path / "a.xlsx", index=False)
     assert_is_the_log(read_log(tmp_path / "a.xlsx"))
     assert "decimals" in read_content(tmp_path / "a.xlsx").about
