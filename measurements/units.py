@@ -44,7 +44,7 @@ UNITS: dict[str, Unit] = {
         "us usec microsecond microseconds": 1e-6, "ns nsec nanosecond nanoseconds": 1e-9, "h hr hour hours": 3600.0,
     }),
     **_spelled("angle", {"rad radian radians": 1.0, "deg degree degrees": _DEGREE, "mrad": 1e-3}),
-    **_spelled("ratio", {"none 1 fraction ratio unitless": 1.0, "% percent pct": 0.01}),
+    **_spelled("ratio", {"none 1 fraction unitless": 1.0, "% percent pct": 0.01}),
     **_spelled("force", {
         "n newton newtons": 1.0, "kn": 1e3, "dan": 10.0, "lb lbs lbf pound pounds": POUND, "kgf kg kp": GRAVITY,
     }),

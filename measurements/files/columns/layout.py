@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from itertools import accumulate
 from typing import Any
 
+from ...units import find_unit
 from .cells import is_missing, is_number, is_time
 from .content import is_unit
 
@@ -30,13 +31,17 @@ def layout(rows: Sequence[Sequence[Any]]) -> Layout:
 
     The numbers begin at the first row of the common width in which most cells are numbers or times. The units are the
     row above in which no cell is a number and one is a known unit; the names are the row above that. A row of sources
-    ("gps", "can") may be below the units: it repeats its cells, or has fewer than the names. Without such a row of
-    numbers the first row of the common width has the names.
+    ("gps", "can") may be below the units: it repeats its cells, or has fewer than the names. If most of the units are
+    known, it may have any texts; without names above the units it has the names. A row of types ("float") below the
+    names has few different cells. Without such a row of numbers the first row of the common width has the names.
 
     >>> layout([["Run title"], ["ET", "SA"], ["sec", "deg"], ["0.0", "1.5"], ["0.1", "1.6"]])
     Layout(names=1, units=2, first=3, sources=None)
     >>> layout([["t", "v", "v"], ["s", "m/s", "m/s"], ["", "gps", "can"], ["0.0", "1.5", "1.6"]])
     Layout(names=0, units=1, first=3, sources=2)
+    >>> layout([["t", "v"], ["s", "m/s"], ["clock", "speed"], ["0.0", "1.5"]]).names, layout([["s", "m/s"], ["t", "v"],
+    ...     ["0.0", "1.5"]]), layout([["t", "v"], ["f4", "f4"], ["s", "m/s"], ["0.0", "1.5"]]).names
+    (0, Layout(names=1, units=0, first=2, sources=None), 0)
     >>> layout([["kind", "Fz"], ["first", "900"]])
     Layout(names=0, units=None, first=1, sources=None)
     """
@@ -54,11 +59,18 @@ def layout(rows: Sequence[Sequence[Any]]) -> Layout:
     above = [n for n in wide if n < start]
     if not above:
         return Layout(0, None, 1)
-    if len(above) > 1 and _is_units(rows[above[-1]]):
-        return Layout(above[-2], above[-1], start)
-    if len(above) > 2 and _is_units(rows[above[-2]]) and _are_sources(rows[above[-1]], rows[above[-3]]):
-        return Layout(above[-3], above[-2], start, above[-1])
-    return Layout(above[-1], None, above[-1] + 1)
+    *earlier, last = above
+    if earlier and _is_units(rows[last]):
+        return Layout(_names(rows, earlier), last, start)
+    if earlier and _is_units(rows[earlier[-1]]):
+        *named, units = earlier
+        known = 2 * sum(find_unit(str(cell)) is not None for cell in rows[units]) >= len(rows[units])
+        filled = named and _filled(rows[named[-1]]) >= _filled(rows[units])
+        if named and (_are_sources(rows[last], rows[named[-1]]) or (known and filled)):
+            return Layout(_names(rows, named), units, start, last)
+        if known:
+            return Layout(last, units, start)
+    return Layout(_names(rows, above), None, last + 1)
 
 
 def groups_of(names: Sequence[Any], rows: Sequence[Sequence[Any]], use: Layout) -> list[str]:
@@ -82,6 +94,14 @@ def groups_of(names: Sequence[Any], rows: Sequence[Sequence[Any]], use: Layout) 
         "" if names.count(name) == 1 else source if source and columns.count((name, source)) == 1 else f"column {i + 1}"
         for i, (name, source) in enumerate(columns)
     ]
+
+
+def _names(rows: Sequence[Sequence[Any]], above: Sequence[int]) -> int:
+    """Return the last of some rows; the one above it if that has as many cells, all different, and the last few."""
+    *_, earlier, last = (0, *above)
+    names, types = ([str(cell).strip() for cell in rows[row] if not _is_empty(cell)] for row in (earlier, last))
+    few = 2 * len(set(types)) <= len(types) <= len(names)
+    return earlier if len(above) > 1 and few and len(set(names)) == len(names) else last
 
 
 def _common_width(rows: Sequence[Sequence[Any]]) -> int:

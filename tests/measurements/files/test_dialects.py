@@ -113,6 +113,41 @@ def test_a_struct_of_several_quantities_has_the_names_of_its_fields(tmp_path):
     assert_is_the_log(read_log(tmp_path / "a.mat"))
 
 
+NAMES, UNITS_OF_LOG = list(LOG), ["ms", "deg", "km/h", "deg/s", "m/s^2"]
+TEXTS = ["clock", "wheel", "forward", "turning", "to the left"]
+HEADS = {
+    "names, units": [NAMES, UNITS_OF_LOG],
+    "units, names": [UNITS_OF_LOG, NAMES],
+    "names, units, texts": [NAMES, UNITS_OF_LOG, TEXTS],
+    "names, units, types": [NAMES, UNITS_OF_LOG, ["float"] * 5],
+    "names, types, units": [NAMES, ["double"] * 4 + ["single"], UNITS_OF_LOG],
+    "texts, names, units": [TEXTS, NAMES, UNITS_OF_LOG],
+    "title, names, units, texts": [["run 1", "", "", "", ""], NAMES, UNITS_OF_LOG, TEXTS],
+}
+
+
+#: The first row of a DataFrame is that of its names.
+OF_KINDS = [
+    (head, kind) for head in HEADS for kind in ("csv", "xlsx", "table") if kind != "table" or head[:5] == "names"
+]
+
+
+@pytest.mark.parametrize(("head", "kind"), OF_KINDS)
+def test_units_are_found_in_any_order_of_the_rows_of_a_head(tmp_path, head, kind):
+    scaled = LOG.assign(t=1e3 * LOG["t"], speed=3.6 * LOG["speed"])
+    scaled[["steer", "yaw_rate"]] = np.degrees(LOG[["steer", "yaw_rate"]])
+    sheet = pd.DataFrame([*HEADS[head], *scaled.map(repr).to_numpy().tolist()])
+    path = tmp_path / f"a.{kind}"
+    if kind == "csv":
+        sheet.to_csv(path, index=False, header=False)
+    elif kind == "xlsx":
+        pytest.importorskip("openpyxl")
+        sheet.replace("", None).to_excel(path, index=False, header=False)
+    else:
+        sheet = sheet.rename(columns=dict(enumerate(sheet.iloc[0]))).iloc[1:].reset_index(drop=True)
+    assert_is_the_log(read_log(sheet if kind == "table" else path))
+
+
 @pytest.mark.parametrize("kind", ["csv", "xlsx"])
 def test_headings_above_the_names_distinguish_columns_of_one_name(tmp_path, kind):
     names = ["t", "speed", "steer", "speed", "yaw_rate", "ay"]
