@@ -38,7 +38,7 @@ def read_csv(path: Path) -> Content:
     """
     with _opened(path) as file:
         sample = _sample(file, path)
-    separator = max(_SEPARATORS, key=lambda mark: _plausible([text for _, text in sample], path, mark))
+    separator = max(_SEPARATORS, key=lambda mark: _plausible([text for _, text in sample], mark))
     rows = [(line, row) for line, text in sample for _, row in _rows([text], path, line - 1, separator)]
     if not rows:
         raise DataError(f"{path}: the file is empty")
@@ -97,9 +97,9 @@ def _sample(file: TextIO, path: Path) -> list[tuple[int, str]]:
     return sample
 
 
-def _plausible(lines: list[str], path: Path, separator: str) -> tuple[int, int, int]:
+def _plausible(lines: list[str], separator: str) -> tuple[int, int, int]:
     """Return how many lines a separator divides into numbers, how many have it most commonly often, and how often."""
-    rows = (list(map(with_point, row)) for line in lines for _, row in _rows([line], path, 0, separator))
+    rows = ([with_point(cell.strip(' "')) for cell in line.split(separator)] for line in lines)
     counts = [line.count(separator) for line in lines]
     most = max((count for count in set(counts) if count), key=lambda count: (counts.count(count), count), default=0)
     return sum(map(is_numeric_row, rows)), counts.count(most) if most else 0, most
