@@ -13,9 +13,10 @@ import numpy as np
 
 from ...boundary.errors import DataError
 from ...numerics.arrays import FloatArray
-from .columns.cells import has_decimal_commas, is_number, numbers, rows_of_cells, with_point
+from .columns.cells import has_decimal_commas, is_number, number_of, numbers, rows_of_cells, with_point
 from .columns.content import DECIMAL_COMMAS, Column, Content, is_unit
 from .columns.layout import SAMPLED
+from .encoding import encoding_of
 
 #: TYDEX names by contract name, the preferred one first. H axes are parallel to the W axes (contact point) on a flat
 #: road: their forces are equal. Their moments need the loaded radius and are not read.
@@ -60,7 +61,7 @@ def read_tydex(path: Path) -> Content:
     or fewer cells than there are channels (with the line).
     """
     source = str(path)
-    with path.open(encoding="latin-1") as file:
+    with path.open(encoding=encoding_of(path)) as file:
         sections, count = _sections(file.read().splitlines())
     for name in ("MEASURCHANNELS", "MEASURDATA"):
         if name not in sections:
@@ -152,12 +153,12 @@ def _quantity(line: int, text: str, most: int, commas: bool) -> _Quantity:
     fixed = text[UNIT].strip()
     if len(text) > UNIT.start and text[FIELD - 1 : FIELD].isspace() and (not fixed or fixed == "-" or is_unit(fixed)):
         behind = text[UNIT.stop :].split()
-        if behind and all(map(is_number, behind)) and np.isfinite(list(map(float, behind))).all():
-            return _Quantity(text[:FIELD].strip(), fixed, tuple(map(float, behind[:most])), line)
+        if behind and all(map(is_number, behind)) and np.isfinite(list(map(number_of, behind))).all():
+            return _Quantity(text[:FIELD].strip(), fixed, tuple(map(number_of, behind[:most])), line)
     name, *words = text.split()
     given: list[float] = []
-    while words and len(given) < most and is_number(words[-1]) and np.isfinite(float(words[-1])):
-        given.insert(0, float(words.pop()))
+    while words and len(given) < most and is_number(words[-1]) and np.isfinite(number_of(words[-1])):
+        given.insert(0, number_of(words.pop()))
     # A description may end in a word like "N". Only units of temperature have two words.
     two = " ".join(words[-2:])
     unit = two if len(words) > 1 and words[-2].casefold() == "deg" and is_unit(two) else words[-1] if words else "-"

@@ -20,7 +20,9 @@ MISSING = frozenset(
     ("", "na", "nan", "null", "none", "notavail", "notavailable", "invalid", "nodata", "missing", "error", "fault",
      "overflow", "underflow", "ol", "sna", "bad", "offline", "timeout", "inactive", "nosignal", "signalnotavailable")
 )  # fmt: skip
-_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
+_COMMA = re.compile(r"[-+\u2212]?\d*,\d+(?:[eEdD][-+]?\d+)?")
+#: The minus sign of typography, and Fortran's exponents.
+_SPELLED = str.maketrans("\u2212dD", "-ee")
 _COMMAS, _POINT = re.compile(rf"\s*{_COMMA.pattern}\s*"), re.compile(rf"\s*{_COMMA.pattern.replace(',', '[.]')}\s*")
 #: A number with marks between thousands: with a mark before decimals, too, in either order, or blanks or apostrophes.
 _BOTH = re.compile(r"[-+]?\d{1,3}(?:(?:(?:\.\d{3})+,|(?:,\d{3})+\.)\d+|(?:[\s'\u2019]\d{3})+(?:[.,]\d*)?)")
@@ -110,16 +112,25 @@ def first_with_point(cells: pd.Series) -> int | None:
 
 
 def is_number(cell: Any) -> bool:
-    """Return whether `float` accepts a cell.
+    """Return whether a cell is a number, in any program's spelling.
 
     >>> is_number("1e3"), is_number("N")
     (True, False)
     """
     try:
-        float(cell)
+        number_of(cell)
     except (TypeError, ValueError):
         return False
     return True
+
+
+def number_of(cell: Any) -> float:
+    """Return the number of a cell; raises what `float` raises if it is none.
+
+    >>> number_of("1.5D-1"), number_of("\u22122")
+    (0.15, -2.0)
+    """
+    return float(cell.translate(_SPELLED) if isinstance(cell, str) else cell)
 
 
 def is_missing(cell: Any) -> bool:
@@ -144,7 +155,7 @@ def is_time(cell: Any) -> bool:
 
 def _number(cell: Any, row: int, source: str, label: str, location: Callable[[int], str]) -> float:
     if is_number(cell):
-        return float(cell)
+        return number_of(cell)
     if is_missing(cell):
         return float("nan")
     shown = str(cell)

@@ -11,6 +11,7 @@ from ....numerics.arrays import FloatArray
 from ..columns.cells import DAY, has_decimal_commas, numbers, rows_of_cells
 from ..columns.content import DECIMAL_COMMAS, Column, Content, is_unit
 from ..columns.layout import SAMPLED
+from ..encoding import encoding_of
 
 #: Units of ``[header]`` ("velocity kmh", "Lat accel g") with another meaning elsewhere.
 _UNITS = {"ms": "m/s"}
@@ -23,7 +24,7 @@ def read_vbo(path: Path) -> Content:
     """
     sections: dict[str, list[tuple[int, str]]] = {}
     rows: list[tuple[int, str]] = []
-    with path.open(encoding="latin-1") as file:
+    with path.open(encoding=encoding_of(path)) as file:
         for number, line in enumerate(file, start=1):
             text = line.strip()
             if text.startswith("[") and text.endswith("]"):

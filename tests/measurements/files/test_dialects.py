@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -284,6 +286,26 @@ def test_a_file_of_any_text_format_may_have_decimal_commas(tmp_path, kind):
     assert "decimals" not in read_content(path).about
     path.write_text(text.replace(".", ","), encoding="utf-8")
     assert read_content(path).about["decimals"] == "commas in numbers are read as decimal points"
+    for name, values in numbers_of(path).items():
+        np.testing.assert_array_equal(values, expected.pop(name))
+    assert not expected
+
+
+SPELLINGS = {
+    "minus sign": lambda number: number.replace("-", "\u2212"),
+    "Fortran": lambda number: f"{number}D+00",
+    "Fortran, decimal commas": lambda number: f"{number.replace('.', ',')}d0",
+    "minus sign, decimal commas": lambda number: number.replace("-", "\u2212").replace(".", ","),
+}
+
+
+@pytest.mark.parametrize("spelling", SPELLINGS)
+@pytest.mark.parametrize("kind", sorted(FILES.keys() - {"tydex in fields"}))  # whose numbers would be too long
+def test_numbers_in_the_spelling_of_other_programs(tmp_path, kind, spelling):
+    path = FILES[kind](tmp_path)
+    expected, text = numbers_of(path), path.read_text(encoding="utf-8")
+    written = re.sub(r"[-+]?\d+\.\d+", lambda number: SPELLINGS[spelling](number[0]), text)
+    path.write_text(written, encoding="utf-8")
     for name, values in numbers_of(path).items():
         np.testing.assert_array_equal(values, expected.pop(name))
     assert not expected
