@@ -17,6 +17,7 @@ from ..interpretation import Interpretation
 from ..recording import Recording
 from .columns.content import Content
 from .columns.frames import frame_columns
+from .encoding import encoding_of
 from .formats import FORMATS, Format, format_of, is_bag
 from .table_recording import recording_of
 
@@ -44,7 +45,7 @@ def read_content(path: str | PathLike[str], signs: str | None = None) -> Content
     if file.suffix.lower() in NO_RECORDINGS:
         raise DataError(f"{file}: {NO_RECORDINGS[file.suffix.lower()]}, not a recording")
     if file.suffix.lower() not in READERS and not is_bag(file):
-        raise DataError(f"{file}: unknown kind of recording {file.suffix!r}{nearest(file.suffix, READERS)}")
+        raise DataError(f"{file}: unknown kind of recording {file.suffix!r}{_hint(file)}")
     try:
         if not file.exists():
             raise DataError(f"{file}: no such file")
@@ -62,6 +63,17 @@ def read_content(path: str | PathLike[str], signs: str | None = None) -> Content
         raise DataError(f"{file}: not a text file") from None
     except OSError as error:
         raise DataError(f"{file}: {error.strerror or error}") from None
+
+
+def _hint(file: Path) -> str:
+    """Return what to do with a file of an unknown extension."""
+    try:
+        text = file.is_file() and encoding_of(file)
+    except (DataError, OSError):
+        text = ""
+    if text:
+        return ": a text with a table is read under the name .csv, one of the FSAE TTC under .dat"
+    return nearest(file.suffix, READERS)
 
 
 def _check_size(path: Path, declared: Format) -> None:
