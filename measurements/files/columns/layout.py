@@ -64,11 +64,11 @@ def layout(rows: Sequence[Sequence[Any]]) -> Layout:
         return Layout(_names(rows, earlier), last, start)
     if earlier and _is_units(rows[earlier[-1]]):
         *named, units = earlier
-        known = 2 * sum(find_unit(str(cell)) is not None for cell in rows[units]) >= len(rows[units])
+        mostly_units = 2 * sum(find_unit(str(cell)) is not None for cell in rows[units]) >= len(rows[units])
         filled = named and _filled(rows[named[-1]]) >= _filled(rows[units])
-        if named and (_are_sources(rows[last], rows[named[-1]]) or (known and filled)):
+        if named and (_are_sources(rows[last], rows[named[-1]]) or (mostly_units and filled)):
             return Layout(_names(rows, named), units, start, last)
-        if known:
+        if mostly_units:
             return Layout(last, units, start)
     return Layout(_names(rows, above), None, last + 1)
 
