@@ -10,7 +10,7 @@ import pandas as pd
 from ...boundary.errors import DataError
 from ...boundary.escaping import quoted
 from ...numerics.arrays import FloatArray
-from ...symbolic.channels import CHANNELS, INPUTS
+from ...symbolic.channels import CHANNELS, INPUTS, OUTPUTS
 from ..column_names import check_names
 from ..interpretation import NOT_READ, Interpretation
 from ..recording import Recording
@@ -44,7 +44,9 @@ def recording_of(
     about |= {f"unit of {channel}": choice.unit for channel, choice in chosen.items() if choice.unit}
     asserted = [channel for channel, choice in chosen.items() if choice.stated]
     about |= {"asserted": " ".join(asserted)} if asserted else {}
-    ignored = ignored_columns(content, chosen)
+    empty = [name for name in OUTPUTS if name in table and table[name].isna().all()]
+    without = f"{', '.join(empty)} without a value" if empty else ""
+    ignored = "; ".join(filter(None, [ignored_columns(content, chosen), without]))
     about |= {"ignored": ignored} if ignored else {}
     if content.format == "ttc":
         table, more = completed(content, chosen, table, source)

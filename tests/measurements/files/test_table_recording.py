@@ -6,6 +6,7 @@ import pytest
 
 from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import CHANNELS, read_recording
+from tirefmu.symbolic.channels import OUTPUTS
 
 ROWS = pd.DataFrame(
     {"ET": [0.0, 0.01], "V": 36.0, "SA": [2.0, -2.0], "IA": 4.0, "P": 80.0, "FX": 10.0, "FY": -300.0, "FZ": -900.0,
@@ -73,3 +74,14 @@ def test_excel_without_its_package(tmp_path, without_package):
     (tmp_path / "a.xlsx").write_bytes(b"PK")
     with pytest.raises(DataError, match=r"Excel needs openpyxl, which the extra 'excel' installs"):
         read_recording(tmp_path / "a.xlsx")
+
+
+@pytest.mark.parametrize("cell", ["", "nan", "N/A", "--"])
+@pytest.mark.parametrize("empty", [["Mz"], ["Fx", "Mx"], []])
+def test_an_output_without_a_value_is_stated(tmp_path, cell, empty):
+    row = {"alpha": "0.1", "Fz": "900", **dict.fromkeys(OUTPUTS, "1.5"), **dict.fromkeys(empty, cell)}
+    lines = [",".join(row), *[",".join(row.values())] * 3]
+    (tmp_path / "a.csv").write_text("\n".join(lines), encoding="utf-8")
+    recording = read_recording(tmp_path / "a.csv")
+    assert recording.about.get("ignored", "") == (f"{', '.join(empty)} without a value" if empty else "")
+    assert set(recording.measured()) == set(OUTPUTS) - set(empty)
