@@ -72,7 +72,8 @@ def _hint(file: Path) -> str:
     except (DataError, OSError):
         text = ""
     if text:
-        return ": a text with a table is read under the name .csv, one of the FSAE TTC under .dat"
+        how = "a text with a table is read under the name .csv, one of the FSAE TTC under .dat"
+        return f": {how}; known are {', '.join(READERS)}"
     return nearest(file.suffix, READERS)
 
 

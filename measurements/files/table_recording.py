@@ -44,8 +44,9 @@ def recording_of(
     about |= {f"unit of {channel}": choice.unit for channel, choice in chosen.items() if choice.unit}
     asserted = [channel for channel, choice in chosen.items() if choice.stated]
     about |= {"asserted": " ".join(asserted)} if asserted else {}
-    empty = [name for name in OUTPUTS if name in table and table[name].isna().all()]
-    without = f"{', '.join(empty)} without a value" if empty else ""
+    outputs = [name for name in OUTPUTS if name in table]
+    empty = [name for name in outputs if table[name].isna().all()]
+    without = f"{', '.join(empty)} without a value" if 0 < len(empty) < len(outputs) else ""
     ignored = "; ".join(filter(None, [ignored_columns(content, chosen), without]))
     about |= {"ignored": ignored} if ignored else {}
     if content.format == "ttc":
