@@ -179,9 +179,7 @@ def test_files_that_are_no_tables(tmp_path):
     assert "unknown kind of recording '.xls': did you mean .xlsx? Known are .csv, .parquet" in complaint("a.xls")
     for name in ("run.txt", "run.asc", "run"):
         (tmp_path / name).write_text("alpha,Fz\n", encoding="utf-8")
-        assert "is read under the name .csv, one of the FSAE TTC under .dat; known are" in complaint(
-            str(tmp_path / name)
-        )
+        assert "read under the name .csv, one of the FSAE TTC under .dat; known are" in complaint(str(tmp_path / name))
     (tmp_path / "run.bin").write_bytes(b"\x00")
     assert "unknown kind of recording '.bin': did you mean" in complaint(str(tmp_path / "run.bin"))
     (tmp_path / "binary.csv").write_bytes(b"alpha\n\xff\xfe\x00")

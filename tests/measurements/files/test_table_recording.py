@@ -6,7 +6,6 @@ import pytest
 
 from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import CHANNELS, read_recording
-from tirefmu.symbolic.channels import OUTPUTS
 
 ROWS = pd.DataFrame(
     {"ET": [0.0, 0.01], "V": 36.0, "SA": [2.0, -2.0], "IA": 4.0, "P": 80.0, "FX": 10.0, "FY": -300.0, "FZ": -900.0,
@@ -74,6 +73,9 @@ def test_excel_without_its_package(tmp_path, without_package):
     (tmp_path / "a.xlsx").write_bytes(b"PK")
     with pytest.raises(DataError, match=r"Excel needs openpyxl, which the extra 'excel' installs"):
         read_recording(tmp_path / "a.xlsx")
+
+
+OUTPUTS = [name for name, declared in CHANNELS.items() if declared.role == "output"]
 
 
 @pytest.mark.parametrize("cell", ["", "nan", "N/A", "--"])
