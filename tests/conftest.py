@@ -46,17 +46,20 @@ def pytest_collection_finish() -> None:
 def quickly_compiled() -> Iterator[None]:
     """Compile what runs often with few optimizations and the Jacobians of single rows, most of the code, with none.
 
-    Kernels run 15 times as fast as without optimization for a quarter more time of the compiler. Tests of optimized
-    code name its level.
+    Kernels run 15 times as fast as without optimization for a quarter more time of the compiler. FMUs run few steps and
+    are not optimized either. Tests of optimized code name its level.
 
     Optimized as for a user with TIREFMU_SLOW, and where TIREFMU_MACHINE chooses an instruction set.
     """
+    from tirefmu.fmu.packaging import binaries
     from tirefmu.tires.code import c_code, compiler
 
     with pytest.MonkeyPatch.context() as patch:
         if not {"TIREFMU_SLOW", "TIREFMU_MACHINE"} & os.environ.keys():
             patch.setattr(compiler, "FLAGS", tuple(flag.replace("-O2", "-Og") for flag in compiler.FLAGS))
             patch.setattr(c_code, "QUICKLY", ("-O0",))
+            patch.setattr(binaries, "FLAGS", (*binaries.FLAGS, "-O0"))
+            patch.setattr(binaries, "SMALL", ())
         yield
 
 
