@@ -5,9 +5,10 @@ from __future__ import annotations
 import gc
 import lzma
 import os
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 
+import filelock
 import hypothesis
 import pytest
 
@@ -26,6 +27,23 @@ hypothesis.settings.register_profile(
     suppress_health_check=[hypothesis.HealthCheck.too_slow],
 )
 hypothesis.settings.load_profile("tirefmu")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection(session: pytest.Session) -> Generator[None]:
+    """In the first run, let one worker collect before the others, which find the bytecode that it has written.
+
+    To compile tests, package and libraries takes twice as long as to collect.
+    """
+    cache = getattr(session.config, "cache", None)
+    if cache and "PYTEST_XDIST_WORKER" in os.environ:
+        folder = cache.mkdir("collected")
+        with filelock.FileLock(folder / "lock"):
+            if not (folder / "once").exists():
+                result = yield
+                (folder / "once").touch()
+                return result
+    return (yield)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
