@@ -135,10 +135,15 @@ def diagnose(
     keys = ("tire", "base_tire", *(("fmu", "base_fmu") if fmus else ()))
     written_names = [*(summary[key] for key in keys), *(f"{effect.name}.toml" for effect in result.proposed)]
     terminal.print(f"files: {output / 'report.html'}, diagnosis.json, {', '.join(written_names)}")
+    terminal.print(f"next: {_next_command(output, table, selection, fmus)}")
+    return 0 if ok else 1
+
+
+def _next_command(output: Path, table: Path, selection: TableOptions, fmus: bool) -> str:
+    """Return the command that checks the FMU of the improved tire, or first exports it."""
     tire, fmu = output / "improved.tir", output / "improved.fmu"
     check, export = ("check", fmu, table, *selection.arguments), ("export", tire, "-o", fmu)
-    terminal.print(f"next: {command_text(*(str(argument) for argument in (check if fmus else export)))}")
-    return 0 if ok else 1
+    return command_text(*(str(argument) for argument in (check if fmus else export)))
 
 
 def _diagnose_many(

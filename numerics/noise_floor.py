@@ -318,8 +318,10 @@ def _predicted(features: FloatArray, targets: FloatArray, part: IntArray) -> Flo
     matrix, product = np.sum(matrices, axis=0), np.sum(products, axis=0)
     predicted = np.empty((len(PENALTIES), *targets.shape))
     for number, ((x, _), block, own_product) in enumerate(zip(pieces, matrices, products, strict=True)):
+        others, right = matrix - block, product - own_product
         for k, penalty in enumerate(PENALTIES):
-            ridge = penalty * len(features) * np.eye(features.shape[1])
-            predicted[k, part == number] = x @ dposv(matrix - block + ridge, product - own_product)[1]
+            ridge = others.copy()
+            ridge.flat[:: len(ridge) + 1] += penalty * len(features)
+            predicted[k, part == number] = x @ dposv(ridge.T, right, overwrite_a=True)[1]  # symmetric: not copied
     best = np.sum((targets - predicted) ** 2, axis=1).argmin(axis=0)
     return np.asarray(predicted[best, :, np.arange(targets.shape[1])].T)

@@ -33,7 +33,7 @@ class LineFunction:
         lines: list[Equation] = []
         for line in reversed(self.chapter.equations):
             if line.symbol.name in needed - given:
-                needed |= {symbol.name for symbol in line.expression.free_symbols}
+                needed |= line.reads
                 lines.append(line)
         return tuple(reversed(lines))
 

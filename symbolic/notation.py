@@ -8,6 +8,7 @@ filed lines, see `tirefmu.symbolic.model`.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import sympy as sp
@@ -62,6 +63,11 @@ class Equation:
     named: bool = True
     acts_for: str = ""
     variant: bool = False
+
+    @cached_property
+    def reads(self) -> frozenset[str]:
+        """The names in the right-hand side."""
+        return frozenset(symbol.name for symbol in self.expression.free_symbols)
 
 
 @dataclass

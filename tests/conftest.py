@@ -5,9 +5,10 @@ from __future__ import annotations
 import gc
 import lzma
 import os
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 
+import filelock
 import hypothesis
 import pytest
 
@@ -28,6 +29,23 @@ hypothesis.settings.register_profile(
 hypothesis.settings.load_profile("tirefmu")
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_collection(session: pytest.Session) -> Generator[None]:
+    """In the first run, let one worker collect before the others, which find the bytecode that it has written.
+
+    To compile tests, package and libraries takes twice as long as to collect.
+    """
+    cache = getattr(session.config, "cache", None)
+    if cache and "PYTEST_XDIST_WORKER" in os.environ:
+        folder = cache.mkdir("collected")
+        with filelock.FileLock(folder / "lock"):
+            if not (folder / "once").exists():
+                result = yield
+                (folder / "once").touch()
+                return result
+    return (yield)
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Skip what only a release needs to know: tests that are marked as slow."""
     if "TIREFMU_SLOW" not in os.environ:
@@ -46,17 +64,20 @@ def pytest_collection_finish() -> None:
 def quickly_compiled() -> Iterator[None]:
     """Compile what runs often with few optimizations and the Jacobians of single rows, most of the code, with none.
 
-    Kernels run 15 times as fast as without optimization for a quarter more time of the compiler. Tests of optimized
-    code name its level.
+    Kernels run 15 times as fast as without optimization for a quarter more time of the compiler. FMUs run few steps and
+    are not optimized either. Tests of optimized code name its level.
 
     Optimized as for a user with TIREFMU_SLOW, and where TIREFMU_MACHINE chooses an instruction set.
     """
+    from tirefmu.fmu.packaging import binaries
     from tirefmu.tires.code import c_code, compiler
 
     with pytest.MonkeyPatch.context() as patch:
         if not {"TIREFMU_SLOW", "TIREFMU_MACHINE"} & os.environ.keys():
             patch.setattr(compiler, "FLAGS", tuple(flag.replace("-O2", "-Og") for flag in compiler.FLAGS))
             patch.setattr(c_code, "QUICKLY", ("-O0",))
+            patch.setattr(binaries, "FLAGS", (*binaries.FLAGS, "-O0"))
+            patch.setattr(binaries, "SMALL", ())
         yield
 
 

@@ -267,12 +267,13 @@ class _Identifiability:
 
     def _channel(self, index: int) -> str:
         """Return the channel with the most information on a coefficient."""
-        everywhere = self._rows(("Fz", "both"))
-        information = {
-            name: float(self._weighted_information(everywhere, {}, {}, name)[index, index])
-            for name in self.residuals.channels
-        }
-        return max(information, key=lambda name: graded(information[name]))
+        return max(self._of_channels, key=lambda name: graded(float(self._of_channels[name][index])))
+
+    @cached_property
+    def _of_channels(self) -> Mapping[str, FloatArray]:
+        """The information on each coefficient by channel."""
+        rows = self._rows(("Fz", "both"))
+        return {name: self._weighted_information(rows, {}, {}, name).diagonal() for name in self.residuals.channels}
 
 
 def _spreads(information: FloatArray) -> FloatArray:

@@ -8,6 +8,7 @@ elsewhere. Pacejka, Tire and Vehicle Dynamics (2012), section 4.1.
 from __future__ import annotations
 
 from collections.abc import Collection
+from functools import cached_property
 from math import radians
 
 import numpy as np
@@ -67,9 +68,12 @@ class _Forces:
 
     def __init__(self, tire: Tire) -> None:
         self._tire, self._code = tire, fastest_code(tire.symbolic_model, POINTS)
+        self._parameters, self._order = tire.parameters(), list(tire.symbolic_model.parameters)
         self._rows = [tire.outputs.index(name) for name in ("Fx", "Fy")]
-        grids = self._grids = [np.linspace(0.0, WIDEST[name], POINTS) for name in ("kappa", "alpha")]
-        pure = [curve - curve[0] for curve in self._pure({})]
+        grids, zero = [np.linspace(0.0, WIDEST[name], POINTS) for name in ("kappa", "alpha")], np.zeros(POINTS)
+        self._of_pure = self._inputs(grids[0], zero), self._inputs(zero, grids[1])
+        self._unchanged = self._pure({})
+        pure = [curve - curve[0] for curve in self._unchanged]
         ends = [int(np.abs(curve).argmax()) for curve in pure]
         self.peaks = np.array([np.abs(curve[end]) for curve, end in zip(pure, ends, strict=True)])
         at_peak = [max(float(grid[end]), grid[1]) for grid, end in zip(grids, ends, strict=True)]
@@ -80,31 +84,38 @@ class _Forces:
             for slip, grid, curve, peak in zip(at_peak, grids, pure, np.maximum(self.peaks, 1e-300), strict=True)
         ]
         self.target = np.array([part * share for part, share in zip(parts, shares, strict=True)])
-        self._slips = [size.ravel() * part * slip for part, slip in zip(parts, at_peak, strict=True)]
+        self._of_combined = self._inputs(
+            *(size.ravel() * part * slip for part, slip in zip(parts, at_peak, strict=True))
+        )
 
     def at(self, values: dict[str, float]) -> FloatArray:
         """Return both forces relative to their peaks with values of some coefficients, shape (2, n)."""
-        kappa, alpha = self._slips
-        return np.asarray(self._forces(kappa, alpha, values) / self.peaks[:, None])
+        return np.asarray(self._forces(self._of_combined, values) / self.peaks[:, None])
 
     def acts_only_combined(self, name: str) -> bool:
         """Return whether a coefficient that grows by a tenth changes forces at combined slip, but none at pure slip."""
         more = {name: 1.1 * self._tire.values[name]}
-        pure = (self._pure(more) - self._pure({})) / self.peaks[:, None]
-        return bool(np.abs(self.at(more) - self.at({})).max() > NOTICEABLE >= np.abs(pure).max())
+        pure = (self._pure(more) - self._unchanged) / self.peaks[:, None]
+        return bool(np.abs(self.at(more) - self._unchanged_combined).max() > NOTICEABLE >= np.abs(pure).max())
+
+    @cached_property
+    def _unchanged_combined(self) -> FloatArray:
+        return self.at({})
 
     def _pure(self, values: dict[str, float]) -> FloatArray:
         """Return Fx over kappa and Fy over alpha, shape (2, POINTS)."""
-        kappa, alpha, zero = *self._grids, np.zeros(POINTS)
-        return np.array([self._forces(kappa, zero, values)[0], self._forces(zero, alpha, values)[1]])
+        along, side = self._of_pure
+        return np.array([self._forces(along, values)[0], self._forces(side, values)[1]])
 
-    def _forces(self, kappa: FloatArray, alpha: FloatArray, values: dict[str, float]) -> FloatArray:
+    def _inputs(self, kappa: FloatArray, alpha: FloatArray) -> FloatArray:
+        """Return the inputs of the code at slips."""
         tire = self._tire
-        parameters = tire.parameters()
-        order = list(tire.symbolic_model.parameters)
-        for name, value in values.items():
-            parameters[order.index(name)] = value * tire.rescaled.get(name, 1.0)
-        load = tire.values["FNOMIN"]
-        given = {"kappa": kappa, "alpha": alpha, "Fz": np.full(len(kappa), load)}
+        given = {"kappa": kappa, "alpha": alpha, "Fz": np.full(len(kappa), tire.values["FNOMIN"])}
         inputs = [given.get(name, np.full(len(kappa), tire.nominal(name))) for name in tire.inputs]
-        return np.asarray(self._code.forces(tire.effective_inputs(np.array(inputs)), parameters))[self._rows]
+        return tire.effective_inputs(np.array(inputs))
+
+    def _forces(self, inputs: FloatArray, values: dict[str, float]) -> FloatArray:
+        parameters = self._parameters.copy()
+        for name, value in values.items():
+            parameters[self._order.index(name)] = value * self._tire.rescaled.get(name, 1.0)
+        return np.asarray(self._code.forces(inputs, parameters))[self._rows]

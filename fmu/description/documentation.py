@@ -5,10 +5,11 @@ from __future__ import annotations
 import importlib.metadata
 import re
 from collections.abc import Sequence
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 
-from jinja2 import Environment, StrictUndefined
+from jinja2 import Environment, StrictUndefined, Template
 from markupsafe import Markup
 
 from ...boundary.errors import FmuError
@@ -31,12 +32,16 @@ def index_html(tire: Tire, header: Header, variables: Sequence[Variable]) -> byt
         causality: [v for v in variables if v.causality == causality]
         for causality in ("input", "output", "parameter", "local")
     }
+    names = {variable.name for variable in by_causality["input"]}
+    return (_page().render(tire=tire, header=header, names=names, variables=by_causality) + "\n").encode()
+
+
+@cache
+def _page() -> Template:
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, finalize=_escaped
     )
-    template = environment.from_string((files(__package__) / "documentation.html").read_text(encoding="utf-8"))
-    names = {variable.name for variable in by_causality["input"]}
-    return (template.render(tire=tire, header=header, names=names, variables=by_causality) + "\n").encode()
+    return environment.from_string((files(__package__) / "documentation.html").read_text(encoding="utf-8"))
 
 
 def _escaped(value: object) -> Markup:

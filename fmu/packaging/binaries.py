@@ -16,13 +16,12 @@ from ...tires.code.compiler import (
     CrossCompiler,
     NoCompilerError,
     compiled_object,
-    compiled_objects,
     shared_library,
     suffix,
 )
 from .cross_compiler import FOLDERS_2, PLATFORMS, has_ziglang, universal, ziglang
 from .model_code import model_files
-from .sources import BUILT_IN, VALUES, WRAPPER
+from .sources import BUILT_IN, PRINTED, VALUES, WRAPPER
 
 #: FMI 3's names of the systems, by sys.platform.
 SYSTEMS = {"linux": "linux", "darwin": "darwin", "win32": "windows"}
@@ -42,8 +41,8 @@ RARE = frozenset(
         "instance.c", "life_cycle.c", "saved_state.c",
     }
 )  # fmt: skip
-#: The files of one version of the standard.
-VERSIONED = frozenset(file for names in WRAPPER.values() for file in names)
+#: The version of the standard that a file is for; the others are for all.
+VERSIONS = {file: version for version, names in WRAPPER.items() for file in names}
 #: On Windows the system's libraries and windows.c replace the C runtime that zig would link into each binary.
 RUNTIME = "windows.c"
 SYSTEM = tuple(f"-lapi-ms-win-crt-{part}-l1-1-0" for part in ("heap", "math", "private", "stdio", "string"))
@@ -197,22 +196,27 @@ def binary(
                 (folder / RUNTIME).write_bytes((files("tirefmu.fmu") / "wrapper" / RUNTIME).read_bytes())
                 parts.append(folder / RUNTIME)
 
-            objects: dict[Path, Path] = {}
             if cross is None:  # what does not depend on the tire is compiled once for tires of the same structure
-                shared = [part for part in parts if part.name not in (BUILT_IN, *tire_files)]
-                for versioned in (True, False):  # and for both versions of the standard
-                    group = [part for part in shared if (part.name in VERSIONED) == versioned]
-                    objects |= compiled_objects("fmu", group, headers=common, include=[folder, include], flags=FLAGS)
+                linked = [part for part in parts if part.name in (BUILT_IN, *tire_files)]
+                units: dict[str, list[Path]] = {}
+                for part in sorted(set(parts).difference(linked)):
+                    units.setdefault(_unit(part.name, sources[part.name]), []).append(part)
+                for name, group in units.items():
+                    unit = folder / name
+                    unit.write_text("".join(f'#include "{part.name}"\n' for part in group), encoding="ascii")
+                    read, searched = [*common, *group], [folder, include]
+                    linked.append(compiled_object("fmu", unit, headers=read, include=searched, flags=FLAGS))
             else:  # where each call of the compiler takes long: those that must be small
-                for part in parts:
-                    if bare or part.name in RARE:
-                        objects[part] = compiled_object(
-                            "fmu", part, headers=headers, include=[folder, of_tire, include],
-                            flags=[*FLAGS, *(SMALL if part.name in RARE else ())], cross=cross,
-                        )  # fmt: skip
+                linked = [
+                    compiled_object(
+                        "fmu", part, headers=headers, include=[folder, of_tire, include],
+                        flags=[*FLAGS, *(SMALL if part.name in RARE else ())], cross=cross,
+                    ) if bare or part.name in RARE else part
+                    for part in parts
+                ]  # fmt: skip
             library = shared_library(
                 "fmu",
-                [*(objects.get(part, part) for part in parts), *compiled],
+                [*linked, *compiled],
                 headers=headers,
                 include=[folder, of_tire, include],
                 flags=[*FLAGS, *LINK[system], *(["-nostdlib"] if bare else [])],
@@ -222,6 +226,16 @@ def binary(
         except CompilerError as error:
             raise FmuError(f"the binary of the FMU cannot be built: {error}") from error
         return library.read_bytes()
+
+
+def _unit(file: str, content: bytes) -> str:
+    """Return the name of the file with which a file of the wrapper is compiled: the compiler takes longer to start.
+
+    Apart are the files of one version of the standard, so that both share the rest, and those with another header that
+    is printed: such headers define functions of the same names.
+    """
+    header = next((header for header in PRINTED if f'#include "{header}"'.encode() in content), PRINTED[0])
+    return f"unit_{VERSIONS.get(file, '')}_{header[:-2]}.c"
 
 
 def host_binary(sources: Mapping[str, bytes], model: str, include: Path, tire_files: Collection[str] = ()) -> bytes:

@@ -39,6 +39,8 @@ RESOURCE = "resource_file.c"
 LAWS = "state_laws.h"
 #: The functions of the kinematics of hub inputs, equal for all models.
 KINEMATICS = "wheel_kinematics.h"
+#: The headers with printed functions.
+PRINTED = (LAWS, KINEMATICS, ROLLING_RADIUS, LOADED_RADIUS)
 
 
 def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:

@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-static const double NOMINAL[] = STATE_NOMINALS;
+static const double STATE_NOMINAL[] = STATE_NOMINALS;
 
 static Status expect_array(const Instance *self, const double values[], size_t n, size_t expected, const char *what)
 {
@@ -98,7 +98,7 @@ Status instance_get_nominals(Instance *self, double nominals[], size_t n)
         expect_array(self, nominals, n, N_CONTINUOUS, "states") != STATUS_OK)
         return STATUS_ERROR;
     for (i = 0; i < n; i++)
-        nominals[i] = NOMINAL[i];
+        nominals[i] = STATE_NOMINAL[i];
     return STATUS_OK;
 }
 

@@ -135,7 +135,8 @@ static void follow_inputs(const double lines[], const double start[N_MEMORY], do
 }
 
 /* A driven state at the middle and at the end of a step, from the lines at start, middle and end. */
-static void integrate(size_t i, const double lines[3][N_STATE_LINES], double h, double start, double *half, double *end)
+static void integrate_state(size_t i, const double lines[3][N_STATE_LINES], double h, double start, double *half,
+                            double *end)
 {
     const double u[] = {target(lines[0], i), target(lines[1], i), target(lines[2], i)};
     const double r[] = {rate(lines[0], i), rate(lines[1], i), rate(lines[2], i)};
@@ -173,7 +174,7 @@ static int step_driven(State *state, double inputs[3][N_INPUTS], double memory[3
         for (i = 0; i < N_MEMORY; i++) {
             if (!is_driven(i))
                 continue;
-            integrate(i, (const double(*)[N_STATE_LINES]) lines, h, memory[0][i], &half, &end);
+            integrate_state(i, (const double(*)[N_STATE_LINES]) lines, h, memory[0][i], &half, &end);
             change = fmax(fabs(end - memory[2][i]), fabs(half - memory[1][i]));
             size = fmax(fabs(memory[0][i]), fmax(fabs(half), fabs(end)));
             moving |= !(change <= CONVERGED * size);
@@ -197,8 +198,8 @@ static int is_finite(const double memory[N_MEMORY])
 
 /* All states and lagged slips from `begin` to `end`, seconds after a change of the inputs.  `lines` and `first` are the
    lines and the states at that change; `memory` has the states at `begin`, then those at `end`: NaN if not found. */
-static void advance_part(State *state, const double lines[], const double first[N_MEMORY], double begin, double end,
-                         int halvings, double memory[N_MEMORY])
+static void advance_states(State *state, const double lines[], const double first[N_MEMORY], double begin, double end,
+                           int halvings, double memory[N_MEMORY])
 {
     const double middle = 0.5 * (begin + end);
     double inputs[3][N_INPUTS], values[3][N_MEMORY], lagging[N_LAGGING];
@@ -217,8 +218,8 @@ static void advance_part(State *state, const double lines[], const double first[
         memcpy(memory, values[2], sizeof values[2]);
     } else if (halvings < MAX_HALVINGS && is_finite(memory)) {
         memcpy(state->continuous.lagging, lagging, sizeof lagging);
-        advance_part(state, lines, first, begin, middle, halvings + 1, memory);
-        advance_part(state, lines, first, middle, end, halvings + 1, memory);
+        advance_states(state, lines, first, begin, middle, halvings + 1, memory);
+        advance_states(state, lines, first, middle, end, halvings + 1, memory);
     } else
         for (i = 0; i < N_MEMORY; i++)
             memory[i] = NAN;
@@ -248,7 +249,7 @@ static void advance_others(State *state, const double lines[N_STATE_LINES], doub
     memcpy(first, state->continuous.memory, sizeof first);
     for (; end < h; size *= GROWTH, begin = end) {
         end = size < h - begin ? begin + size : h; /* also for an infinite size */
-        advance_part(state, lines, first, begin, end, 0, state->continuous.memory);
+        advance_states(state, lines, first, begin, end, 0, state->continuous.memory);
     }
 }
 

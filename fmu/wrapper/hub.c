@@ -5,25 +5,20 @@
 
 #include <string.h>
 
-/* By output of the model: its place among the contact forces of hub_wrench. */
-static const unsigned FORCE[] = CONTACT_FORCES;
-
 /* wheel_motion reads the first inputs of the host, and its results are those of the hub. */
 typedef char motion_fits[WHEEL_MOTION_ARGUMENTS <= N_HOST_INPUTS && (int) WHEEL_MOTION_RESULTS == LOAD_RESULT ? 1 : -1];
 typedef char wrench_fits[(int) HUB_WRENCH_RESULTS == BRAKE_RESULT - WRENCH_RESULT ? 1 : -1];
 
-static double parameter(const State *state, size_t i) { return state->values[FIRST_PARAMETER + i]; }
-
 static double total_load(const State *state)
 {
     const double radius = state->hub.results[RADIUS_RESULT], rate = state->hub.results[RADIUS_RATE_RESULT];
-    const double bottom = parameter(state, OWN_BOTTOM_RADIUS) - radius;
+    const double bottom = hub_parameter(state, OWN_BOTTOM_RADIUS) - radius;
     double load = state->hub.spring;
 
     if (load > 0.0)
-        load -= parameter(state, OWN_VERTICAL_DAMPING) * rate;
+        load -= hub_parameter(state, OWN_VERTICAL_DAMPING) * rate;
     if (bottom > 0.0)
-        load += parameter(state, OWN_BOTTOM_STIFF) * bottom;
+        load += hub_parameter(state, OWN_BOTTOM_STIFF) * bottom;
     return load < 0.0 ? 0.0 : load;
 }
 
@@ -38,7 +33,7 @@ void hub_find(State *state)
     memcpy(hub->parameters, state->values + FIRST_PARAMETER, sizeof hub->parameters);
     for (i = 0; scaled[i] >= 0; i++)
         hub->parameters[scaled[i]] *= state->values[FIRST_INPUT + HOST_FRICTION];
-    hub->results[DEFLECTION_RESULT] = parameter(state, OWN_UNLOADED_RADIUS) - hub->results[RADIUS_RESULT];
+    hub->results[DEFLECTION_RESULT] = hub_parameter(state, OWN_UNLOADED_RADIUS) - hub->results[RADIUS_RESULT];
     hub_find_spring(state);
     hub->results[LOAD_RESULT] = state->values[FIRST_INPUT + HOST_LOAD] = total_load(state);
 }
@@ -53,7 +48,7 @@ void hub_arguments(const State *state, double arguments[])
     arguments[HUB_WRENCH_R_l] = state->hub.results[RADIUS_RESULT];
     memset(arguments + HUB_WRENCH_Fx, 0, (HUB_WRENCH_ARGUMENTS - HUB_WRENCH_Fx) * sizeof *arguments);
     for (i = 0; i < N_OUTPUTS; i++)
-        arguments[HUB_WRENCH_Fx + FORCE[i]] = state->values[FIRST_OUTPUT + i];
+        arguments[HUB_WRENCH_Fx + HUB_FORCE[i]] = state->values[FIRST_OUTPUT + i];
     arguments[HUB_WRENCH_Fz] = state->hub.results[LOAD_RESULT];
 }
 

@@ -13,6 +13,11 @@
 #include "state.h"
 
 #if HUB
+/* By output of the model: its place among the contact forces of hub_wrench. */
+static const unsigned HUB_FORCE[] = CONTACT_FORCES;
+
+static inline double hub_parameter(const State *state, size_t i) { return state->values[FIRST_PARAMETER + i]; }
+
 /* Compute the motion of the wheel and its load, which are values, and the model's parameters.  The contact is then to be
    computed for this load. */
 void hub_find(State *state);

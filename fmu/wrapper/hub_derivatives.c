@@ -8,10 +8,6 @@
 
 #include <string.h>
 
-static const unsigned FORCE[] = CONTACT_FORCES;
-
-static double parameter(const State *state, size_t i) { return state->values[FIRST_PARAMETER + i]; }
-
 #ifdef LOADED_RADIUS
 /* The change of the model's loaded radius. */
 static double radius_change(State *state, const double seeds[N_VALUES])
@@ -40,28 +36,28 @@ static double spring_change(const State *state, const double seeds[N_VALUES], do
 #else
 static double spring_change(const State *state, const double seeds[N_VALUES], double radius)
 {
-    const double deflection = parameter(state, OWN_UNLOADED_RADIUS) - state->hub.radius;
+    const double deflection = hub_parameter(state, OWN_UNLOADED_RADIUS) - state->hub.radius;
 
     return seeds[FIRST_PARAMETER + OWN_VERTICAL_STIFFNESS] * deflection +
-           parameter(state, OWN_VERTICAL_STIFFNESS) * (seeds[FIRST_PARAMETER + OWN_UNLOADED_RADIUS] - radius);
+           hub_parameter(state, OWN_VERTICAL_STIFFNESS) * (seeds[FIRST_PARAMETER + OWN_UNLOADED_RADIUS] - radius);
 }
 #endif
 
 static double load_change(const State *state, const double seeds[N_VALUES], const double changes[])
 {
     const double *results = state->hub.results, *moved = seeds + FIRST_PARAMETER;
-    const double bottom = parameter(state, OWN_BOTTOM_RADIUS) - results[RADIUS_RESULT];
+    const double bottom = hub_parameter(state, OWN_BOTTOM_RADIUS) - results[RADIUS_RESULT];
     double change = 0.0;
 
     if (!(results[LOAD_RESULT] > 0.0))
         return 0.0;
     if (state->hub.spring > 0.0)
         change = spring_change(state, seeds, changes[RADIUS_RESULT]) -
-                 parameter(state, OWN_VERTICAL_DAMPING) * changes[RADIUS_RATE_RESULT] -
+                 hub_parameter(state, OWN_VERTICAL_DAMPING) * changes[RADIUS_RATE_RESULT] -
                  moved[OWN_VERTICAL_DAMPING] * results[RADIUS_RATE_RESULT];
     if (bottom > 0.0)
         change += moved[OWN_BOTTOM_STIFF] * bottom +
-                  parameter(state, OWN_BOTTOM_STIFF) * (moved[OWN_BOTTOM_RADIUS] - changes[RADIUS_RESULT]);
+                  hub_parameter(state, OWN_BOTTOM_STIFF) * (moved[OWN_BOTTOM_RADIUS] - changes[RADIUS_RESULT]);
     return change;
 }
 
@@ -106,7 +102,7 @@ void hub_by_forces(const State *state, unsigned result, double by[N_OUTPUTS])
     hub_arguments(state, arguments);
     for (i = 0; i < N_OUTPUTS; i++) {
         memset(arguments + HUB_WRENCH_Fx, 0, (HUB_WRENCH_ARGUMENTS - HUB_WRENCH_Fx) * sizeof *arguments);
-        arguments[HUB_WRENCH_Fx + FORCE[i]] = 1.0;
+        arguments[HUB_WRENCH_Fx + HUB_FORCE[i]] = 1.0;
         hub_wrench(arguments, wrench);
         by[i] = wrench[result - WRENCH_RESULT];
     }

@@ -14,9 +14,7 @@
 #define MAX_LOADS 25
 #define LOAD_GROWTH 1.25
 /* The search ends at an error of a few units in the last place of the loaded radius. */
-#define ACCURACY 4e-16
-
-static double parameter(const State *state, size_t i) { return state->values[FIRST_PARAMETER + i]; }
+#define RADIUS_ACCURACY 4e-16
 
 #ifdef LOADED_RADIUS
 /* The model's loaded radius under a load. */
@@ -46,7 +44,7 @@ void hub_find_spring(State *state)
     Hub *hub = &state->hub;
     const double given = hub->results[RADIUS_RESULT], free_radius = radius_under(state, 0.0);
     const double least = (1.0 - DEEPEST) * free_radius;
-    Sample low, high = {parameter(state, OWN_FNOMIN), 0.0}, nearest;
+    Sample low, high = {hub_parameter(state, OWN_FNOMIN), 0.0}, nearest;
     int i;
 
     hub->radius = given < least ? least : given;
@@ -60,7 +58,7 @@ void hub_find_spring(State *state)
     for (i = 0; i < MAX_LOADS; i++) {
         high.value = radius_error(state, high.x);
         if (!(high.value > 0.0)) {
-            hub->spring = root_between(radius_error, state, low, high, ACCURACY * free_radius);
+            hub->spring = root_between(radius_error, state, low, high, RADIUS_ACCURACY * free_radius);
             return;
         }
         low = high;
@@ -73,10 +71,10 @@ void hub_find_spring(State *state)
 #else
 void hub_find_spring(State *state)
 {
-    const double free_radius = parameter(state, OWN_UNLOADED_RADIUS);
+    const double free_radius = hub_parameter(state, OWN_UNLOADED_RADIUS);
     Hub *hub = &state->hub;
 
     hub->radius = hub->results[RADIUS_RESULT];
-    hub->spring = hub->radius >= free_radius ? 0.0 : parameter(state, OWN_VERTICAL_STIFFNESS) * (free_radius - hub->radius);
+    hub->spring = hub->radius >= free_radius ? 0.0 : hub_parameter(state, OWN_VERTICAL_STIFFNESS) * (free_radius - hub->radius);
 }
 #endif

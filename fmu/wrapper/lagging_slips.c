@@ -189,7 +189,7 @@ void slips_differentiate(const State *state, const double seeds[N_VALUES], Tange
 }
 
 /* Zero for a slip at its bound that would move outward. */
-static double rate(const State *state, size_t slip)
+static double slip_rate(const State *state, size_t slip)
 {
     const Contact *contact = &state->contact;
     const double x = state->continuous.lagging[slip];
@@ -216,7 +216,7 @@ void slips_show_rates(const State *state, double rates[])
     size_t i;
 
     for (i = 0; i < N_SLIPS; i++)
-        rates[i] = begun ? rate(state, i) : 0.0;
+        rates[i] = begun ? slip_rate(state, i) : 0.0;
 #if TWISTS
     rates[TWIST] = begun ? twist_rate(state) : 0.0;
 #endif

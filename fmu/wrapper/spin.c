@@ -3,11 +3,7 @@
 
 #include <math.h>
 
-static double spin_of(const State *state) { return state->values[SPIN_VALUE]; }
-
 static double drive_of(const State *state) { return state->values[FIRST_INPUT + HOST_DRIVE]; }
-
-static double capacity_of(const State *state) { return state->values[FIRST_INPUT + HOST_BRAKE]; }
 
 double spin_free_torque(const State *state) { return drive_of(state) + state->hub.results[SPIN_MOMENT]; }
 
@@ -15,7 +11,7 @@ static int sign_of(double x) { return x > 0.0 ? 1 : x < 0.0 ? -1 : 0; }
 
 int spin_sense_at_rest(const State *state)
 {
-    return fabs(spin_free_torque(state)) <= capacity_of(state) ? 0 : sign_of(spin_free_torque(state));
+    return fabs(spin_free_torque(state)) <= spin_brake(state) ? 0 : sign_of(spin_free_torque(state));
 }
 
 /* Before the first event of Model Exchange, and in Co-Simulation, the sense follows from the present values. */
@@ -30,7 +26,7 @@ int spin_is_held(const State *state) { return spin_sense(state) == 0; }
 
 static double braking(const State *state)
 {
-    return spin_is_held(state) ? -spin_free_torque(state) : -spin_sense(state) * capacity_of(state);
+    return spin_is_held(state) ? -spin_free_torque(state) : -spin_sense(state) * spin_brake(state);
 }
 
 void spin_show(State *state)
@@ -43,7 +39,7 @@ void spin_show(State *state)
 
 double spin_indicator(const State *state)
 {
-    return spin_is_held(state) ? capacity_of(state) - fabs(spin_free_torque(state)) : spin_of(state);
+    return spin_is_held(state) ? spin_brake(state) - fabs(spin_free_torque(state)) : spin_of(state);
 }
 
 double spin_gain(const State *state)

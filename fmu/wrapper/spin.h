@@ -18,6 +18,11 @@
 /* The moment about the spin axis, the fifth result of hub_wrench. */
 enum { SPIN_MOMENT = WRENCH_RESULT + 4 };
 
+static inline double spin_of(const State *state) { return state->values[SPIN_VALUE]; }
+
+/* The largest torque of the brake. */
+static inline double spin_brake(const State *state) { return state->values[FIRST_INPUT + HOST_BRAKE]; }
+
 /* The torque on the wheel without that of the brake. */
 double spin_free_torque(const State *state);
 /* The direction of the spin that the brake opposes, 0 while it holds the wheel; that of a wheel with the spin 0. */

@@ -8,7 +8,7 @@
 #include <math.h>
 
 /* The error of a torque balance at which its solution ends, relative to the terms in it. */
-#define ACCURACY 1e-13
+#define TORQUE_ACCURACY 1e-13
 #define MIN_SPIN 1e-3
 #define MAX_DOUBLINGS 60
 /* The sense of a brake without torque in Co-Simulation. */
@@ -21,10 +21,6 @@ typedef struct {
     double spin, turning, moment; /* at the begin */
     double size, gain, brake;
 } Part;
-
-static double spin_of(const State *state) { return state->values[SPIN_VALUE]; }
-
-static double capacity_of(const State *state) { return state->values[FIRST_INPUT + HOST_BRAKE]; }
 
 /* By how much the spin that the torques cause at the end of a part exceeds the given one.  The load is constant. */
 static double excess(void *context, double spin)
@@ -45,7 +41,7 @@ static double excess(void *context, double spin)
 static double solve(Part *part)
 {
     const double start = part->spin;
-    const double accuracy = ACCURACY * (MIN_SPIN + fabs(start) + part->gain * fabs(part->moment));
+    const double accuracy = TORQUE_ACCURACY * (MIN_SPIN + fabs(start) + part->gain * fabs(part->moment));
     Sample a = {start, 0.0}, b;
     int i;
 
@@ -70,9 +66,9 @@ static double solve(Part *part)
 }
 
 /* Returns the torque of the brake. */
-static double advance_part(State *state, double size)
+static double advance_spin(State *state, double size)
 {
-    const double capacity = capacity_of(state), gain = size / state->values[FIRST_PARAMETER + OWN_WHEEL_INERTIA];
+    const double capacity = spin_brake(state), gain = size / state->values[FIRST_PARAMETER + OWN_WHEEL_INERTIA];
     Part part = {.state = state, .begin = state->continuous, .spin = spin_of(state), .size = size, .gain = gain};
 
     part.turning = state->values[FIRST_INPUT + HOST_TURNING];
@@ -93,7 +89,7 @@ int spin_settle(State *state)
     const double before = spin_of(state);
     const int arrived = before * state->brake_sense <= 0.0 && state->brake_sense != 0;
 
-    if (before == 0.0 || (arrived && capacity_of(state) > 0.0)) {
+    if (before == 0.0 || (arrived && spin_brake(state) > 0.0)) {
         state->values[SPIN_VALUE] = 0.0;
         state_changed(state);
         state_compute_outputs(state);
@@ -107,7 +103,7 @@ int spin_settle(State *state)
     return spin_of(state) != before;
 }
 
-static int sense_or_released(const State *state) { return capacity_of(state) > 0.0 ? spin_sense(state) : RELEASED; }
+static int sense_or_released(const State *state) { return spin_brake(state) > 0.0 ? spin_sense(state) : RELEASED; }
 
 void spin_begin(State *state)
 {
@@ -126,7 +122,7 @@ double spin_advance(State *state, double h, int stops_at_event)
     while (i < parts && !(state->event && stops_at_event)) {
         int sense;
 
-        braked += advance_part(state, h / parts);
+        braked += advance_spin(state, h / parts);
         i++;
         sense = sense_or_released(state);
         state->event |= sense != state->brake_sense && sense != RELEASED && state->brake_sense != RELEASED;

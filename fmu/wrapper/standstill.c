@@ -22,7 +22,7 @@
 /* Critical damping of a turning wheel relative to that of its load: the wheel has about 1 % of the mass. */
 #define WHEEL_DAMPING 0.1
 
-static const unsigned FORCE[] = {LONGITUDINAL_FORCE, SIDE_FORCE};
+static const unsigned PLANAR_FORCE[] = {LONGITUDINAL_FORCE, SIDE_FORCE};
 
 static double load(const State *state)
 {
@@ -141,7 +141,7 @@ static void limit_to_friction(const State *state, const double quantities[N_QUAN
 
     for (i = 0; i < N_SLIPS; i++) {
         limits[i] = fabs(quantities[friction[i]]) * load(state);
-        used[i] = limits[i] > 0.0 ? forces[FORCE[i]] / limits[i] : 0.0;
+        used[i] = limits[i] > 0.0 ? forces[PLANAR_FORCE[i]] / limits[i] : 0.0;
         damped[i] = limits[i] > 0.0 ? damper(state, i) / limits[i] : 0.0;
     }
     use = sqrt(used[0] * used[0] + used[1] * used[1]);
@@ -154,7 +154,7 @@ static void limit_to_friction(const State *state, const double quantities[N_QUAN
     share = largest_share(used, damped);
     for (i = 0; i < N_SLIPS; i++)
         if (limits[i] > 0.0)
-            forces[FORCE[i]] = limits[i] * (used[i] + share * damped[i]);
+            forces[PLANAR_FORCE[i]] = limits[i] * (used[i] + share * damped[i]);
 }
 
 #if TWISTS

@@ -3,6 +3,9 @@
  * The files that compute have an order, in which each calls earlier ones only: values, contact (slip_inputs or
  * wheel_inputs), slips, standstill, memory, hub, spin, outputs, spin_steps.  They know
  * nothing of the instance and its log (instance.h).
+ *
+ * A name is that of one thing in all files, also if it is static: a compiler takes longer to start than for a file, so
+ * that many files are one unit (binaries.py).
  */
 #ifndef STATE_H
 #define STATE_H

@@ -224,13 +224,13 @@ def _levels_of_long_stays(values: FloatArray, held: FloatArray, tolerance: float
         ends = np.flatnonzero(np.diff(far) | (np.abs(np.diff(values)) > tolerance)) + 1
         runs = [values[start:stop] for start, stop in pairwise([0, *ends.tolist(), len(far)]) if far[start]]
         long_runs = [run for run in runs if len(run) * interval > LONGEST_TRANSITION]
-        stays = [run for run in long_runs if np.ptp(np.quantile(run, (0.05, 0.95))) <= tolerance]
+        longest_first = sorted(long_runs, key=len, reverse=True)
+        medians = (np.median(run) for run in longest_first if np.ptp(np.quantile(run, (0.05, 0.95))) <= tolerance)
         # A new level is apart from all others: the loop ends.
-        medians = [np.median(run) for run in sorted(stays, key=len, reverse=True)]
-        apart = [median for median in medians if np.abs(median - held).min() > 0.5 * tolerance]
-        if not apart:
+        apart = next((median for median in medians if np.abs(median - held).min() > 0.5 * tolerance), None)
+        if apart is None:
             break
-        held = np.sort(np.append(held, apart[0]))
+        held = np.sort(np.append(held, apart))
     return held
 
 

@@ -303,13 +303,17 @@ class Model(ModelDeclaration):
         UnknownName
             If an effect is not one of this model.
         """
-        from .lines import reduced
-
         present = set(self.effects if effects is None else self.known_effects(effects))
         if plain:
             present -= {effect for effect, _ in self.on_demand}
         left = {signs.parameter} if plain else {option.parameter for option in OPTIONS.values()}
-        return reduced(self.equations, present, left)
+        return self._reduced(frozenset(present), frozenset(left))
+
+    @lru_cache(maxsize=64)  # noqa: B019  (models live as long as the program)
+    def _reduced(self, present: frozenset[str], read: frozenset[str]) -> tuple[Equation, ...]:
+        from .lines import reduced
+
+        return reduced(self.equations, present, read)
 
     def as_written(self, effects: Collection[str]) -> dict[str, sp.Expr]:
         """Return every line's right-hand side with effects switched and options at their first value, no line gone.

@@ -31,7 +31,7 @@ def structure_of(
     of their declarations. `required`: coefficients that the model has although no line reads them. `on_demand`: effects
     that an input activates. `lengths`: the relaxation lengths.
     """
-    read = {symbol.name for line in equations for symbol in line.expression.free_symbols} | set(required)
+    read = {name for line in equations for name in line.reads} | set(required)
     chosen = {str(choice.args[0]) for line in equations for choice in line.expression.atoms(Choice)}
     options = [option for option in OPTIONS.values() if option.parameter in chosen]
     effects = tuple(dict.fromkeys(name for line in equations for name in _effects(line)))
@@ -60,12 +60,12 @@ def _plain_options(
     equations: Sequence[Equation], effects: set[str], options: Sequence[Option], outputs: Sequence[str]
 ) -> tuple[str, ...]:
     lines = reaching(reduced(equations, effects, {option.parameter for option in OPTIONS.values()}), outputs)
-    read = {symbol.name for line in lines for symbol in line.expression.free_symbols}
+    read = {name for line in lines for name in line.reads}
     return tuple(option.name for option in options if option.parameter in read and option != signs)
 
 
 def _read_by(lines: Sequence[Equation], output: str) -> tuple[str, ...]:
-    read = {symbol.name for line in reaching(lines, {output}) for symbol in line.expression.free_symbols}
+    read = {name for line in reaching(lines, {output}) for name in line.reads}
     return tuple(sorted(read))
 
 
@@ -76,7 +76,7 @@ def _lines(equations: Sequence[Equation]) -> tuple[Line, ...]:
     numbers: dict[str, sp.Expr] = {}
     derived = []
     for line in equations:
-        earlier = sorted(symbol.name for symbol in line.expression.free_symbols if symbol.name in possible)
+        earlier = sorted(name for name in line.reads if name in possible)
         shape = Line(line.symbol.name, tuple(_effects(line)), {name: possible[name] for name in earlier})
         cases = []
         for present, group in groupby(shape.conditions(), key=itemgetter(0)):

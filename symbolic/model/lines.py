@@ -19,7 +19,7 @@ def reaching(lines: Iterable[Equation], targets: Collection[str]) -> list[Equati
     for line in reversed(list(lines)):
         if line.symbol.name in needed:
             lines_read.append(line)
-            needed |= {symbol.name for symbol in line.expression.free_symbols}
+            needed |= line.reads
     return lines_read[::-1]
 
 

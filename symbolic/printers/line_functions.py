@@ -105,7 +105,7 @@ def _c_functions(function: LineFunction) -> list[str]:
         for names, last in ((function.arguments, "ARGUMENTS"), (function.results, "RESULTS"))
     )
     sizes = "\n".join(f"enum {{\n{indent(names, '    ')}\n}};" for names in listed)
-    used = {symbol.name for line in function.lines for symbol in line.expression.free_symbols}
+    used = {name for line in function.lines for name in line.reads}
     read = {i: name for i, name in enumerate(function.arguments) if name in used}
     values = [f"const double {name} = x[{i}];" for i, name in read.items()]
     tangents = [*values, *(f"const double {name}_t = dx[{i}];" for i, name in read.items())]

@@ -23,7 +23,7 @@ def c_rolling_radius(model: Model) -> str:
     prefix = model.name.upper()
     needed = rolling_radius_lines(model)
     turning = model.quantity("wheel_speed") or "omega"
-    read = {symbol.name for line in needed for symbol in line.expression.free_symbols} or {"UNLOADED_RADIUS"}
+    read = {name for line in needed for name in line.reads} or {"UNLOADED_RADIUS"}
     lines = [f"const double {name} = parameters[{prefix}_{name}];" for name in model.parameters if name in read]
     lines += [f"const double {q.name} = inputs[{prefix}_{q.name}];" for q in model.inputs if q.name in read]
     lines += [f"const double {line.symbol} = {PRINTER.doprint(line.expression)};" for line in needed]
@@ -64,7 +64,7 @@ def c_loaded_radius(model: Model) -> str:
     #define RADIUS_READS_FORCES 1
     """
     prefix, needed = model.name.upper(), loaded_radius_lines(model)
-    read = {symbol.name for line in needed for symbol in line.expression.free_symbols}
+    read = {name for line in needed for name in line.reads}
     outputs = [q.name for q in model.outputs if q.name in read]
     sources = {
         "parameters": [name for name in model.parameters if name in read],

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import chain
 
 import sympy as sp
 
@@ -55,9 +57,12 @@ class Routine:
 
     def uses(self, names: Sequence[str]) -> list[str]:
         """Return the names that the routine reads, in the given order."""
-        read = {s.name for a in self.body for s in a.expression.free_symbols}
-        read |= {s.name for row in self.results for value in row for s in value.free_symbols}
-        return [name for name in names if name in read]
+        return [name for name in names if name in self._read]
+
+    @cached_property
+    def _read(self) -> frozenset[str]:
+        expressions = [*(assignment.expression for assignment in self.body), *chain.from_iterable(self.results)]
+        return frozenset(symbol.name for expression in expressions for symbol in expression.free_symbols)
 
 
 def routines(model: Model) -> tuple[Routine, ...]:

@@ -9,7 +9,6 @@ from dataclasses import replace
 import pytest
 
 from tirefmu.commands.cli import main
-from tirefmu.symbolic.added import library
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire, published
 from tirefmu.tires.description import describe
@@ -19,6 +18,8 @@ from tirefmu.tires.property_file.reading import read_tir_with_notes
 FILES = ["MagicFormula52", "MagicFormula61", "MagicFormula62"]
 #: The models with the coefficients that these tests change.
 MAGIC = [name for name, model in MODELS.items() if "PDX1" in model.coefficients]
+#: Effects with states: those of tests/fmu/conftest.py, so that their code is printed once for both.
+STATEFUL = ("heat_friction", "slip_history", "hysteresis_force", "break_in", "load_lag", "carcass_2nd_order")
 
 
 def generic(model="mf61", **values):
@@ -37,8 +38,7 @@ def doubts(tire):
 
 
 def test_the_states_of_effects_are_no_inputs_with_a_nominal_value(tmp_path, capsys):
-    names = [name for name, effect in library().items() if effect.states]
-    tire = replace(generic(), effects=names)
+    tire = replace(generic(), effects=STATEFUL)
     assert len(tire.states) > 3
     assert describe(tire)["nominal"].keys() == set(tire.inputs) - set(tire.states)
     tire.save(tmp_path / "memory.tir")

@@ -12,6 +12,8 @@ from tirefmu.commands.cli import main
 from tirefmu.diagnosis.diagnose import COMPARING
 from tirefmu.tires import Tire, read_tir
 
+from .test_printed_commands import accepted
+
 EFFECTS = ("load_friction", "load_stiffness")
 VALUES = {
     "FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.3, "NOMPRES": 2e5, "INFLPRES": 2e5, "PCY1": 1.35, "PDY1": 1.1, "PDY2": -0.1,
@@ -48,6 +50,8 @@ def test_a_hidden_effect_is_identified_and_written(recording, tmp_path, capsys):
     printed = " ".join(captured.out.split())  # progress is on standard error
     assert printed.startswith(f"verdict: {reported['headline']} - Missing: camber_thrust (")
     assert all(sentence in printed for sentence in reported["verdict"].split(". "))
+    command, options = accepted(captured.out.splitlines()[-1].removeprefix("next: "))
+    assert (command, options["tires"]) == ("export", (folder / reported["tire"],))
     lines = captured.err.splitlines()
     stages = [line.partition(":")[0] for line in lines if line.endswith(" s") and ";" not in line]
     assert stages == [

@@ -13,12 +13,13 @@ import pandas as pd
 import pytest
 
 from tirefmu.boundary.errors import LISTED_BY
+from tirefmu.commands.arguments import TableOptions
 from tirefmu.commands.cli import cli
+from tirefmu.commands.diagnose_command import _next_command
 from tirefmu.commands.fit_command import _testable
 from tirefmu.measurements import Recording
 from tirefmu.tires import published
 
-from ..relatives import slow_but
 from ..rooms import ROOMS, ROOT
 
 #: A name that a shell would not leave alone.
@@ -99,7 +100,19 @@ def test_each_step_prints_the_next_one_which_runs(folder, command):
     assert list(folder.rglob("*.fmu"))
 
 
-@pytest.mark.parametrize(("option", "steps"), slow_but([((), "check")], [((), "check"), (("--no-fmu",), "export")]))
+@pytest.mark.parametrize(("fmus", "step"), [(True, "check"), (False, "export")])
+def test_the_next_command_of_a_diagnosis_is_accepted(folder, fmus, step):
+    selection = TableOptions("iso", "t > 1", {"Fy": "my force"}, None)
+    name, options = accepted(_next_command(folder / "an answer", Path(HOSTILE), selection, fmus))
+    assert name == step
+    assert options["fmu" if fmus else "output"] == folder / "an answer" / "improved.fmu"
+    if fmus:
+        assert options["table"] == Path(HOSTILE)
+        assert {name: options[name] for name in vars(selection)} == vars(selection)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("option", "steps"), [((), "check"), (("--no-fmu",), "export")])
 def test_a_diagnosis_prints_the_next_step_which_runs(folder, command, option, steps):
     late(0.15).to_csv(folder / HOSTILE, index=False)
     given = ["--model", "mf61", "--nominal", "Fz0=800,R0=0.25", "--candidates", "relax_lat", "--where", "t > 1"]

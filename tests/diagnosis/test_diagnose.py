@@ -131,6 +131,7 @@ def test_the_result_does_not_depend_on_the_signs_of_the_recording(thrust):
         assert other.recording["offset"][channel] == pytest.approx(offset, rel=1e-4, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_an_offset_is_the_bench_s_only_if_the_evidence_needs_it():
     case = make_case(13, ())
 

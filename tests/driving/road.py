@@ -109,7 +109,7 @@ class Road:
         c, X, Y, R = self.car, self.X, self.Y, self.R
         vx, vy, r, spins = state[0], state[1], state[2], state[3:7]
         front, rear = wheel - c["steer_front"] * self.rolled[1], c["steer_rear"] * self.rolled[1]
-        angle = np.stack([front, front, rear, rear])
+        angle = np.array([front, front, rear, rear])
         u, w = vx - r * Y, vy + r * X
         cos, sin = np.cos(angle), np.sin(angle)
         along, side = u * cos + w * sin, w * cos - u * sin
@@ -120,12 +120,12 @@ class Road:
         roll_r = c["mass"] * self.rolled[1] * c["cg_height"] * (1 - share) / c["track_rear"]
         weight = c["mass"] * (G + self.lifted)
         front, rear = -weight * X[2] / c["wheelbase"] / 2, weight * X[0] / c["wheelbase"] / 2
-        Fz = np.stack([front - shift - roll_f, front - shift + roll_f, rear + shift - roll_r, rear + shift + roll_r])
+        Fz = np.array([front - shift - roll_f, front - shift + roll_f, rear + shift - roll_r, rear + shift + roll_r])
         Fx, Fy = self.tire(kappa, alpha, Fz, along, self.factors)
         bx, by = Fx * cos - Fy * sin, Fx * sin + Fy * cos
         ax, ay = bx.sum(0) / c["mass"], by.sum(0) / c["mass"]
         turning = (X * by - Y * bx).sum(0) / c["yaw_inertia"]
-        return np.stack([ax + r * vy, ay - r * vx, turning, *((torque - Fx * R) / WHEEL_INERTIA)]), (ax, ay), turning
+        return np.array([ax + r * vy, ay - r * vx, turning, *((torque - Fx * R) / WHEEL_INERTIA)]), (ax, ay), turning
 
     def run(self, steer, speed):
         """Return the motion at every step: dict of arrays, shape (n_steps, n)."""
@@ -146,7 +146,7 @@ class Road:
                 2.0 * self.car["mass"] * (speed[i] - state[0]), -0.35 * G * self.car["mass"], 0.3 * G * self.car["mass"]
             )
             share = np.where(force < 0.0, 0.72, 0.0)
-            torque = np.stack([force * share / 2] * 2 + [force * (1 - share) / 2] * 2) * 0.3
+            torque = np.array([force * share / 2] * 2 + [force * (1 - share) / 2] * 2) * 0.3
             k1, last, turning = self.rates(state, wheel, torque)
             if hasattr(self.tire, "advance"):
                 self.tire.advance(STEP)

@@ -20,7 +20,7 @@ FACTORS = {
     "front": {"LMUX": 0.91, "LMUY": 0.75, "LKX": 1.1, "LKY": 1.12},
     "rear": {"LMUX": 0.72, "LMUY": 0.85, "LKX": 0.9, "LKY": 1.2},
 }
-SECONDS = 14.0
+SECONDS = 10.0
 
 
 @pytest.fixture(scope="module")

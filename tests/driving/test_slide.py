@@ -30,7 +30,7 @@ class CounterSteered(road.Road):
 
 @pytest.fixture(scope="module")
 def sliding(tire):
-    t = road.STEP * np.arange(round(24.0 / road.STEP))
+    t = road.STEP * np.arange(round(16.0 / road.STEP))
     turn = 4.0 * np.tanh(4.0 * np.sin(2.0 * np.pi * t / 7.0)) * np.where(t < 10.5, 0.3, 1.0)
     drive = CounterSteered()
     rows = drive.run(turn[:, None], np.full((len(t), 1), 14.0))

@@ -1,8 +1,10 @@
-"""A fit of measured recordings, which are not part of the project."""
+"""A fit of measured recordings, which are not part of the project.
+
+Quick tests have each of its laws on recordings of known tires: recovery, constraints, slope targets, signs.
+"""
 
 from __future__ import annotations
 
-import os
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +18,8 @@ from tirefmu.fitting.reporting import significant_differences, stiffness_by_load
 from tirefmu.measurements import read_recording
 from tirefmu.tires.code import fastest_code
 
+pytestmark = pytest.mark.slow
+
 FILES = ("cornering.mat", "drivebrake.mat")
 #: Upper limits of the root mean square error of one MF6.1 tire over all rows.
 MAX_RMSE = {
@@ -24,17 +28,13 @@ MAX_RMSE = {
 }  # fmt: skip
 
 
-#: Rows to the next that is fitted. All rows take half a minute; slopes of sweeps and ripple are read from all.
-STEP = 1 if "TIREFMU_SLOW" in os.environ else 8
-
-
-def every(recordings, step):
-    return [replace(each, table=each.table.iloc[::step].reset_index(drop=True)) for each in recordings]
+def every_eighth(recordings):
+    return [replace(each, table=each.table.iloc[::8].reset_index(drop=True)) for each in recordings]
 
 
 @pytest.fixture(scope="module")
 def recordings(data_folder):
-    return every([read_recording(data_folder / name) for name in FILES], STEP)
+    return [read_recording(data_folder / name) for name in FILES]
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +85,7 @@ def cornering_errors(measured, recordings):
     return {"slope": slope, "cubic": cubic_errors(measured.tire, recordings[0])}
 
 
-@pytest.mark.parametrize(("reading", "limit"), [pytest.param("slope", 0.045, marks=pytest.mark.slow), ("cubic", 0.055)])
+@pytest.mark.parametrize(("reading", "limit"), [("slope", 0.045), ("cubic", 0.055)])
 def test_cornering_stiffness_is_that_of_the_sweeps(cornering_errors, reading, limit):
     """8 % at every load is required; from 1,100 N the limits are those of the present version, not the required 3 %."""
     errors = cornering_errors[reading]
@@ -137,10 +137,10 @@ def scanned(tire, recordings):
     return {name: q.max() for name, q in zip(code.quantities_names, quantities, strict=True) if name.startswith("E_")}
 
 
-@pytest.mark.parametrize("model", ["mf61", *(pytest.param(name, marks=pytest.mark.slow) for name in ("mf52", "mf96"))])
+@pytest.mark.parametrize("model", ["mf61", "mf52", "mf96"])
 def test_no_curvature_factor_exceeds_1_anywhere_in_the_range(measured, recordings, model):
     """An independent scan. MF6.2 has the lines of E of MF6.1; the other models are fitted to every eighth row."""
-    result = measured if model == "mf61" else fit(every(recordings, 8 // STEP), model)
+    result = measured if model == "mf61" else fit(every_eighth(recordings), model)
     largest = scanned(result.tire, recordings)
     assert {"E_x", "E_y", "E_t"} <= set(largest)
     for name, value in largest.items():
@@ -155,7 +155,6 @@ def test_coefficients_that_are_not_identifiable_are_reported(measured):
     assert channel_fit["PDY1"].interval < 0.1 * channel_fit["PDY1"].value
 
 
-@pytest.mark.slow
 def test_the_findings_agree_with_the_recordings(measured):
     found = measured.findings
     turning = {each.recording: each for each in found.ripples if each.stands_out}

@@ -13,7 +13,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 from tirefmu.fmu import export
-from tirefmu.fmu.packaging import binaries, prebuilt
+from tirefmu.fmu.packaging import prebuilt
 from tirefmu.fmu.simulation import simulate
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import TABLE_OUTPUTS, Tire, published
@@ -241,8 +241,7 @@ def golden_tire(folder, name, model, more, without, values):
 def fmus(compiler, tires, tmp_path_factory):
     """Return the paths of FMUs by tire, FMI version and, where they differ from those of `export`, its options.
 
-    The options are the kind of inputs, the axes, and whether quantities are outputs. Each is built on first use: those
-    of the first tire as for a user, the others without optimization, which takes half the time.
+    The options are the kind of inputs, the axes, and whether quantities are outputs. Each is built on first use.
     """
     folder = tmp_path_factory.mktemp("fmus")
 
@@ -250,11 +249,7 @@ def fmus(compiler, tires, tmp_path_factory):
         def __missing__(self, key):
             name, fmi, *options = key
             options = dict(zip(("inputs", "axes", "quantities"), options, strict=False))
-            with pytest.MonkeyPatch.context() as patch:
-                if name != "first":
-                    patch.setattr(binaries, "FLAGS", (*binaries.FLAGS, "-O0"))
-                    patch.setattr(binaries, "SMALL", ())
-                self[key] = export(tires[name], folder / f"{'_'.join(map(str, key))}.fmu", fmi=fmi, **options)
+            self[key] = export(tires[name], folder / f"{'_'.join(map(str, key))}.fmu", fmi=fmi, **options)
             return self[key]
 
     return Fmus()

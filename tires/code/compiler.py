@@ -152,25 +152,6 @@ def compiled_object(
     return _built(name, ".o", [source], headers, include, ["-c", *flags], [], cross=cross)
 
 
-def compiled_objects(
-    name: str,
-    sources: Sequence[Path],
-    *,
-    headers: Sequence[Path] = (),
-    include: Sequence[Path] = (),
-    flags: Sequence[str] = (),
-) -> dict[Path, Path]:
-    """Return the object files of C sources by source: one call of the compiler, and one entry of the cache.
-
-    `name`: what the entry begins with. `sources`: of different names. `headers`, `include`, `flags`: as for
-    `shared_library`. Raises `CompilerError`: as `shared_library`.
-    """
-    if not sources:
-        return {}
-    folder = _built(name, "", sources, headers, include, ["-c", *flags], []).parent
-    return {source: folder / f"{source.stem}.o" for source in sources}
-
-
 def _built(
     name: str,
     ending: str,
@@ -183,10 +164,7 @@ def _built(
     cross: CrossCompiler | None = None,
     rebuild: bool = False,
 ) -> Path:
-    """Return what the compiler makes of the sources, from the cache where it is there.
-
-    `ending`: of the file made of all sources; none: each source gives a file in the folder of the returned path.
-    """
+    """Return the file that the compiler makes of all sources, from the cache where it is there."""
     compiler = list(cross.command) if cross else find_compiler()
     system = cross.system if cross else sys.platform
     built_by = cross.version if cross else platform.machine()
@@ -198,15 +176,14 @@ def _built(
     file = f"{name}{ending}"  # linkers on macOS write it into the library
 
     def build(folder: Path) -> None:
-        into = ["-o", str(folder / file), *libraries] if ending else []
-        _run([*compiler, *options, *folders, *map(str, sources), *into], None if ending else folder)
+        _run([*compiler, *options, *folders, *map(str, sources), "-o", str(folder / file), *libraries])
 
     with writing(file, CompilerError):
         return cached(f"{name}-{digest.hexdigest()[:24]}", build, rebuild=rebuild) / file
 
 
-def _run(command: list[str], folder: Path | None = None) -> None:
-    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder)
+def _run(command: list[str]) -> None:
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise CompilerError(f"{Path(command[0]).name} failed: {_errors(done.stderr or done.stdout)}")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -86,6 +87,7 @@ def _tire(name: str, draws: Draws, effects: tuple[str, ...]) -> Made:
         "nominal": {"Fz0": tire.load, "R0": tire.radius, "p0": tire.pressure, "V0": tire.speed},
     }  # fmt: skip
 
+    @cache
     def reference() -> Table:
         return _fitted(tire, inputs, clean, noise).forces(other)
 
@@ -115,6 +117,7 @@ def _system(name: str, draws: Draws, which: str, effect: str) -> Made:
     noise = {channel: NOISE * float(np.std(output)) for channel, output in clean.items()}
     outputs = {channel: output + noise[channel] * heavy(draws, len(output)) for channel, output in clean.items()}
 
+    @cache
     def reference() -> Table:
         fitted = fitted_vector(values, lambda vector: system.outputs(vector, inputs, {}), clean, noise)
         return system.outputs(fitted, other, {})

@@ -43,7 +43,8 @@ class SampledRows:
     @classmethod
     def of(cls, table: pd.DataFrame) -> SampledRows:
         """Return rows of a table in ISO signs."""
-        columns = {name: _thin(table)[name].to_numpy(dtype=np.float64) for name in _READ if name in table}
+        thin = _thin(table)
+        columns = {name: thin[name].to_numpy(dtype=np.float64) for name in _READ if name in thin}
         if "Fz" in columns:
             size = np.abs(columns["Fz"])
             loaded = (size >= LIGHT_LOAD * np.nanquantile(size, 0.95)) & (size > 0.0) if len(size) else size > 0.0
@@ -75,7 +76,13 @@ class SampledRows:
 
     def largest(self, name: str) -> float:
         """Return the largest magnitude of a channel without its spikes."""
-        return float(np.nanquantile(np.abs(self[name]), 1.0 - SPIKE_QUANTILE)) if self.count else 0.0
+        if name not in self._largest:
+            self._largest[name] = float(np.nanquantile(np.abs(self[name]), 1.0 - SPIKE_QUANTILE)) if self.count else 0.0
+        return self._largest[name]
+
+    @cached_property
+    def _largest(self) -> dict[str, float]:
+        return {}
 
     def near_zero(self, slip: str, share: float = NEAR_SLIP, least: float = SMALL_SLIP) -> BoolArray:
         """Return the rows at which a slip is a small share of its largest value, or at most `least`."""
