@@ -5,7 +5,7 @@ matrix is block tridiagonal in the nodes with a border of the unknowns; its band
 covariance. The unknowns maximize the posterior integrated over the states: the optimum in both together would have too
 low a stiffness, as fits to noisy slip angles have, or, where accelerations are not logged, no force at all. The
 deviations of the sensors and of the balance of forces (how much the motion requires beyond the tires) maximize it, too;
-their steps are those of MacKay, Bayesian interpolation, Neural Computation 4 (1992).
+their steps lead to the fixed point of MacKay, Bayesian interpolation, Neural Computation 4 (1992).
 """
 
 from __future__ import annotations
