@@ -21,6 +21,7 @@ from .inputs.car import Car, loads_of
 from .inputs.grid import Grid
 from .inputs.unknowns import AXLES, FACTORS, Unknowns
 from .interval import OUTPUTS
+from .linear_solution import LARGEST
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -102,6 +103,17 @@ class Missing:
             value = center * np.exp(step) if name in self.logarithmic else center + step
             values[name] = float(np.clip(value, declared[name].lower, declared[name].upper))
         return values
+
+    def limits(self, n: int) -> FloatArray:
+        """Return the deviations at the bounds of the first n coefficients, shape (2, n)."""
+        declared = self.tires["front"].symbolic_model.coefficients
+        result = np.empty((2, n))
+        for i, (name, center) in zip(range(n), self.center.items(), strict=False):
+            bounds = np.array([declared[name].lower, declared[name].upper])
+            with np.errstate(divide="ignore"):
+                away = np.log(np.maximum(bounds / center, 0.0)) if name in self.logarithmic else bounds - center
+            result[:, i] = np.clip(away / self.spread[name], -LARGEST, LARGEST)
+        return result
 
     def on(self, u: FloatArray, factors: Mapping[str, Mapping[str, float]]) -> dict[str, Tire]:
         """Return the tires with the effect and with scaling factors by axle and name."""

@@ -5,7 +5,7 @@ matrix is block tridiagonal in the nodes with a border of the unknowns; its band
 covariance. The unknowns maximize the posterior integrated over the states: the optimum in both together would have too
 low a stiffness, as fits to noisy slip angles have, or, where accelerations are not logged, no force at all. The
 deviations of the sensors and of the balance of forces (how much the motion requires beyond the tires) maximize it, too;
-their steps are those of MacKay, Bayesian interpolation, Neural Computation 4 (1992).
+their steps lead to the fixed point of MacKay, Bayesian interpolation, Neural Computation 4 (1992).
 """
 
 from __future__ import annotations
@@ -27,13 +27,15 @@ from .inputs.grid import Grid, with_delays
 from .inputs.log import Log
 from .inputs.unknowns import Unknowns
 from .interval import BALANCE, MOTION, UNCERTAIN, AddedForces, Interval, Linear
-from .linear_solution import LONGEST_STEP, Factor, Posterior, posterior_of
+from .linear_solution import LARGEST, LONGEST_STEP, Factor, Posterior, posterior_of
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 
 #: Standard deviation of the force balance over load: first guess, lower limit (the error of the integration).
 START_DEVIATION, MIN_DEVIATION = 0.02, 5e-4
+#: Those with which a motion is sought that begins without side slip: first one that the sensors give.
+WIDE = (0.1, START_DEVIATION)
 #: Upper limit of the noise of a sensor over that of the fast changes in its log. A larger residual is not noise, but
 #: for channels whose errors are slower: a motion capture or a satellite errs for longer than a sample, and so does a
 #: rate that is the slope of a smoothed speed.
@@ -43,7 +45,12 @@ LARGEST_NOISE, SLOWER = 1.5, ("x", "y", "heading", "speed_rate")
 FREEDOM = 4.0
 #: Most steps of the unknowns, and from an estimate that is near; most steps of the states for given unknowns, predicted
 #: decrease of the cost that ends the latter (a tenth of `FLAT`), smallest part of a step that is tried.
-ROUNDS, NEAR_ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 60, 30, 50, 5e-3, 1e-2
+ROUNDS, NEAR_ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 60, 20, 25, 5e-3, 1e-2
+#: Steps of the states end at this part of the largest predicted decrease, too; part of a predicted decrease from which
+#: the next step is damped less (Marquardt).
+INEXACT, RELIABLE = 1e-3, 0.75
+#: Least part of a step of the unknowns that is taken after one that it reverses. Convention: computing time.
+LEAST = 0.3
 #: Rounds for which the slope of the volume is kept, but for steps shorter than this, and forces that are added, but for
 #: longer ones.
 SLOPE_ROUNDS, NEAR = 3, 1.0
@@ -54,9 +61,9 @@ SETTLED, FLAT = 0.1, 0.05
 
 #: Intervals in parts of a drive that are estimated first, and the number of these parts. Convention: computing time.
 SAMPLE, PIECES = 400, 4
-#: Difference of the logarithms of the evidence below which two estimates are one optimum, each known within `FLAT`.
-#: Convention: computing time.
-SAME_OPTIMUM = 1.0
+#: Difference of the logarithms of the evidence below which two estimates are one optimum: near their lower limit,
+#: deviations hardly change it. Convention: computing time.
+SAME_OPTIMUM = 2.0
 #: Added forces from the grid, states and unknowns.
 Forces = Callable[[Grid, FloatArray, FloatArray], AddedForces]
 
@@ -173,14 +180,15 @@ def _estimated(
     z, floor = np.zeros(n), np.ones(len(interval.residuals))
     ceiling = LARGEST_NOISE * floor
     ceiling[np.isin(interval.residuals, SLOWER)] = np.inf
+    ceiling[len(grid.sampled) :] = 1.0  # errors of the integration
     floor[-n_balance:], ceiling[-n_balance:] = MIN_DEVIATION, np.inf
     deviations = np.concatenate([floor[:-n_balance], np.full(n_balance, START_DEVIATION)])
     size, rest = USUAL, np.zeros(0)
     if near:
-        start, deviations, size, (z, rest) = near.states, near.deviations, near.size, np.split(near.z, [n])
+        start, deviations, size, (z, rest) = near.states, near.deviations.copy(), near.size, np.split(near.z, [n])
     elif part:
         nodes, first = part
-        start, deviations, size, z = start.copy(), first.deviations, first.size, first.z[:n]
+        start, deviations, size, z = start.copy(), first.deviations.copy(), first.size, first.z[:n]
         start[nodes] = first.states
         grid = _moved(grid, interval, start, log, car, unknowns.car_values(car, z))
 
@@ -193,18 +201,25 @@ def _estimated(
     n_rest = added.further - held.further
     rest = rest if near else np.zeros(n_rest)
     z = np.concatenate([z, np.zeros(added.further - len(rest)), rest])
-    at = _Problem(grid, interval, added, z, deviations, np.ones((len(grid.t), len(floor)))).solved(start)
+    equal = np.ones((len(grid.t), len(floor)))
+    for wide in () if near else WIDE:  # what lags follows from the motion
+        deviations[-n_balance:] = wide
+        start = _Problem(grid, interval, added, z, deviations.copy(), equal).solved(start).states
+        grid = _moved(grid, interval, start, log, car, unknowns.car_values(car, z))
+        added = acting(grid, start, z, held)
+    at = _Problem(grid, interval, added, z, deviations.copy(), equal).solved(start)
     converged, arrived, length, last, resized = False, bool(near or part), 1.0, np.zeros(len(z)), 0.0
+    radius = LONGEST_STEP
+    limits = np.full((2, len(z)), LARGEST) * [[-1.0], [1.0]]
+    limits[:, n : n + held.further] = held.limits
     longest, slope, stalled = np.inf, np.zeros(len(z)), False
     of_tires = (np.arange(len(z)) >= len(unknowns.car)) & (np.arange(len(z)) < n)
     for round_ in range(NEAR_ROUNDS if near else ROUNDS):
         fresh = stalled or longest < NEAR or round_ % SLOPE_ROUNDS == 0
         if fresh:  # it changes slowly
             slope = _volume_slope(at)
-        change, change_z = at.factor.step(z + slope, z, of_tires | arrived | together)
-        widening = np.clip(at.excess(), -LONGEST_STEP, LONGEST_STEP)
-        widening = np.clip(widening, np.log(floor / at.problem.deviations), np.log(ceiling / at.problem.deviations))
-        widening[len(grid.sampled) : -n_balance] = 0.0  # errors of the integration
+        change, change_z = at.factor.step(z + slope, z, of_tires | arrived | together, radius, limits)
+        widening = at.widening(floor, ceiling)
         arrived = arrived or bool(np.abs(change_z).max() < (1.0 - 1e-9) * LONGEST_STEP)
         widening *= arrived
         step = change_z / np.sqrt(np.diag(at.posterior.covariance))
@@ -223,12 +238,13 @@ def _estimated(
             except np.linalg.LinAlgError:  # a motion that the model does not have
                 continue
             gain = at.criterion - tried.criterion
-        converged = bool(gain < FLAT and longest < 1.0)
+        converged = bool(gain < FLAT * share and longest < 1.0)
         stalled = not gain > 0.0 and not fresh  # an old slope need not point downwards
         if stalled:
             continue
         if converged or not gain > 0.0:
             break
+        radius = max((2.0 if share == 1.0 else share) * radius, LONGEST_STEP)
         z = z + share * change_z
         grid = _moved(grid, interval, tried.states, log, car, unknowns.car_values(car, z))
         weights = _weights(tried.values / at.problem.weights)
@@ -292,10 +308,10 @@ def _part(part: float, last: FloatArray, step: FloatArray) -> float:
 
     A step that reverses the last one shows by how much that was too long (Aitken's relaxation, as in Kuettler and Wall,
     Computational Mechanics 43, 2008): what is linearized in each round, steering, weights and curvature, would else
-    make the steps alternate.
+    make the steps alternate. A short step says little of a long one.
     """
     turn = step - last
-    return min(1.0, 2.0 * part) if last @ step >= 0.0 else -part * float(last @ turn / (turn @ turn))
+    return min(1.0, 2.0 * part) if last @ step >= 0.0 else max(-part * float(last @ turn / (turn @ turn)), LEAST)
 
 
 def _weights(residual: FloatArray) -> FloatArray:
@@ -333,21 +349,26 @@ class _Problem:
 
     def solved(self, states: FloatArray) -> _Point:
         """Return the best states from initial ones (Gauss-Newton steps, damped as Levenberg's)."""
-        n, linear, damping = states.shape[1], self.linear(states), 1e-9
+        n, linear, damping, tolerance = states.shape[1], self.linear(states), 1e-9, TOLERANCE
         for _ in range(MAX_STEPS):
             try:
                 factor = Factor(self.grid, linear, n, damping)
             except np.linalg.LinAlgError:  # rounding made the matrix indefinite
                 damping = 100.0 * damping
                 continue
-            if factor.gradient @ factor.solved_gradient < 2.0 * TOLERANCE:
+            predicted = float(factor.gradient @ factor.solved_gradient) / 2.0
+            tolerance = max(tolerance, INEXACT * predicted)
+            if predicted < tolerance:
                 break
             moved = states - factor.solved_gradient.reshape(states.shape)
             tried = self.linear(moved)
-            if tried.cost(self.z) <= linear.cost(self.z):
-                states, linear, damping = moved, tried, max(damping / 10, 1e-9)
-            else:
-                damping = max(damping, 1e-6) * 30
+            gain = linear.cost(self.z) - tried.cost(self.z)
+            if gain < 0.0:
+                damping = max(damping, 1e-5) * 30.0
+            elif gain > RELIABLE * predicted:
+                damping = max(damping / 10.0, 1e-9)
+            if gain >= 0.0:
+                states, linear = moved, tried
         factor = Factor(self.grid, linear, n, 1e-9)  # of a damped matrix, the determinant is not the posterior's
         # The density of the next motion that the balance gives and those of sensors have the deviations as scales.
         density = np.log(np.abs(np.linalg.det(linear.jacobian[:, -len(BALANCE) :, n + 1 : n + 3]))).sum()
@@ -388,12 +409,24 @@ class _Point:
         """The linearized posterior."""
         return posterior_of(self.problem.grid, self.factor)
 
-    def excess(self) -> FloatArray:
-        """Return by how much the logarithms of residuals exceed their deviations: 0 at MacKay's fixed point."""
-        squares = np.sum(self.linear.values**2, axis=0)
-        sampled = np.sum(self.linear.values != 0.0, axis=0)
+    def widening(self, floor: FloatArray, ceiling: FloatArray) -> FloatArray:
+        """Return the steps of the logarithms of deviations, within limits: 0 at MacKay's fixed point.
+
+        Where the motion follows the residuals, their excess over a deviation changes by a part of a step only: by the
+        average information of the data on the deviations (Gilmour, Thompson, Cullis, Biometrics 51, 1995).
+        """
+        values, deviations = self.linear.values, self.problem.deviations
+        squares = np.sum(values**2, axis=0)
+        sampled = np.sum(values != 0.0, axis=0)
         determined = np.maximum(sampled - self.posterior.variances(self.linear.jacobian).sum(axis=0), 1.0)
-        return np.asarray(np.log(np.maximum(squares, 1e-12) / determined) / 2)
+        excess = (squares - determined) / 2
+        lowest, highest = np.log(floor / deviations), np.log(ceiling / deviations)
+        free = np.flatnonzero((excess > 0.0) & (highest > 0.0) | (excess < 0.0) & (lowest < 0.0))
+        result = np.zeros(len(excess))
+        if len(free):
+            result[free] = np.linalg.solve(self.factor.unexplained(values, free), excess[free])
+        result *= min(1.0, LONGEST_STEP / max(float(np.abs(result).max()), 1e-12))
+        return np.clip(result, lowest, highest)
 
 
 def _volume_slope(at: _Point) -> FloatArray:

@@ -379,7 +379,8 @@ class AddedForces:
     `offset`, shape (n, 2). `columns`, shape (n, 2, n_last): by the last unknowns, of which `further` are none of tires
     and car; their prior is the standard normal distribution. `slopes`, shape (n, 2, 3): by `MOTION` in the middle of an
     interval. `correction`, shape (n, n_residuals): added to all residuals. `relative`, shape (n, 2, n_relative): the
-    last columns over the side forces of the tires, as far as they are in proportion to these.
+    last columns over the side forces of the tires, as far as they are in proportion to these. `limits`, shape (2,
+    further): of these unknowns.
     """
 
     offset: FloatArray
@@ -388,6 +389,7 @@ class AddedForces:
     further: int = 0
     correction: FloatArray | float = 0.0
     relative: FloatArray | float = 0.0
+    limits: FloatArray | float = 0.0
 
     def tires(self, z: FloatArray) -> FloatArray:
         """Return the unknowns of tires and car."""

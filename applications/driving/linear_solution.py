@@ -110,12 +110,30 @@ class Factor:
         """Return the derivatives of the cost by the unknowns, for the best states, and `more`."""
         return np.asarray(self._slopes[:, 2 * self.n :].sum(axis=0) + more - self._border.T @ self.solved_gradient)
 
-    def step(self, slope: FloatArray, z: FloatArray, free: BoolArray) -> tuple[FloatArray, FloatArray]:
-        """Return the step of the states and of the unknowns, of which some are free."""
-        change_z = np.zeros(len(z))
-        change_z[free] = -cho_solve(cho_factor(self.schur[free][:, free]), self.slope(slope)[free])
-        change_z *= min(1.0, LONGEST_STEP / max(float(np.abs(change_z).max()), 1e-12))
-        change_z = np.clip(z + change_z, -LARGEST, LARGEST) - z
+    def unexplained(self, values: FloatArray, kinds: IndexArray) -> FloatArray:
+        """Return the products of residuals of some kinds with what states and unknowns leave of others, shape (k, k).
+
+        `values`, shape (n, n_residuals).
+        """
+        rows = values.T[kinds]
+        parts = [residual[:, None] * self._J[:, kind] for kind, residual in zip(kinds, rows, strict=True)]
+        at_nodes = self.at_nodes(np.stack([part[:, : 2 * self.n] for part in parts], axis=2))
+        by_z = np.array([part[:, 2 * self.n :].sum(axis=0) for part in parts]) - at_nodes.T @ self.solved_border
+        explained = at_nodes.T @ self.solved(at_nodes) + by_z @ np.linalg.solve(self.schur, by_z.T)
+        return np.asarray(np.diag(np.sum(rows**2, axis=1)) - explained)
+
+    def step(
+        self, slope: FloatArray, z: FloatArray, free: BoolArray, longest: float, limits: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+        """Return the step of the states and of the unknowns, of which some are free, each by `longest` at most.
+
+        `limits`, shape (2, n_z): an unknown that is at one of them and would pass it stays there.
+        """
+        change_z, whole = np.zeros(len(z)), self.slope(slope)
+        free = free & ~((z <= limits[0]) & (whole > 0.0)) & ~((z >= limits[1]) & (whole < 0.0))
+        change_z[free] = -cho_solve(cho_factor(self.schur[free][:, free]), whole[free])
+        change_z *= min(1.0, longest / max(float(np.abs(change_z).max()), 1e-12))
+        change_z = np.clip(z + change_z, *limits) - z
         return (-self.solved_gradient - self.solved_border @ change_z).reshape(-1, self.n), change_z
 
 

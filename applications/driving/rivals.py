@@ -237,22 +237,27 @@ def _fitted(
     def added(u: FloatArray) -> FloatArray:
         return np.nan_to_num(motion.side_forces(missing.on(u, factors)) - without)
 
-    evidence = -np.inf
+    evidence, limits, held = -np.inf, missing.limits(k), np.zeros(k, dtype=bool)
+    u = np.clip(u, *limits)
     for _ in range(FITTED):
         at = added(u)
-        columns = [(added(u + STEP * (np.arange(k) == i)) - at) / STEP for i in range(k)]
+        columns = [0.0 * at if held[i] else (added(u + STEP * (np.arange(k) == i)) - at) / STEP for i in range(k)]
         offset = at - np.tensordot(u, np.array(columns), axes=1)
         both, score = base.estimate.information(base.grid, np.stack([*columns, offset], axis=2))
         # The coefficient of the offset is 1.
         information, rest = both[:-1, :-1], score[:-1] - both[:-1, -1]
         constant = score[-1] - both[-1, -1] / 2
-        evidence = constant + _with_wrong_car(information, rest, unknowns)
         covariance = np.asarray(np.linalg.inv(information + np.eye(len(rest))), dtype=np.float64)
         z = covariance @ rest
-        change = np.clip(z[-k:] - u, -1.0, 1.0)
+        beyond = (z[-k:] < limits[0]) & (u <= limits[0]) | (z[-k:] > limits[1]) & (u >= limits[1])
+        if np.any(beyond & ~held):  # no tire has such a coefficient: it stays at its bound
+            held |= beyond
+            continue
+        evidence = constant + _with_wrong_car(information, rest, unknowns)
+        change = np.clip(z[-k:] - u, -1.0, 1.0) * ~held
         if np.abs(change).max() < SMALL_CHANGE:
             break
-        u = u + change
+        u = np.clip(u + change, *limits)
     n_car = len(unknowns.car)
     return float(evidence), u, is_agreement(z[:n_car], covariance[:n_car, :n_car])
 
@@ -315,7 +320,7 @@ def forces_of(rival: Rival, unknowns: Unknowns, car: Car, base: DriveExplanation
         by_vy = by_slip / middle[:, :1]
         slopes = np.stack([np.zeros_like(at), by_vy, by_vy * arms], axis=2)
         offset = at - by_last @ np.concatenate([z[len(unknowns.car) : n], u]) - np.einsum("kim,km->ki", slopes, middle)
-        return AddedForces(offset, by_last, slopes, further)
+        return AddedForces(offset, by_last, slopes, further, limits=missing.limits(further))
 
     return forces
 

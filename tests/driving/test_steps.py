@@ -1,0 +1,94 @@
+"""Steps of the estimate of a drive: of unknowns within limits, of deviations, and the motion that it begins with."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import block_diag
+
+from tirefmu.applications.driving import estimate
+from tirefmu.applications.driving.effects import effect_columns, factor_values, motion_of
+from tirefmu.applications.driving.interval import Linear, interval_of
+from tirefmu.symbolic.vehicle.quantities import CORNERS
+
+
+@pytest.fixture(scope="module")
+def factored(answer):
+    """Return the residuals of some intervals of two chains, their factor, the dense Jacobian, how many unknowns."""
+    rows = np.r_[20:50, 70:95]
+    grid, _ = answer.grid.part(rows)
+    of_all, n = answer.estimate.residuals, answer.estimate.states.shape[1]
+    linear = Linear(of_all.values[rows].copy(), of_all.jacobian[rows].copy())
+    n_residuals, n_z = linear.values.shape[1], linear.jacobian.shape[2] - 2 * n
+    dense = np.zeros((len(rows), n_residuals, grid.n_nodes * n + n_z))
+    for k, ends in enumerate(zip(grid.left, grid.right, strict=True)):
+        for place, node in enumerate(ends):
+            dense[k, :, node * n : (node + 1) * n] += linear.jacobian[k, :, place * n : (place + 1) * n]
+        dense[k, :, -n_z:] = linear.jacobian[k, :, 2 * n :]
+    return linear, estimate.Factor(grid, linear, n, 1e-9), dense, n_z
+
+
+def test_what_motion_and_unknowns_leave_of_residuals_is_that_of_the_dense_problem(factored):
+    linear, factor, dense, n_z = factored
+    J = dense.reshape(-1, dense.shape[2])
+    prior = block_diag(np.zeros((J.shape[1] - n_z,) * 2), np.eye(n_z))
+    rest = np.eye(len(J)) - J @ np.linalg.solve(J.T @ J + prior + 1e-9 * np.diag(np.diag(J.T @ J)), J.T)
+    kinds = np.array([0, 2, linear.values.shape[1] - 1])
+    of_kinds = [np.where(np.arange(linear.values.shape[1]) == kind, linear.values, 0.0).ravel() for kind in kinds]
+    wanted = np.array([[one @ rest @ other for other in of_kinds] for one in of_kinds])
+    found = factor.unexplained(linear.values, kinds)
+    np.testing.assert_allclose(found, wanted, rtol=1e-3, atol=1e-4 * np.abs(wanted).max())
+    assert np.linalg.eigvalsh(found).min() > 0.0
+
+
+def test_an_unknown_at_its_limit_stays_there_and_the_others_go_as_if_it_were_given(factored):
+    _, factor, _, n_z = factored
+    z, free, wide = np.zeros(n_z), np.ones(n_z, dtype=bool), np.full((2, n_z), estimate.LARGEST) * [[-1.0], [1.0]]
+    slope, alone = factor.slope(z), factor.step(z, z, free, estimate.LARGEST, wide)[1]
+    for place in np.flatnonzero(slope * alone < 0.0)[[0, -1]]:
+        limits, side = wide.copy(), int(slope[place] < 0.0)  # a step would pass this one
+        limits[side, place] = 0.0
+        _, change = factor.step(z, z, free, estimate.LARGEST, limits)
+        _, given = factor.step(z, z, free & (np.arange(n_z) != place), estimate.LARGEST, wide)
+        assert change[place] == 0.0
+        np.testing.assert_allclose(change, given, rtol=1e-9, atol=1e-12)
+        limits[:, place] = np.where(np.arange(2) == side, wide[:, place], 0.0)  # away from a limit, it is free
+        assert factor.step(z, z, free, estimate.LARGEST, limits)[1][place] == alone[place]
+    assert np.abs(factor.step(z, z, free, 0.1, wide)[1]).max() == pytest.approx(0.1)
+
+
+def test_limits_of_an_effect_are_the_bounds_of_its_coefficients(answer):
+    motion = motion_of(answer.grid, answer.estimate, answer.unknowns, answer.car)
+    seen = set()
+    for missing, u, _ in effect_columns(motion, answer.tires, factor_values(answer.unknowns, answer.estimate.z)):
+        limits, declared = missing.limits(len(u)), missing.tires["front"].symbolic_model.coefficients
+        assert (limits[0] < limits[1]).all()
+        for side, name in ((0, "lower"), (1, "upper")):
+            at, beyond = missing.values(limits[side]), missing.values(2.0 * limits[side] + [-1.0, 1.0][side])
+            for i, key in enumerate(missing.center):
+                if abs(limits[side, i]) < estimate.LARGEST:
+                    seen.add(name)
+                    bound = pytest.approx(getattr(declared[key], name), rel=1e-9, abs=1e-12)
+                    assert at[key] == bound
+                    assert beyond[key] == bound
+    assert seen == {"lower", "upper"}
+
+
+def test_a_motion_without_side_slip_leads_to_that_of_the_answer(answer):
+    """Of the same car: lags of a wrong motion are those of a wrong motion, so that it is found with wide deviations."""
+    final, unknowns, car = answer.estimate, answer.unknowns, answer.car
+    interval = interval_of(
+        car, answer.tires, unknowns, sampled=answer.grid.sampled, spins=CORNERS, step=answer.grid.step
+    )
+    start = final.states.copy()
+    start[:, 1] = 0.0
+    part = np.arange(len(start)), replace(final, states=start)
+    _, found = estimate._estimated(
+        answer.grid, interval, unknowns, start, answer.log, car, estimate.no_forces, part=part
+    )
+    assert found.converged
+    deviation = np.sqrt(np.diag(final.covariance))
+    assert np.abs((found.z - final.z) / deviation).max() < 0.5
+    assert found.evidence == pytest.approx(final.evidence, abs=2.0)
