@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from diagnosis.case import Case
+from diagnosis.independent import brush_kinds as brush
 from diagnosis.independent import kinds as second
 from diagnosis.independent import memory_kinds as memory
 from diagnosis.independent.unknown_kinds import UNKNOWN_VARIABLES
@@ -38,7 +39,7 @@ NAMED = {"hysteresis": "hysteresis_force", "contact_heat": "heat_friction"}
 
 #: Numbers of the confirmation suite, in multiples of the number of cases of the second suite. Whoever changes the
 #: diagnosis after looking at single cases of this suite increases it, so that the recordings are new ones.
-DRAW = 32
+DRAW = 33
 
 
 #: The kinds of the second suite; unknown laws are a suite.
@@ -58,5 +59,6 @@ SUITES = {
     "second": Suite("second", OF_SECOND, second.case_of, second.UNKNOWN, second.CONFOUNDED),
     "memory": Suite("memory", memory.NUMBER_OF_CASES, memory.case_of, {}, memory.CONFOUNDED),
     "confirmation": Suite("confirmation", OF_SECOND, _drawn_again, second.UNKNOWN, second.CONFOUNDED),
+    "brush": Suite("brush", brush.NUMBER_OF_CASES, brush.case_of, {}, ()),
     "unknown": Suite("unknown", {"unknown": len(UNKNOWN_VARIABLES)}, _of_law, UNKNOWN_VARIABLES, ()),
 }

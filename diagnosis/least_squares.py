@@ -88,6 +88,10 @@ class LeastSquares:
         """Return the problem without some of its disturbances."""
         return replace(self, disturbances=self.disturbances.without(names))
 
+    def knowing(self, values: Mapping[str, float]) -> LeastSquares:
+        """Return the problem with known values of some of its disturbances."""
+        return replace(self, disturbances=self.disturbances.known(values))
+
     def extended(self, names: tuple[str, ...], columns: FloatArray, deviation: FloatArray) -> LeastSquares:
         """Return the problem with additional columns among its disturbances (`Disturbances.extended`)."""
         other = replace(self, disturbances=self.disturbances.extended(names, columns, deviation))
@@ -166,13 +170,13 @@ class LeastSquares:
 
     def at(self, parameters: FloatArray, free: Sequence[str]) -> Solution:
         """Return the solution at given parameters, with the best-fitting disturbances."""
-        misfit, prior = self.misfit(parameters), self.disturbances.deviation
-        target = self.disturbance_products[0].along(self.weighted(misfit))
+        misfit, prior, mean = self.misfit(parameters), self.disturbances.deviation, self.disturbances.center
+        target = self.disturbance_products[0].along(self.weighted(misfit)) + mean / prior**2
         disturbance = np.asarray(cho_solve(self._disturbance_factor, target, check_finite=False))
         residual = misfit - self.disturbances.columns @ disturbance
         center, deviation = self.prior(free)
         values = parameters[[self.simulator.index[name] for name in free]]
-        penalty = np.sum(((values - center) / deviation) ** 2) + np.sum((disturbance / prior) ** 2)
+        penalty = np.sum(((values - center) / deviation) ** 2) + np.sum(((disturbance - mean) / prior) ** 2)
         cost = 0.5 * float(np.sum(self.weighted(residual) ** 2) + penalty)
         return Solution(parameters, tuple(free), disturbance, cost, residual)
 
@@ -251,7 +255,8 @@ class LeastSquares:
         center, deviation = self.prior(solution.free)
         values = solution.parameters[[self.simulator.index[name] for name in solution.free]]
         slope = jacobian.along(residual) - (values - center) / deviation**2
-        along = columns.along(residual) - solution.disturbance / self.disturbances.deviation**2
+        disturbances = self.disturbances
+        along = columns.along(residual) - (solution.disturbance - disturbances.center) / disturbances.deviation**2
         cross = columns.times(jacobian)
         inner = cho_solve(factor, np.column_stack([cross, along]), check_finite=False)
         matrix = jacobian.times(jacobian) + np.diag(deviation**-2.0)

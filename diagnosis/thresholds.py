@@ -64,7 +64,7 @@ UNKNOWN_SHARE = 0.1
 FORM_ERROR, PAST_ERROR = 0.1, 1.0
 #: Prior standard deviations of the discrepancy of the model, as a share of the forces; the evidence selects one of them
 #: for each channel. Conventions.
-DISCREPANCIES = (0.002, 0.006, 0.02, 0.06)
+DISCREPANCIES = (0.002, 0.006, 0.02, 0.06, 0.2)
 #: Number of parts of the recording without each of which the leading explanations are scored. Convention.
 FOLDS = 5
 #: Largest number of effects that are refitted in place of one with which they are confounded. Logarithm of the evidence

@@ -10,7 +10,8 @@ because the rows are few in time, contain changes of the model's error; the smal
 
 The mean square above the floor has three parts, in this order: what a smooth function of the inputs explains; what
 differs between repeats of an operating condition at equal slips, when smooth changes over time are removed; and the
-rest, which changes slowly compared with the noise and therefore depends on time or on the past of the inputs.
+rest, which changes slowly compared with the noise: it depends on time, on the past of the inputs, or on detail of the
+inputs that is finer than such a function.
 
 A smooth function is a ridge regression on random Fourier features of the inputs, an approximation of a Gaussian kernel
 (Rahimi and Recht, Random features for large-scale kernel machines, 2007).
@@ -69,7 +70,7 @@ class ErrorSplit:
 
     - `floor`: the noise floor.
     - `inputs`: explained by a smooth function of the inputs, such as another form of the model.
-    - `time`: explained by time or the past of the inputs: a lag, a memory, drift, a channel that is late.
+    - `time`: the rest, which changes slowly: a lag, a memory, drift, a channel that is late, or finer detail.
     - `repeats`: differs between repeats of the same condition; 0 if nothing was repeated.
     """
 

@@ -89,22 +89,39 @@ def rivals_of(columns: Projected, additions: Sequence[Addition]) -> dict[str, Ga
     return {name: best[name] for name in sorted(alike, key=lambda name: -graded(correlation[name]))[:RIVALS]}
 
 
-def best_formula(shared: Shared, refit: Refitted) -> Refitted:
-    """Return a refit with a formula at one location, without terms without which its score is larger."""
-    return _without_idle_terms(shared, _grown(shared, refit))
+def best_formula(shared: Shared, refit: Refitted) -> Refitted | None:
+    """Return a refit with a formula at one location, without terms without which its score is larger.
+
+    None if it gains nothing beside all formulas at this location that are errors of form: one of the speed resembles
+    one of slips and load.
+    """
+    dictionary, errors = Dictionary(_screen(refit)), refit.linear.form_errors
+    of_form = [errors.contain(at, term.depends_on.union(at.proportional_to)) for at, term in dictionary.terms]
+    best = _without_idle_terms(shared, _grown(shared, refit, dictionary, of_form))
+    if not (terms := best.explanation.terms):
+        return None
+    beside = [
+        _term(shared, dictionary, i)
+        for i, (at, _) in enumerate(dictionary.terms)
+        if of_form[i] and at == terms[0].location
+    ]
+    columns = projected(refit.linear, [_together([*beside, *terms])])
+    gain = columns.gain(columns.groups[0])[0] - columns.gain(slice(0, len(beside)))[0]
+    return best if gain + best.explanation.log_prior > refit.explanation.log_prior else None
 
 
-def _grown(shared: Shared, refit: Refitted) -> Refitted:
+def _together(terms: Sequence[Term]) -> Addition:
+    return Addition(
+        UNKNOWN, np.stack([term.column for term in terms], axis=-1), np.array([term.deviation for term in terms])
+    )
+
+
+def _grown(shared: Shared, refit: Refitted, dictionary: Dictionary, of_form: Sequence[bool]) -> Refitted:
     """Return a refit with terms at one location, which are added while the score grows.
 
     Each is one of all that were tested. The first one is no error of form.
     """
-    dictionary, best, errors = Dictionary(_screen(refit)), refit, refit.linear.form_errors
-    possible = [
-        i
-        for i, (location, feature) in enumerate(dictionary.terms)
-        if not errors.contain(location, feature.depends_on.union(location.proportional_to))
-    ]
+    best, possible = refit, [i for i, contained in enumerate(of_form) if not contained]
     while possible and len(best.explanation.terms) < TERMS:
         i, gain = _best_term(shared, best, dictionary, dictionary.shortlisted(_screen(best), possible))
         explanation = best.explanation.with_term(_term(shared, dictionary, i))
@@ -135,8 +152,7 @@ def _without_idle_terms(shared: Shared, best: Refitted) -> Refitted:
 
 def _best_term(shared: Shared, refit: Refitted, dictionary: Dictionary, tried: Sequence[int]) -> tuple[int, float]:
     """Return the term with the largest gain in the linear problem, and this gain."""
-    terms = [_term(shared, dictionary, i) for i in tried]
-    additions = [Addition(UNKNOWN, term.column[:, :, None], np.array([term.deviation])) for term in terms]
+    additions = [_together([_term(shared, dictionary, i)]) for i in tried]
     columns = projected(refit.linear, additions)
     gained = [columns.gain(group)[0] for group in columns.groups]
     return tried[int(np.argmax(graded(gained)))], max(gained)

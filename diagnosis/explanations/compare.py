@@ -394,8 +394,8 @@ def _formula(table: Table, refit: Refitted) -> tuple[Table, Refitted | None]:
     An error of form is no unknown effect, nor is what an effect of the library reproduces.
     """
     formula, errors = best_formula(table.shared, refit), refit.linear.form_errors
-    terms = formula.explanation.terms
-    if all(errors.contain(term.location, term.depends_on) for term in terms):
+    terms = formula.explanation.terms if formula else ()
+    if formula is None or all(errors.contain(term.location, term.depends_on) for term in terms):
         return table, None
     table, effects = table.possible(refit.linear)
     change = np.stack([term.column for term in terms], axis=-1) @ np.array(formula.term_sizes)

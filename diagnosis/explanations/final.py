@@ -88,10 +88,10 @@ def final_fits(
     own form.
     """
     linear, given = comparison.leader.linear, problem
-    offsets = linear.unneeded(OFFSET)  # they remain while effects are judged, which have to explain more than these
+    offsets = linear.errors_of_bench(OFFSET)  # unknown while effects are judged, which have to explain more than these
     signals = problem.simulator.signals
     aligned = signals.delayed(linear.skew - signals.skew)
-    problem = problem.without_disturbances(linear.unneeded(CROSS_TALK)).over(problem.simulator.with_signals(aligned))
+    problem = problem.knowing(linear.errors_of_bench(CROSS_TALK)).over(problem.simulator.with_signals(aligned))
     problem = replace(problem, stop=lambda: budget.late)
     free = _in_order(problem, [*baseline.free, *refined_core(problem)])
     problem, base = problem.driven(baseline).fitted(baseline.parameters, free)
@@ -129,17 +129,16 @@ def final_fits(
     answer = comparison.answer
     for name in unproved:
         answer = answer.with_unproven(name)
-    disturbances, judged = extended.disturbances, solution
-    if offsets:
-        problem, extended = (other.without_disturbances(offsets) for other in (problem, extended))
-        extended, solution = extended.fitted(solution.parameters, solution.free)
+    judged = solution
+    problem, extended = (other.knowing(offsets) for other in (problem, extended))
+    extended, solution = extended.fitted(solution.parameters, solution.free)
     index = [extended.simulator.index[name] for name in solution.free]
     moved = solution.parameters[index] - judged.parameters[index]
     before = Screen(extended, solution)
     if solution.free != base.free:  # with the same weights: a channel could give way to another one in one fit only
         problem = replace(problem, inverse_noise=extended.inverse_noise)
         before = Screen(*problem.fitted(base.parameters, base.free))
-    before, solution, whitened = _whitened(extended, solution, before, disturbances)
+    before, solution, whitened = _whitened(extended, solution, before, given.disturbances)
     errors = whitened.standard_errors()[: len(moved)]
     after = Screen(extended, solution)
     model = extended.simulator.symbolic_model

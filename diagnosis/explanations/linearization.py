@@ -244,15 +244,21 @@ class Linearization:
             first = end
         return tuple(needed)
 
-    def unneeded(self, disturbances: str) -> set[str]:
-        """Return the names of offsets or cross-talk without which the evidence is not smaller, or that no bench has.
+    def errors_of_bench(self, disturbances: str) -> dict[str, float]:
+        """Return the offsets or the cross-talk by name, beside the discrepancy.
 
-        They would take a part of the tire's own forces. `disturbances`: how the names begin.
+        They are 0 if the evidence is not smaller without them, and if no bench has them.
+
+        `disturbances`: how the names begin.
         """
-        named, gain_of = self.problem.disturbances, self._own_equations.gain_of
-        beyond = named.implausible(self.solution.disturbance)
-        tested = ((i, name) for i, name in enumerate(named.names) if name.startswith(disturbances))
-        return {name for i, name in tested if name in beyond or gain_of([i]) <= 0.0}
+        named, equations = self.problem.disturbances, self._own_equations
+        estimate = equations.solved()[0][: len(named.names)]
+        beyond = named.implausible(estimate)
+        return {
+            name: 0.0 if name in beyond or equations.gain_of([i]) <= 0.0 else float(estimate[i])
+            for i, name in enumerate(named.names)
+            if name.startswith(disturbances)
+        }
 
     def _probes(self, form: Form) -> tuple[FloatArray, FloatArray]:
         """Return the responses of the forces to the probes of a form, and the prior deviations of their multiples."""

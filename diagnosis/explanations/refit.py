@@ -18,15 +18,18 @@ from ..least_squares import AT_BOUND, LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..signals.disturbances import Disturbances
 from ..signals.simulation import Simulator
-from ..thresholds import DISCREPANCIES, MAX_ROWS
+from ..thresholds import DISCREPANCIES, MAX_ROWS, UNKNOWN_SHARE
+from ..unexplained.features import CORE_INPUTS
 from .budget import Budget
 from .discrepancy import fast_drift, grip_drift, input_noise_responses, model_discrepancy
 from .evidence import NormalEquations, inflation, likelihood_power
-from .explanation import Explanation, Term
+from .explanation import Explanation, Term, unknown_terms
 from .linearization import TERM, Addition, Linearization
 
 #: How the names of the columns of the discrepancy, and of fast drift and noise of the inputs, begin.
 DISCREPANCY, BENCH = "discrepancy_", "bench_"
+#: The group of terms of formulas in the discrepancy, and their deviation if the evidence is larger without them.
+FORMULAS, ABSENT = "formulas", 1e-6
 #: Iterations of a refit, and before it of the choice of initial values; corrections of the skew.
 ITERATIONS, COARSE_ITERATIONS, ALIGNMENTS = 5, 8, 3
 #: Rows of this choice at least, if as many are compared; share of the cost by which it may still fall.
@@ -166,8 +169,10 @@ def shared_problem(
     deviation = np.concatenate([of_drift, of_grip, np.ones(noise.shape[-1])])
     names = tuple(f"{BENCH}{i}" for i in range(len(deviation)))
     disturbances = problem.disturbances.extended(names, np.concatenate([drift, grip, noise], axis=-1), deviation)
-    columns = model_discrepancy(signals, forces)
-    names = tuple(f"{DISCREPANCY}{i}" for i in range(columns.shape[-1]))
+    smooth, of_formulas = model_discrepancy(signals, forces), _of_formulas(problem, baseline)
+    columns = np.concatenate([smooth, of_formulas], axis=-1)
+    channels = np.argmax(np.any(smooth, axis=1), axis=0).tolist() + [FORMULAS] * of_formulas.shape[-1]
+    names = tuple(f"{DISCREPANCY}{channel}_{i}" for i, channel in enumerate(channels))
     widest = np.full(len(names), max(DISCREPANCIES))
     extended = replace(problem, disturbances=disturbances.extended(names, columns, widest))
     budget.check()
@@ -183,14 +188,27 @@ def shared_problem(
     return Shared(chosen, baseline.free, linear.candidates, explained, budget)
 
 
+def _of_formulas(problem: LeastSquares, baseline: Solution) -> FloatArray:
+    """Return terms of formulas that read the inputs of the core alone, N and N m, shape (n_channels, n, k).
+
+    Left and right are alike in them. Each is as large as the measured forces.
+    """
+    terms = [
+        term
+        for term in unknown_terms(problem, baseline)
+        if term.depends_on <= CORE_INPUTS and term.feature.odd is term.location.sideways
+    ]
+    columns = [term.deviation / UNKNOWN_SHARE * term.column for term in terms]
+    return np.stack(columns, axis=-1) if columns else np.zeros((*problem.inverse_noise.shape, 0))
+
+
 def _best_deviation(normal: NormalEquations, disturbances: Disturbances) -> FloatArray:
     """Return the deviations of the disturbances, shape (k,), with those of the discrepancy of the largest evidence.
 
     One deviation is that of all columns of a channel. `normal`: with all effects, so that the discrepancy does not take
     their part.
     """
-    columns = [i for i, name in enumerate(disturbances.names) if name.startswith(DISCREPANCY)]
-    channels = np.argmax(np.any(disturbances.columns[:, :, columns], axis=1), axis=0)
+    groups = np.array([name.rpartition("_")[0] for name in disturbances.names])
     deviation = disturbances.deviation.copy()
 
     def evidence(tried: FloatArray) -> float:
@@ -198,9 +216,10 @@ def _best_deviation(normal: NormalEquations, disturbances: Disturbances) -> Floa
         precision[: len(tried)] = tried**-2.0
         return replace(normal, precision=precision).solved()[1]
 
-    for channel in np.unique(channels):
-        tried = np.tile(deviation, (len(DISCREPANCIES), 1))
-        tried[:, np.array(columns)[channels == channel]] = np.array(DISCREPANCIES)[:, None]
+    for group in sorted({str(name) for name in groups if name.startswith(DISCREPANCY)}, reverse=True):
+        sizes = (ABSENT, *DISCREPANCIES) if group.endswith(FORMULAS) else DISCREPANCIES
+        tried = np.tile(deviation, (len(sizes), 1))
+        tried[:, groups == group] = np.array(sizes)[:, None]
         deviation = tried[int(np.argmax(graded([evidence(deviations) for deviations in tried])))]
     return deviation
 

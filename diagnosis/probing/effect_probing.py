@@ -58,9 +58,10 @@ class Screen:
         self.residual = problem.weighted(solution.residual)
         center, deviation = problem.prior(solution.free)
         values = solution.parameters[[problem.simulator.index[name] for name in solution.free]]
-        self.prior_precision = np.concatenate([deviation, problem.disturbances.deviation]) ** -2.0
+        errors = problem.disturbances
+        self.prior_precision = np.concatenate([deviation, errors.deviation]) ** -2.0
         self.prior_gradient = np.concatenate(
-            [-(values - center) / deviation**2, -solution.disturbance / problem.disturbances.deviation**2]
+            [(center - values) / deviation**2, (errors.center - solution.disturbance) / errors.deviation**2]
         )
         self.edges = _edges(self.signals.block, problem.inverse_noise)
         self._baseline_forces = problem.simulator.forces(solution.parameters)

@@ -35,6 +35,8 @@ from .simulation import Simulator
 #: bench and repaired.
 DRIFT_PRIOR = 1.0
 
+#: Deviation of a known value, as a share of that of an unknown one. Convention.
+KNOWN = 1e-6
 #: How the names of offsets begin, before Fx, those of cross-talk, before Fx_in_Fy, and of all disturbances of a
 #: recording.
 OFFSET, CROSS_TALK = "offset_", "cross_talk_"
@@ -47,14 +49,23 @@ class Disturbances:
 
     - `names`: offset_Fy, drift1_Fy, ..., cross_talk_Fx_in_Fy.
     - `columns`, shape (n_channels, n, n_disturbances): change of the forces per unit of each, N and N m.
-    - `deviation`, shape (n_disturbances,): standard deviation of the zero-mean prior of each.
+    - `deviation`, `center`, shape (n_disturbances,): standard deviation and mean of the prior of each.
     - `lines`: periodic disturbances; the columns of the first one are wave1_cosine_Fx, wave1_sine_Fx, ...
     """
 
     names: tuple[str, ...]
     columns: FloatArray
     deviation: FloatArray
+    center: FloatArray
     lines: tuple[PeriodicLine, ...] = ()
+
+    def known(self, values: Mapping[str, float]) -> Disturbances:
+        """Return the disturbances with known values of some of them."""
+        center, deviation = self.center.copy(), self.deviation.copy()
+        for i, name in enumerate(self.names):
+            if name in values:
+                center[i], deviation[i] = values[name], KNOWN * deviation[i]
+        return replace(self, center=center, deviation=deviation)
 
     def implausible(self, values: FloatArray) -> tuple[str, ...]:
         """Return the names of the cross-talk that is larger than that of a bench."""
@@ -73,7 +84,7 @@ class Disturbances:
         remain = np.array([name not in names for name in self.names])
         return Disturbances(
             tuple(name for name in self.names if name not in names), self.columns[:, :, remain], self.deviation[remain],
-            self.lines,
+            self.center[remain], self.lines,
         )  # fmt: skip
 
     def with_lines(
@@ -92,6 +103,7 @@ class Disturbances:
             (*self.names, *names),
             np.concatenate([self.columns, columns], axis=-1),
             np.concatenate([self.deviation, deviation]),
+            np.concatenate([self.center, np.zeros(len(deviation))]),
             self.lines,
         )
 
@@ -142,7 +154,7 @@ def disturbances_of(signals: Signals, noise: FloatArray, radius: float) -> Distu
         else noise[i] * (FREE_PRIOR if name.startswith(OFFSET) else DRIFT_PRIOR)
         for name, i in zip(names, channels, strict=True)
     ]
-    return Disturbances(names, columns, np.array(deviation))
+    return Disturbances(names, columns, np.array(deviation), np.zeros(len(names)))
 
 
 def passed(signals: Signals, t: FloatArray) -> FloatArray:

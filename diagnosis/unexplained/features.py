@@ -97,6 +97,11 @@ class Location:
     upright: frozenset[str] = frozenset()
 
     @property
+    def sideways(self) -> bool:
+        """Whether its terms change their sign under mirroring left to right."""
+        return self.name in SIDEWAYS
+
+    @property
     def proportional_to(self) -> tuple[str, ...]:
         """The inputs that a term is proportional to."""
         return ("Fz",) if "Fz" in self.per.split("*") else ()
@@ -114,6 +119,8 @@ LOCATIONS = {
     "longitudinal slip": ("term", ("shift_x",)),
     "aligning moment": ("term", ("residual_moment",)),
 }
+#: Those whose terms change their sign under mirroring left to right.
+SIDEWAYS = ("side force", "slip angle", "aligning moment")
 #: Roles of the aligning moment itself.
 OF_MOMENT = frozenset({"trail", "residual_moment"})
 #: Formulas of features in inputs and nominal values, dimensionless and of order 1. The heat of sliding is there with

@@ -28,11 +28,11 @@ class Adequacy:
     - `location`: where the mean residual is largest.
     - `over`: the inputs of that location.
     - `of_inputs`, `of_past`: the parts of the residual, N or N m, that a smooth function of the recorded inputs
-      explains, and that depends on time or the past beside them. Squares of both and of the floor add up to that of
-      the residual.
+      explains, and the rest, which changes slowly: with time, the past, or detail finer than such a function. Squares
+      of both and of the floor add up to that of the residual.
     - `lacks`: where the tire gives too much or too little, in words, or ''.
-    - `memory`: whether the residual is far above the floor, because it depends on time or the past, and not because of
-      the recorded inputs alone.
+    - `memory`: whether the residual is far above the floor because of the rest, and not because of the recorded inputs
+      alone.
     """
 
     JSON_KEYS: ClassVar = (
@@ -46,7 +46,7 @@ class Adequacy:
     over: tuple[str, ...]
     memory: bool
     of_inputs: Annotated[float, "part of the residual that follows the recorded inputs"] = 0.0
-    of_past: Annotated[float, "part of the residual that depends on time or the past"] = 0.0
+    of_past: Annotated[float, "part of the residual that changes slowly for another reason"] = 0.0
     lacks: Annotated[str, "where the tire gives too much or too little, in words, or empty"] = ""
 
     @property
@@ -74,7 +74,7 @@ class Adequacy:
         Fy (residual 2.2 times the noise floor of 18.6 N: 30 N of it follow the recorded inputs; largest at Fz 450 N)
         """
         unit = drawn_unit(self.channel)
-        causes = ((self.of_inputs, "the recorded inputs"), (self.of_past, "time or the past"))
+        causes = ((self.of_inputs, "the recorded inputs"), (self.of_past, "time, the past or finer detail"))
         parts = [(size, cause) for size, cause in causes if size > SHOWN * self.floor]
         follows = ", ".join(
             f"{size:.3g} {unit} {'of it follow ' if number == 0 else ''}{cause}"

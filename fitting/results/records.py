@@ -65,7 +65,8 @@ class ChannelFit:
     - `r2_uncentred`: 1 - sum of squared residuals over sum of squares, as in the Trento report.
     - `noise_floor`, `explained_by_inputs`, `explained_by_time`, `between_repeats`: the parts of `fitted_rmse`, whose
       squares add up to its square (`tirefmu.numerics.noise_floor`): what no model of inputs and time could remove,
-      what a function of the inputs explains, what depends on time or the past, what differs between repeats.
+      what a function of the inputs explains, what changes slowly for another reason (time, the past, or detail that is
+      finer than such a function), what differs between repeats.
     - `effective_rows`: effective sample size: the residuals of the last stage are correlated in time.
     - `fitted_rmse`, `fitted_r2`: the same over the fitted rows, without excluded ones.
     """

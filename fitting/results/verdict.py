@@ -170,7 +170,7 @@ def floor_reason(c: ChannelFit) -> str:
     """Return how far the error of a channel is above its noise floor, and what it depends on."""
     parts = (
         (c.explained_by_inputs, "depends on the inputs"),
-        (c.explained_by_time, "depends on time or the past"),
+        (c.explained_by_time, "changes slowly with time, the past or finer detail"),
         (c.between_repeats, "differs between repeats"),
     )
     texts = [

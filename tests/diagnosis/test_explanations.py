@@ -39,7 +39,7 @@ from tirefmu.diagnosis.explanations import (
 from tirefmu.diagnosis.explanations.compare import _simplest, reduced
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
 from tirefmu.diagnosis.signals import CROSS_TALK, between_rows, signals_of
-from tirefmu.diagnosis.thresholds import EFFECT_ODDS, INEXACT_SHARE
+from tirefmu.diagnosis.thresholds import DISCREPANCIES, EFFECT_ODDS, INEXACT_SHARE
 from tirefmu.diagnosis.unexplained.features import Feature, Location
 from tirefmu.measurements import recording_from
 from tirefmu.symbolic.detection import Form
@@ -269,6 +269,13 @@ def test_smooth_functions_are_a_process_of_variance_one(at_true_values):
     np.testing.assert_array_equal(many, smooth_functions(inputs, 4000))
 
 
+def test_smooth_functions_tell_driving_from_braking_and_not_left_from_right():
+    slip = np.linspace(-0.2, 0.2, 40)
+    for name, mirrored in (("alpha", True), ("gamma", True), ("kappa", False), ("Fz", False)):
+        functions = smooth_functions({name: slip}, 20)
+        assert np.allclose(functions, functions[::-1]) is mirrored
+
+
 def test_discrepancies_are_proportional_to_what_they_belong_to(at_true_values):
     simulator = at_true_values.problem.simulator
     forces = simulator.forces(at_true_values.solution.parameters)
@@ -297,17 +304,19 @@ def test_the_grip_of_every_explanation_may_drift_in_all_channels_alike(at_true_v
     assert grip_drift(untimed, forces)[0].shape == (*forces.shape, 0)
 
 
-def test_no_final_fit_has_cross_talk_beyond_that_of_a_bench(at_true_values, tire):
+def test_final_fits_know_the_cross_talk_of_a_bench_and_no_larger_one(at_true_values, tire):
     problem, solution, name = at_true_values.problem, at_true_values.solution, "cross_talk_Fy_in_Fx"
     signals, column = (
         problem.simulator.signals,
         problem.disturbances.columns[:, :, problem.disturbances.names.index(name)],
     )
-    for share, left_out in ((0.02, False), (0.05, True)):
+    for share, expected in ((0.02, pytest.approx(0.02, rel=0.1)), (0.05, 0.0)):
         recorded = replace(signals, measured=signals.measured + share * column)
         other = problem.over(problem.simulator.with_signals(recorded))
         at = other.at(solution.parameters, solution.free)
-        assert (name in Linearization(Explanation(), other, at, candidates_for(tire)).unneeded(CROSS_TALK)) is left_out
+        errors = Linearization(Explanation(), other, at, candidates_for(tire)).errors_of_bench(CROSS_TALK)
+        assert errors[name] == expected
+        assert set(errors) == {one for one in problem.disturbances.names if one.startswith(CROSS_TALK)}
 
 
 def test_a_coefficient_at_its_bound_is_a_constant(at_true_values, tire):
@@ -593,6 +602,26 @@ def test_the_evidence_without_folds_is_that_of_as_many_rows(at_true_values, tire
     evidence, folds = whole.solved()[1], without_folds(linear)
     assert np.ptp(folds) > 0.0
     assert np.mean(folds) == pytest.approx(evidence, rel=0.1)
+
+
+def test_formulas_of_slips_and_load_are_errors_of_form_where_no_effect_is_in_their_place(sideways):
+    """A trail that differs between driving and braking: no effect of the library; plysteer: one of it."""
+    problem, solution, candidates = sideways
+    signals, forces = problem.simulator.signals, problem.simulator.forces(solution.parameters)
+    of_trail = forces * (np.array(signals.channels) == "Mz")[:, None] * 3.0 * signals.named()["kappa"]
+    steered = solution.parameters.copy()
+    steered[problem.simulator.index["PHY1"]] += 0.01
+    deviations = []
+    for change in (of_trail, problem.simulator.forces(steered) - forces):
+        recorded = replace(signals, measured=signals.measured + change)
+        other = problem.over(problem.simulator.with_signals(recorded))
+        linear = Linearization(Explanation(), other, other.at(solution.parameters, solution.free), candidates)
+        additions = [addition for name in linear.lacking for addition in linear.of_effect(name)]
+        disturbances = shared_problem(linear, linear.solution, additions, 0.0, unlimited()).problem.disturbances
+        named = zip(disturbances.names, disturbances.deviation, strict=True)
+        deviations.append({float(size) for name, size in named if name.startswith("discrepancy_formulas")})
+    assert [len(sizes) for sizes in deviations] == [1, 1]
+    assert min(deviations[0]) >= min(DISCREPANCIES) > 100.0 * max(deviations[1])
 
 
 def test_a_misfit_counts_less_where_more_is_explained(sideways):

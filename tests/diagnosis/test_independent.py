@@ -8,7 +8,7 @@ import pytest
 
 from tirefmu.symbolic.added.folder import declared_effects
 
-from .independent import memory_kinds
+from .independent import brush, brush_kinds, memory_kinds
 from .independent.effects import EFFECTS, LAGS, MOMENTS
 from .independent.formulas import forces
 from .independent.kinds import (
@@ -210,3 +210,63 @@ def test_a_program_excites_loads_pressures_speeds_and_inclinations(kind):
     assert inputs["gamma"].min() < 0.0 < inputs["gamma"].max()
     assert inputs["alpha"].abs().max() > 0.15
     assert inputs["kappa"].abs().max() > 0.12
+
+
+# ------------------------------------------------------------------ the tire of brushes
+
+
+def brushes(**inputs):
+    given = {name: np.atleast_1d(np.asarray(value, dtype=float)) for name, value in inputs.items()}
+    rows = {name: np.zeros(1) for name in ("kappa", "alpha", "gamma")} | {"Fz": np.array([4200.0])} | given
+    length = max(len(row) for row in rows.values())
+    return brush.forces(tire(), {name: np.broadcast_to(row, length) for name, row in rows.items()})
+
+
+def test_brushes_have_the_given_slopes_and_friction():
+    one, small = tire(), 1e-5
+    load, values = one.load, one.values
+    assert brushes(Fz=load, kappa=small)["Fx"] / small == pytest.approx(values["PKX1"] * load, rel=1e-3)
+    assert brushes(Fz=load, alpha=small)["Fy"] / small == pytest.approx(values["PKY1"] * load, rel=1e-3)
+    whole = brushes(Fz=load, alpha=np.linspace(0.0, 0.6, 200))
+    assert whole["Fy"].max() < values["PDY1"] * load
+    assert 0.85 * values["PDY1"] * load < whole["Fy"][-1] < whole["Fy"].max()  # friction falls in sliding
+    assert whole["Mz"][-1] == 0.0  # no brush adheres
+    assert brushes(Fz=load, alpha=small)["Mz"] == pytest.approx(
+        -values["QDZ1"] * one.radius * values["PKY1"] * load * small, rel=1e-3
+    )
+
+
+def test_brushes_are_alike_on_both_sides_and_slide_in_the_direction_of_their_stress():
+    angles, slips = np.linspace(-0.2, 0.2, 41), np.linspace(-0.15, 0.15, 7)
+    for slip in slips:
+        both = brushes(alpha=angles, kappa=slip)
+        for name, sign in (("Fx", 1.0), ("Fy", -1.0), ("Mz", -1.0)):
+            np.testing.assert_allclose(both[name], sign * both[name][::-1], atol=1e-9)
+    one = tire()
+    used = np.hypot(both["Fx"] / one.values["PDX1"], both["Fy"] / one.values["PDY1"]) / 4200.0
+    assert (used < (4200.0 / one.load) ** brush.OF_LOAD["friction"] + 1e-9).all()
+
+
+def test_brushes_take_effects_where_a_formula_does():
+    table = conditions(tire())
+    x, effect = arrays(table), EFFECTS["camber_thrust"](1.0)
+    without, with_effect = brush.forces(tire(), x), brush.forces(tire(), x, [effect])
+    np.testing.assert_allclose(with_effect["Fy"] - without["Fy"], effect(tire(), x)["camber_thrust"], atol=1e-9)
+    hot = EFFECTS["temp_friction"](1.0)
+    small = {**x, "alpha": 1e-4 * x["alpha"], "kappa": 1e-4 * x["kappa"]}
+    for name in ("Fx", "Fy"):
+        np.testing.assert_allclose(
+            brush.forces(tire(), small, [hot])[name], brush.forces(tire(), small)[name], rtol=1e-2
+        )
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_a_case_of_brushes_hides_one_effect_or_none(number):
+    for kind in brush_kinds.NUMBER_OF_CASES:
+        case = brush_kinds.case_of(kind, number)
+        again = brush_kinds.case_of(kind, number)
+        pd.testing.assert_frame_equal(case.table, again.table)
+        assert len(case.hidden) == (kind == "single")
+        assert not set(case.hidden) & set(case.effects)
+        assert np.isfinite(case.table.to_numpy()).all()
+        assert np.isfinite(case.operating.to_numpy()).all()

@@ -158,6 +158,27 @@ def test_a_coefficient_may_be_differentiated_twice(problem, at_true_values):
     assert np.abs(jacobian[:, :, 0]).max() > 0.0
 
 
+def test_known_disturbances_remain_what_they_are(problem, at_true_values):
+    """Nothing of the tire becomes one of them: a fit is that of the recording without them."""
+    names, free = problem.disturbances.names, at_true_values.solution.free
+    values = {"offset_Fy": 25.0, "cross_talk_Fy_in_Mz": -0.002}
+    known = problem.knowing(values)
+    removed = sum(value * problem.disturbances.columns[:, :, names.index(name)] for name, value in values.items())
+    signals = problem.simulator.signals
+    clean = replace(
+        problem, simulator=problem.simulator.with_signals(replace(signals, measured=signals.measured - removed))
+    )
+    start = 1.02 * at_true_values.solution.parameters
+    fit = known.solve(start, free)
+    named = dict(zip(names, fit.disturbance, strict=True))
+    assert {name: named[name] for name in values} == pytest.approx(values, rel=1e-4)
+    without = clean.without_disturbances(values).solve(start, free)
+    np.testing.assert_allclose(fit.parameters, without.parameters, rtol=1e-4)
+    np.testing.assert_allclose(fit.residual, without.residual, atol=1e-3 * np.abs(removed).max())
+    free_fit = problem.solve(start, free)
+    assert dict(zip(names, free_fit.disturbance, strict=True))["offset_Fy"] != pytest.approx(25.0, rel=0.1)
+
+
 def test_large_cross_talk_is_not_a_disturbance(problem):
     """Large is more than three standard deviations of its prior."""
     disturbances = problem.disturbances

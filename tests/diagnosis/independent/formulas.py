@@ -52,6 +52,8 @@ class Change:
 
 #: An effect of another form: what it changes at these inputs.
 Effect = Callable[[Specimen, Inputs], Mapping[str, FloatArray | float]]
+#: A tire with effects of another form: its forces at these inputs.
+Core = Callable[[Specimen, Inputs, Sequence[Effect]], dict[str, FloatArray]]
 
 
 def forces(tire: Specimen, x: Inputs, effects: Sequence[Effect] = ()) -> dict[str, FloatArray]:
@@ -65,7 +67,7 @@ def forces(tire: Specimen, x: Inputs, effects: Sequence[Effect] = ()) -> dict[st
     effects : sequence of Effect
     """
     c = _Coefficients(tire.values)
-    change, upright_change = (_changed(tire, inputs, effects) for inputs in (x, {**x, "gamma": 0.0 * x["gamma"]}))
+    change, upright_change = (changed(tire, inputs, effects) for inputs in (x, {**x, "gamma": 0.0 * x["gamma"]}))
     kx, fx0 = _longitudinal(c, tire, x, change)
     side = _lateral(c, tire, x, x["gamma"], change)
     upright = _lateral(c, tire, x, 0.0 * x["gamma"], upright_change)
@@ -108,7 +110,8 @@ class _Side:
     vertical: FloatArray
 
 
-def _changed(tire: Specimen, x: Inputs, effects: Sequence[Effect]) -> Change:
+def changed(tire: Specimen, x: Inputs, effects: Sequence[Effect]) -> Change:
+    """Return what effects change together at these inputs."""
     change = Change()
     for effect in effects:
         change.include(effect(tire, x))

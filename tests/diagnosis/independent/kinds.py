@@ -12,7 +12,7 @@ from tirefmu.tires import Tire
 
 from ..case import Case
 from .effects import EFFECTS, LAGS, MOMENTS
-from .formulas import FloatArray, forces
+from .formulas import Core, FloatArray, forces
 from .programs import Program, operating_range, program
 from .recording_errors import ERRORS, recorded, with_columns
 from .tires import CLASSES, EITHER_SIGN, Specimen, specimen
@@ -94,7 +94,7 @@ def case_of(kind: str, number: int) -> Case:
     base = _baseline(rng, kind, layout, hidden, gone)
     strength = 1.5 if kind == "confounded" else float(rng.choice([0.7, 1.0, 1.5])) if kind == "single" else 1.0
     tire = specimen(rng, str(rng.choice(list(CLASSES))), (*base, *model), dict.fromkeys(model, strength))
-    acting = _Acting(tire, (*(name for name in hidden if name not in model), unknown), strength, rng)
+    acting = Acting(tire, (*(name for name in hidden if name not in model), unknown), strength, rng)
     bench = program(rng, tire, rate, rows, layout)
     other = "full" if layout in ("pure", "one_sided", "small_slip", "warming") else layout
     trial = program(rng, tire, rate, max(200, min(TEST_ROWS, rows)), other)
@@ -118,7 +118,7 @@ def case_of(kind: str, number: int) -> Case:
     name += " TreadTempC" * foreign + (f" without {gone}" if gone else "")
     return Case(
         name, hidden, base, tire.nominal,
-        *(_in_signs(one, signs) for one in (table, truth, test, operating)),
+        *(in_signs(one, signs) for one in (table, truth, test, operating)),
         lambda: library_tire(tire, (*base, *model)), frozenset(model), signs, unknown,
     )  # fmt: skip
 
@@ -130,11 +130,13 @@ def library_tire(tire: Specimen, effects: tuple[str, ...]) -> Tire:
     return Tire("mf61", {**nominal, **tire.values}, effects=effects, signs="adapted-sae")
 
 
-class _Acting:
-    """A tire with effects of another form."""
+class Acting:
+    """A tire with effects of another form; `core`: its forces without them."""
 
-    def __init__(self, tire: Specimen, names: tuple[str, ...], strength: float, rng: np.random.Generator) -> None:
-        self.tire = tire
+    def __init__(
+        self, tire: Specimen, names: tuple[str, ...], strength: float, rng: np.random.Generator, core: Core = forces
+    ) -> None:
+        self.tire, self.core = tire, core
         acts = ["temp_friction" if name == "unrecorded_temperature" else name for name in names if name]
         sizes = {
             name: strength * rng.uniform(0.85, 1.15) * (rng.choice([-1.0, 1.0]) if name in EITHER_SIGN else 1.0)
@@ -159,7 +161,7 @@ class _Acting:
     def steady(self, table: pd.DataFrame) -> pd.DataFrame:
         """Return the true forces of conditions."""
         x = {name: table[name].to_numpy() for name in table}
-        force = forces(self.tire, x, self.effects)
+        force = self.core(self.tire, x, self.effects)
         for channel, law, size in self.moments:
             force[channel] = force.get(channel, 0.0) + law(size, self.tire, x, force)
         return pd.DataFrame(force)
@@ -212,5 +214,6 @@ def _baseline(rng: np.random.Generator, kind: str, layout: str, hidden: tuple[st
     return tuple(name for name in (*typical, *more) if name not in barred)
 
 
-def _in_signs(table: pd.DataFrame, signs: str) -> pd.DataFrame:
+def in_signs(table: pd.DataFrame, signs: str) -> pd.DataFrame:
+    """Return a table, adapted SAE, in other signs."""
     return table.assign(**{name: -table[name] for name in REVERSED[signs] if name in table})

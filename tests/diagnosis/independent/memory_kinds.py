@@ -12,7 +12,7 @@ import pandas as pd
 
 from ..case import Case
 from .formulas import Effect, FloatArray, forces
-from .kinds import REVERSED, library_tire
+from .kinds import REVERSED, in_signs, library_tire
 from .memory_laws import ACTING, FAST_LAWS, LAWS, VARIANTS, Law, follow
 from .memory_programs import memory_program
 from .programs import Program
@@ -97,7 +97,7 @@ def case_of(kind: str, number: int) -> Case:
     name = f"{hidden or 'nothing'} {layout} {signs} noise {noise:g} x{size:g} {' '.join(sorted({*errors, *nuisances}))}"
     return Case(
         name, (hidden,) if hidden else (), EFFECTS, tire.nominal,
-        *(_in_signs(one, signs) for one in (table, truth, test, test)),
+        *(in_signs(one, signs) for one in (table, truth, test, test)),
         lambda: library_tire(tire, EFFECTS), frozenset(), signs,
     )  # fmt: skip
 
@@ -137,7 +137,3 @@ def _with_nuisances(rng: np.random.Generator, table: pd.DataFrame, tire: Specime
         error = follow(t, np.tanh(turning / 0.1), np.full(len(t), 2.0))
         table["Fz"] = table["Fz"] * (1.0 + 0.004 * rng.choice([-1.0, 1.0]) * error)
     return table
-
-
-def _in_signs(table: pd.DataFrame, signs: str) -> pd.DataFrame:
-    return table.assign(**{name: -table[name] for name in REVERSED[signs] if name in table})
