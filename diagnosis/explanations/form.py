@@ -1,8 +1,7 @@
 """The correction of the formula's own form: errors of friction, slip stiffness and trail over load and slip.
 
 Every explanation contains a discrepancy of the form; this is what the tire is given of it. The quantities are
-multiplied by 1 plus smooth bumps over the tested loads and slips, each with a coefficient whose prior has the deviation
-of the largest discrepancy. They are fitted together with all other coefficients. A bump is 0 at 1.25 times the distance
+multiplied by 1 plus smooth bumps over the tested loads and slips, each with a coefficient. They are fitted together with all other coefficients. A bump is 0 at 1.25 times the distance
 of the bumps from its center: outside the tested range the correction falls to 0 within three quarters of this distance.
 """
 
@@ -22,7 +21,7 @@ from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution, density_gains
 from ..probing.effect_probing import Screen
 from ..signals.signals import Signals
-from ..thresholds import DISCREPANCIES, FOLDS
+from ..thresholds import FOLDS
 from .discrepancy import model_discrepancy
 from .evidence import folds_of, likelihood_power
 
@@ -30,6 +29,9 @@ from .evidence import folds_of, likelihood_power
 FORM, PREFIX = "form", "FORM_"
 #: Numbers of bumps over load and slip, and the half width of a bump in distances of two. Conventions.
 LOADS, SLIPS, HALF_WIDTH = 4, 3, 1.25
+#: Prior standard deviation of a share of a bump. Convention: by more, no formula is corrected but another one is built,
+#: and the coefficients that are fitted beside it extrapolate worse.
+SHARE = 0.06
 #: Smallest ranges of Fz/FNOMIN and slip that have a form. Convention.
 MIN_LOADS, MIN_SLIPS = 0.2, 0.02
 #: Coordinates whose 0 is the center of the first bump and whose 1 that of the second one.
@@ -103,7 +105,7 @@ def _smoothed(problem: LeastSquares, solution: Solution, weights: FloatArray) ->
     parts = [[part[:, fold == k] for part in rows] for k in range(FOLDS)]
     matrices = np.array([np.einsum("cni,cnj->ij", x, x, optimize=True) for x, _ in parts])
     targets = np.array([np.einsum("cni,cn->i", x, y, optimize=True) for x, y in parts])
-    prior = np.eye(columns.shape[-1]) / max(DISCREPANCIES) ** 2
+    prior = np.eye(columns.shape[-1]) / SHARE**2
     for k in range(FOLDS):
         mean = np.linalg.solve(matrices.sum(axis=0) - matrices[k] + prior, targets.sum(axis=0) - targets[k])
         rest[:, fold == k] -= columns[:, fold == k] @ mean
@@ -152,7 +154,7 @@ def _coefficients(roles: Collection[str]) -> list[str]:
 @lru_cache(maxsize=8)
 def form_effect(roles: tuple[str, ...]) -> AddedEffect:
     """Return the effect of the correction for quantities by their roles, the same for all recordings."""
-    bound = 2.0 * max(DISCREPANCIES)
+    bound = 2.0 * SHARE
     centers = [
         ("FORMF0", "center of the first bump over Fz/FNOMIN", -100.0, 0.0),
         ("FORMFW", "distance of the bumps over Fz/FNOMIN", 1e-3, 1.0),

@@ -44,6 +44,9 @@ def case_of(kind: str, number: int) -> Case:
     trial = program(rng, tire, rate, TEST_ROWS, layout)
     internal, test = (pd.concat([one.inputs, acting.forces(one)], axis=1) for one in (bench, trial))
     grid = operating_range(rng, tire, bench.inputs)
+    if layout in ("cornering", "pure"):  # without combined slip, as the recording
+        grid.loc[grid.index % 2 < 2 - (layout == "pure"), "kappa"] = 0.0
+        grid.loc[grid["kappa"] != 0.0, "alpha"] = 0.0
     operating = pd.concat([grid, acting.steady(grid)], axis=1)
     table = recorded(rng, internal, bench.every, tire, noise, errors)
     truth, test = (one.iloc[each.rows].reset_index(drop=True) for one, each in ((internal, bench), (test, trial)))
