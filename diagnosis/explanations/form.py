@@ -1,8 +1,9 @@
 """The correction of the formula's own form: errors of friction, slip stiffness and trail over load and slip.
 
 Every explanation contains a discrepancy of the form; this is what the tire is given of it. The quantities are
-multiplied by 1 plus smooth bumps over the tested loads and slips, each with a coefficient. They are fitted together with all other coefficients. A bump is 0 at 1.25 times the distance
-of the bumps from its center: outside the tested range the correction falls to 0 within three quarters of this distance.
+multiplied by 1 plus smooth bumps over the tested loads and slips, each with a coefficient. They are fitted together
+with all other coefficients. A bump is 0 at 1.25 times the distance of the bumps from its center: outside the tested
+range the correction falls to 0 within three quarters of this distance.
 """
 
 from __future__ import annotations
@@ -96,10 +97,13 @@ def _certain(gains: FloatArray, of_holdout: float) -> bool:
 def _smoothed(problem: LeastSquares, solution: Solution, weights: FloatArray) -> FloatArray:
     """Return the residual without the posterior mean of the discrepancy of the model: a form without its equations.
 
-    The mean at a block of time is that of the recording without a fold of blocks, the block among them.
+    The mean at a block of time is that of the recording without a fold of blocks, the block among them. Driving and
+    braking are alike in it, as in the bumps.
     """
     signals = problem.simulator.signals
-    columns = model_discrepancy(signals, problem.simulator.forces(solution.parameters))
+    either = np.array([name == "kappa" for name in signals.names])[:, None]
+    alike = replace(signals, inputs=np.where(either, np.abs(signals.inputs), signals.inputs))
+    columns = model_discrepancy(alike, problem.simulator.forces(solution.parameters))
     fold, rest = folds_of(signals), solution.residual.copy()
     rows = (weights[:, :, None] * columns, weights * solution.residual)
     parts = [[part[:, fold == k] for part in rows] for k in range(FOLDS)]
