@@ -608,7 +608,7 @@ def test_formulas_of_slips_and_load_are_errors_of_form_where_no_effect_is_in_the
     """A trail that differs between driving and braking: no effect of the library; plysteer: one of it."""
     problem, solution, candidates = sideways
     signals, forces = problem.simulator.signals, problem.simulator.forces(solution.parameters)
-    of_trail = forces * (np.array(signals.channels) == "Mz")[:, None] * 3.0 * signals.named()["kappa"]
+    of_trail = forces * (np.array(signals.channels) == "Mz")[:, None] * 8.0 * signals.named()["kappa"]
     steered = solution.parameters.copy()
     steered[problem.simulator.index["PHY1"]] += 0.01
     deviations = []
