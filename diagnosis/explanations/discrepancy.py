@@ -34,8 +34,8 @@ LOAD_ERROR_PRIOR = 0.005
 
 #: Features of each channel, of the model and of each effect. Convention: computing time.
 FEATURES = 30
-#: Inputs of which the magnitude counts: a discrepancy is symmetric between left and right. Driving and braking differ.
-SYMMETRIC = ("alpha", "gamma", "phit")
+#: Inputs of which the magnitude counts: a discrepancy is symmetric between left and right, driving and braking.
+SYMMETRIC = ("alpha", "kappa", "gamma", "phit")
 #: Lengths of the moving averages from which noise of the inputs differs, s. Convention.
 AVERAGED = (0.1, 0.4)
 #: Moments that follow the side force: their own sign changes within a sweep.

@@ -97,13 +97,10 @@ def _certain(gains: FloatArray, of_holdout: float) -> bool:
 def _smoothed(problem: LeastSquares, solution: Solution, weights: FloatArray) -> FloatArray:
     """Return the residual without the posterior mean of the discrepancy of the model: a form without its equations.
 
-    The mean at a block of time is that of the recording without a fold of blocks, the block among them. Driving and
-    braking are alike in it, as in the bumps.
+    The mean at a block of time is that of the recording without a fold of blocks, the block among them.
     """
     signals = problem.simulator.signals
-    either = np.array([name == "kappa" for name in signals.names])[:, None]
-    alike = replace(signals, inputs=np.where(either, np.abs(signals.inputs), signals.inputs))
-    columns = model_discrepancy(alike, problem.simulator.forces(solution.parameters))
+    columns = model_discrepancy(signals, problem.simulator.forces(solution.parameters))
     fold, rest = folds_of(signals), solution.residual.copy()
     rows = (weights[:, :, None] * columns, weights * solution.residual)
     parts = [[part[:, fold == k] for part in rows] for k in range(FOLDS)]

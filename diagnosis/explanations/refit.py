@@ -209,14 +209,14 @@ def _best_deviation(normal: NormalEquations, disturbances: Disturbances) -> Floa
     their part.
     """
     groups = np.array([name.rpartition("_")[0] for name in disturbances.names])
-    deviation = disturbances.deviation.copy()
+    deviation = np.where(groups == f"{DISCREPANCY}{FORMULAS}", ABSENT, disturbances.deviation)
 
     def evidence(tried: FloatArray) -> float:
         precision = normal.precision.copy()
         precision[: len(tried)] = tried**-2.0
         return replace(normal, precision=precision).solved()[1]
 
-    for group in sorted({str(name) for name in groups if name.startswith(DISCREPANCY)}, reverse=True):
+    for group in sorted({str(name) for name in groups if name.startswith(DISCREPANCY)}):
         sizes = (ABSENT, *DISCREPANCIES) if group.endswith(FORMULAS) else DISCREPANCIES
         tried = np.tile(deviation, (len(sizes), 1))
         tried[:, groups == group] = np.array(sizes)[:, None]

@@ -269,13 +269,6 @@ def test_smooth_functions_are_a_process_of_variance_one(at_true_values):
     np.testing.assert_array_equal(many, smooth_functions(inputs, 4000))
 
 
-def test_smooth_functions_tell_driving_from_braking_and_not_left_from_right():
-    slip = np.linspace(-0.2, 0.2, 40)
-    for name, mirrored in (("alpha", True), ("gamma", True), ("kappa", False), ("Fz", False)):
-        functions = smooth_functions({name: slip}, 20)
-        assert np.allclose(functions, functions[::-1]) is mirrored
-
-
 def test_discrepancies_are_proportional_to_what_they_belong_to(at_true_values):
     simulator = at_true_values.problem.simulator
     forces = simulator.forces(at_true_values.solution.parameters)
