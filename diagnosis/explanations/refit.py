@@ -205,8 +205,8 @@ def _of_formulas(problem: LeastSquares, baseline: Solution) -> FloatArray:
 def _best_deviation(normal: NormalEquations, disturbances: Disturbances) -> FloatArray:
     """Return the deviations of the disturbances, shape (k,), with those of the discrepancy of the largest evidence.
 
-    One deviation is that of all columns of a channel. `normal`: with all effects, so that the discrepancy does not take
-    their part.
+    One deviation is that of all smooth columns of a channel; formulas have another one, beside these. `normal`: with
+    all effects, so that the discrepancy does not take their part.
     """
     groups = np.array([name.rpartition("_")[0] for name in disturbances.names])
     deviation = np.where(groups == f"{DISCREPANCY}{FORMULAS}", ABSENT, disturbances.deviation)
