@@ -89,8 +89,9 @@ class LeastSquares:
         return replace(self, disturbances=self.disturbances.without(names))
 
     def knowing(self, values: Mapping[str, float]) -> LeastSquares:
-        """Return the problem with known values of some of its disturbances."""
-        return replace(self, disturbances=self.disturbances.known(values))
+        """Return the problem with known values of some of its disturbances, without those that are 0."""
+        absent = [name for name, value in values.items() if value == 0.0]
+        return replace(self, disturbances=self.disturbances.without(absent).known(values))
 
     def extended(self, names: tuple[str, ...], columns: FloatArray, deviation: FloatArray) -> LeastSquares:
         """Return the problem with additional columns among its disturbances (`Disturbances.extended`)."""

@@ -79,7 +79,7 @@ def test_each_reason_has_its_consequence(judged, side_fit):
         (
             {"channels": (lacking(0.05), replace(force, channel="Fx"))},
             "usable with limits",
-            "is 5.0 times the noise floor (48 N depends on time",
+            "is 5.0 times the noise floor (48 N changes slowly with time",
         ),
         (
             {"channels": (lacking(0.5), replace(force, channel="Fx"))},
