@@ -42,12 +42,20 @@ NAMED = {"hysteresis": "hysteresis_force", "contact_heat": "heat_friction"}
 DRAW = 33
 
 
+#: The same of the brush suite. Draw 0 was examined: its cases are those of the tests.
+BRUSH_DRAW = 1
+
+
 #: The kinds of the second suite; unknown laws are a suite.
 OF_SECOND = {kind: count for kind, count in second.NUMBER_OF_CASES.items() if kind != "law"}
 
 
 def _drawn_again(kind: str, number: int) -> Case:
     return second.case_of(kind, number + DRAW * second.NUMBER_OF_CASES[kind])
+
+
+def _brushes(kind: str, number: int) -> Case:
+    return brush.case_of(kind, number + BRUSH_DRAW * brush.NUMBER_OF_CASES[kind])
 
 
 def _of_law(kind: str, number: int) -> Case:
@@ -59,6 +67,6 @@ SUITES = {
     "second": Suite("second", OF_SECOND, second.case_of, second.UNKNOWN, second.CONFOUNDED),
     "memory": Suite("memory", memory.NUMBER_OF_CASES, memory.case_of, {}, memory.CONFOUNDED),
     "confirmation": Suite("confirmation", OF_SECOND, _drawn_again, second.UNKNOWN, second.CONFOUNDED),
-    "brush": Suite("brush", brush.NUMBER_OF_CASES, brush.case_of, {}, ()),
+    "brush": Suite("brush", brush.NUMBER_OF_CASES, _brushes, {}, ()),
     "unknown": Suite("unknown", {"unknown": len(UNKNOWN_VARIABLES)}, _of_law, UNKNOWN_VARIABLES, ()),
 }

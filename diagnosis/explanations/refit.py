@@ -29,7 +29,7 @@ from .linearization import TERM, Addition, Linearization
 #: How the names of the columns of the discrepancy, and of fast drift and noise of the inputs, begin.
 DISCREPANCY, BENCH = "discrepancy_", "bench_"
 #: The group of terms of formulas in the discrepancy, and their deviation if the evidence is larger without them.
-FORMULAS, ABSENT = "formulas", 1e-6
+OF_FORMULAS, ABSENT = "formulas", 1e-6
 #: Iterations of a refit, and before it of the choice of initial values; corrections of the skew.
 ITERATIONS, COARSE_ITERATIONS, ALIGNMENTS = 5, 8, 3
 #: Rows of this choice at least, if as many are compared; share of the cost by which it may still fall.
@@ -171,7 +171,7 @@ def shared_problem(
     disturbances = problem.disturbances.extended(names, np.concatenate([drift, grip, noise], axis=-1), deviation)
     smooth, of_formulas = model_discrepancy(signals, forces), _of_formulas(problem, baseline)
     columns = np.concatenate([smooth, of_formulas], axis=-1)
-    channels = np.argmax(np.any(smooth, axis=1), axis=0).tolist() + [FORMULAS] * of_formulas.shape[-1]
+    channels = np.argmax(np.any(smooth, axis=1), axis=0).tolist() + [OF_FORMULAS] * of_formulas.shape[-1]
     names = tuple(f"{DISCREPANCY}{channel}_{i}" for i, channel in enumerate(channels))
     widest = np.full(len(names), max(DISCREPANCIES))
     extended = replace(problem, disturbances=disturbances.extended(names, columns, widest))
@@ -209,7 +209,7 @@ def _best_deviation(normal: NormalEquations, disturbances: Disturbances) -> Floa
     all effects, so that the discrepancy does not take their part.
     """
     groups = np.array([name.rpartition("_")[0] for name in disturbances.names])
-    deviation = np.where(groups == f"{DISCREPANCY}{FORMULAS}", ABSENT, disturbances.deviation)
+    deviation = np.where(groups == f"{DISCREPANCY}{OF_FORMULAS}", ABSENT, disturbances.deviation)
 
     def evidence(tried: FloatArray) -> float:
         precision = normal.precision.copy()
@@ -217,7 +217,7 @@ def _best_deviation(normal: NormalEquations, disturbances: Disturbances) -> Floa
         return replace(normal, precision=precision).solved()[1]
 
     for group in sorted({str(name) for name in groups if name.startswith(DISCREPANCY)}):
-        sizes = (ABSENT, *DISCREPANCIES) if group.endswith(FORMULAS) else DISCREPANCIES
+        sizes = (ABSENT, *DISCREPANCIES) if group.endswith(OF_FORMULAS) else DISCREPANCIES
         tried = np.tile(deviation, (len(sizes), 1))
         tried[:, groups == group] = np.array(sizes)[:, None]
         deviation = tried[int(np.argmax(graded([evidence(deviations) for deviations in tried])))]
