@@ -391,14 +391,13 @@ def _with_formulas(table: Table, places: Collection[Parts]) -> Move:
 def _formula(table: Table, refit: Refitted) -> tuple[Table, Refitted | None]:
     """Return an explanation with the formula that explains most of what it does not.
 
-    An error of form is no unknown effect, nor is what an effect of the library reproduces.
+    What an effect of the library reproduces is no unknown effect.
     """
-    formula, errors = best_formula(table.shared, refit), refit.linear.form_errors
-    terms = formula.explanation.terms if formula else ()
-    if formula is None or all(errors.contain(term.location, term.depends_on) for term in terms):
+    formula = best_formula(table.shared, refit)
+    if formula is None:
         return table, None
     table, effects = table.possible(refit.linear)
-    change = np.stack([term.column for term in terms], axis=-1) @ np.array(formula.term_sizes)
+    change = np.stack([term.column for term in formula.explanation.terms], axis=-1) @ np.array(formula.term_sizes)
     alone = Addition(UNKNOWN, change[:, :, None], np.ones(1))
     whole = projected(refit.linear, [alone, *effects])
     reproduced = any(whole.correlations(group)[0] > CONFOUNDED for group in whole.groups[1:])

@@ -23,6 +23,7 @@ from tirefmu.diagnosis.explanations import (
     Table,
     Term,
     answer_of,
+    best_formula,
     compare,
     compared,
     effect_discrepancy,
@@ -40,7 +41,7 @@ from tirefmu.diagnosis.explanations.compare import _simplest, reduced
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
 from tirefmu.diagnosis.signals import CROSS_TALK, between_rows, signals_of
 from tirefmu.diagnosis.thresholds import DISCREPANCIES, EFFECT_ODDS, INEXACT_SHARE
-from tirefmu.diagnosis.unexplained.features import Feature, Location
+from tirefmu.diagnosis.unexplained.features import Feature, Location, directions
 from tirefmu.measurements import recording_from
 from tirefmu.symbolic.detection import Form
 
@@ -381,6 +382,12 @@ def sideways():
     return of_case(("conicity",))
 
 
+@pytest.fixture(scope="module")
+def complete():
+    """Return the problem of a recording whose tire lacks nothing."""
+    return of_case(())
+
+
 def test_a_coefficient_beyond_its_bound_gains_nothing(sideways):
     """What a lag of the load gains is lost if the same forces have the other sign: its friction is at least 0."""
     problem, solution, candidates = sideways
@@ -615,6 +622,24 @@ def test_formulas_of_slips_and_load_are_errors_of_form_where_no_effect_is_in_the
         deviations.append({float(size) for name, size in named if name.startswith("discrepancy_formulas")})
     assert [len(sizes) for sizes in deviations] == [1, 1]
     assert min(deviations[0]) >= min(DISCREPANCIES) > 100.0 * max(deviations[1])
+
+
+def test_a_formula_gains_beside_all_formulas_of_slips_and_load(complete):
+    """A product of both slips is an error of the form of friction, and the temperature is none."""
+    problem, solution, candidates = complete
+    simulator = problem.simulator
+    signals, friction = simulator.signals, directions(simulator, solution.parameters)["friction", False]
+    alpha, kappa, temperature = (signals.named()[name] for name in ("alpha", "kappa", "T"))
+    formulas = []
+    for share in (7.5 * np.abs(np.tan(alpha)) * kappa, 0.05 * (temperature - temperature.mean()) / 20.0):
+        recorded = replace(signals, measured=signals.measured + share * friction)
+        other = problem.over(simulator.with_signals(recorded))
+        linear = Linearization(Explanation(), other, other.at(solution.parameters, solution.free), candidates)
+        additions = [addition for name in linear.lacking for addition in linear.of_effect(name)]
+        shared = shared_problem(linear, linear.solution, additions, 0.0, unlimited())
+        formulas.append(best_formula(shared, refitted(shared, Explanation(), [solution.parameters], other.simulator)))
+    assert formulas[0] is None
+    assert frozenset({"T"}) in {term.depends_on for term in formulas[1].explanation.terms}
 
 
 def test_a_misfit_counts_less_where_more_is_explained(sideways):
