@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from ...boundary.errors import DataError
+from ...numerics.arrays import FloatArray
 from . import native_reader
 from .columns.cells import numbers
 from .columns.content import Column, Content, listed
@@ -28,8 +30,8 @@ def read_mat(path: Path) -> Content:
     """Return the content of a ``.mat`` file: a file of the FSAE TTC, or other channels.
 
     The channels are variables of the file, or fields of a struct, a table or a timetable, whose row times are the time.
-    Units are those of the ``channel`` struct of the TTC or of the table. Fields that are known to be unreliable
-    (RUN of the wrong length, an empty tireid) are not used.
+    Units are those of the ``channel`` struct of the TTC or of the table. Dates of all clocks count from the earliest
+    one. Fields that are known to be unreliable (RUN of the wrong length, an empty tireid) are not used.
 
     Raises `DataError` if the file is not a MATLAB file, or if mat-io is not installed and the file has a table or
     version 7.3.
@@ -38,17 +40,19 @@ def read_mat(path: Path) -> Content:
     units = dict(_channel_units(fields))
     columns: list[Column] = []
     texts: dict[str, Any] = {}
+    structs = {name: {} if name == "channel" else dict(_fields(value)) for name, value in fields.items()}
+    origin = _earliest(chain(fields.values(), *(inside.values() for inside in structs.values())))
     for name, value in fields.items():
-        inside = {} if name == "channel" else dict(_fields(value))
+        inside = structs[name]
         texts |= {key: inside[key] for key in ("tireid", "testid", "source") if key in inside}
         if isinstance(value, pd.DataFrame):
             columns += [replace(column, group=name) for column in frame_columns(value, dict(_table_units(value)))]
-        columns += _columns(name, inside)
+        columns += _columns(name, inside, origin)
         if (cells := _vector(value)) is not None:
             columns.append(Column(name, cells))
     texts = {key: fields.get(key, texts.get(key)) for key in ("tireid", "testid", "source")}
     columns = [replace(column, unit=column.unit or units.get(column.header, "")) for column in columns]
-    columns = _with_own_times(columns)
+    columns = _with_own_times(columns, origin)
     used = {
         "channel",
         *texts,
@@ -63,7 +67,7 @@ def read_mat(path: Path) -> Content:
     return bench_content(replace(content, signs="sae", about=about), path.name)
 
 
-def _columns(name: str, inside: Mapping[str, Any]) -> Iterator[Column]:
+def _columns(name: str, inside: Mapping[str, Any], origin: np.datetime64 | None) -> Iterator[Column]:
     """Yield the columns of a variable from the fields of its structs.
 
     The values of a struct of one quantity, with or without times, have its name, and the unit of its field of units.
@@ -78,7 +82,7 @@ def _columns(name: str, inside: Mapping[str, Any]) -> Iterator[Column]:
         if len(values) == 1 and values[0].casefold() in VALUE_FIELDS:
             (field,) = values
             unit = next((_text(part) for name, part in parts.items() if name.casefold() in UNIT_FIELDS), "")
-            clocks = [numbers(cells, "", "", str, clock=True)[0] for name, cells in vectors.items() if name != field]
+            clocks = [_times(cells, origin) for name, cells in vectors.items() if name != field]
             times = next((times for times in clocks if len(times) == len(vectors[field])), None)
             outer, _, header = group.rpartition(".")
             yield Column(header, vectors[field], unit, group=outer, times=times)
@@ -86,19 +90,30 @@ def _columns(name: str, inside: Mapping[str, Any]) -> Iterator[Column]:
             yield from (Column(field, cells, group=group) for field, cells in vectors.items())
 
 
-def _with_own_times(columns: list[Column]) -> list[Column]:
+def _with_own_times(columns: list[Column], origin: np.datetime64 | None) -> list[Column]:
     """Return the columns of several timetables or structs with the times of their own one; others unchanged."""
     clocks = [
         column for column in columns if column.meant == "t" or (column.group and column.header.casefold() in TIMES)
     ]
     if len({clock.group for clock in clocks}) < 2:
         return columns
-    times = {clock.group: numbers(clock.cells, "", "", str, clock=True)[0] for clock in clocks}
+    times = {clock.group: _times(clock.cells, origin) for clock in clocks}
     unchosen = [column for column in columns if column not in clocks]
     return [
         replace(column, times=times[column.group]) if len(column.cells) == len(times.get(column.group, ())) else column
         for column in unchosen
     ]
+
+
+def _times(cells: Any, origin: np.datetime64 | None) -> FloatArray:
+    return numbers(cells, "", "", str, clock=True, origin=origin)[0]
+
+
+def _earliest(values: Iterable[Any]) -> np.datetime64 | None:
+    """Return the earliest date of vectors and of row times; None if there is none."""
+    vectors = (value.index.to_numpy() if isinstance(value, pd.DataFrame) else _vector(value) for value in values)
+    dates = [np.fmin.reduce(cells) for cells in vectors if cells is not None and cells.dtype.kind == "M" and len(cells)]
+    return min(dates, default=None)
 
 
 def _load(path: Path) -> Mapping[str, Any]:

@@ -38,17 +38,23 @@ _EXACT = 2**53
 
 
 def numbers(
-    cells: Any, source: str, label: str, location: Callable[[int], str], *, clock: bool = False
+    cells: Any,
+    source: str,
+    label: str,
+    location: Callable[[int], str],
+    *,
+    clock: bool = False,
+    origin: np.datetime64 | None = None,
 ) -> tuple[FloatArray, bool]:
     """Return the cells as floats, and whether they are seconds by their type: dates, durations, elapsed times.
 
     `source`, `label`: file and column for messages. `location`: as of `Content`. `clock`: whether the column is a
-    time. Dates count from the first one, and a time of day that passes midnight continues. Raises `DataError` with the
-    first cell that is not a number.
+    time. Dates count from `origin`, by default the first one, and a time of day that passes midnight continues. Raises
+    `DataError` with the first cell that is not a number.
     """
     cells = pd.Series(cells).reset_index(drop=True)
     if cells.dtype.kind in "Mm" and clock:
-        return _seconds(cells), True
+        return _seconds(cells, origin), True
     if pd.api.types.is_bool_dtype(cells):
         cells = cells.astype(str)  # a truth value is not a number
     if pd.api.types.is_numeric_dtype(cells):
@@ -164,9 +170,10 @@ def _number(cell: Any, row: int, source: str, label: str, location: Callable[[in
     raise DataError(f"{source}: {location(row)}: {label}: {shown!r} is not a number{hint}")
 
 
-def _seconds(cells: pd.Series) -> FloatArray:
+def _seconds(cells: pd.Series, origin: np.datetime64 | None = None) -> FloatArray:
     if cells.dtype.kind == "M":
-        cells = cells - cells.dropna().iloc[0] if cells.notna().any() else cells - cells
+        first = cells.dropna().iloc[0] if cells.notna().any() else pd.NaT
+        cells = cells - (first if origin is None else pd.Timestamp(origin).tz_localize(cells.dt.tz))
     whole = cells.to_numpy(dtype="timedelta64[ns]").astype(np.int64)
     return np.where(cells.isna(), np.nan, whole / 1e9)
 

@@ -12,6 +12,7 @@ from scipy.io import savemat
 from tirefmu.applications.driving.inputs.log import read_log
 from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import read_recording
+from tirefmu.measurements.files import native_reader
 from tirefmu.measurements.files.columns.cells import numbers
 from tirefmu.measurements.files.columns.content import name_and_unit
 from tirefmu.measurements.files.reading import read_content
@@ -431,6 +432,58 @@ def test_structs_of_matlab_have_their_own_times(tmp_path):
     assert not log.ignored
     log = read_log(tmp_path / "a.mat", {"yaw_rate": "-car.imu/yaw_rate"})
     np.testing.assert_allclose(log.values("yaw_rate"), -LOG["yaw_rate"])
+
+
+def tdms_of(path, groups, waveform):
+    """Write groups whose first sample is at a date; waveforms, or with a channel of dates."""
+    nptdms = pytest.importorskip("nptdms")
+    with nptdms.TdmsWriter(path) as writer:
+        for group, (dates, channels) in groups.items():
+            start = {"wf_increment": 0.05, "wf_start_offset": 0.0, "wf_start_time": dates[0]} if waveform else {}
+            members = channels if waveform else {"clock": dates, **channels}
+            writer.write_segment([nptdms.ChannelObject(group, name, cells, start) for name, cells in members.items()])
+
+
+@pytest.mark.parametrize("late", [-7.25, 0.4, 3600.0])
+@pytest.mark.parametrize("kind", ["waveforms", "dates", "timetables", "structs"])
+def test_groups_with_dates_keep_their_distance_in_time(tmp_path, monkeypatch, kind, late):
+    path = tmp_path / ("a.tdms" if kind in ("waveforms", "dates") else "a.mat")
+    groups = {}
+    for group, start, names in (("imu", 0.0, ("yaw_rate", "ay")), ("ecu", late, ("steer", "speed"))):
+        dates = np.datetime64("2026-11-01T12:00:00.700", "ns") + (1e9 * (start + T)).astype("timedelta64[ns]")
+        groups[group] = dates, {name: LOG[name].to_numpy() for name in names}
+    if path.suffix == ".tdms":
+        tdms_of(path, groups, kind == "waveforms")
+    else:
+        path.write_bytes(b"MATLAB")
+        tables = {
+            group: pd.DataFrame(channels, pd.DatetimeIndex(dates, name="Time"))
+            for group, (dates, channels) in groups.items()
+        }
+        logged = [
+            (name, {"value": cells, "time": dates})
+            for dates, channels in groups.values()
+            for name, cells in channels.items()
+        ]
+        content = tables if kind == "timetables" else {"car": as_struct(dict(logged))}
+        monkeypatch.setattr(native_reader, "load", lambda *_: content)
+    log = read_log(path)
+    np.testing.assert_allclose(log.channels["yaw_rate"][0], T - min(late, 0.0), atol=1e-6)
+    np.testing.assert_allclose(log.channels["steer"][0], T + max(late, 0.0), atol=1e-6)
+
+
+def as_struct(fields):
+    """Return a struct of MATLAB as its reader does."""
+    struct = np.empty((1, 1), dtype=[(name, object) for name in fields])
+    for name, value in fields.items():
+        struct[0, 0][name] = as_struct(value) if isinstance(value, dict) else value
+    return struct
+
+
+def test_a_waveform_whose_start_was_never_set_begins_at_zero(tmp_path):
+    dates = np.array(["1904-01-01"], dtype="datetime64[us]")
+    tdms_of(tmp_path / "a.tdms", {"run": (dates, {name: LOG[name].to_numpy() for name in LOG if name != "t"})}, True)
+    np.testing.assert_allclose(read_log(tmp_path / "a.tdms").channels["ay"][0], T, atol=1e-9)
 
 
 def test_what_a_log_has_instead_is_named(tmp_path):
