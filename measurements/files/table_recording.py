@@ -127,5 +127,6 @@ def _check_present(content: Content, chosen: Mapping[str, ColumnChoice], source:
     if not chosen:
         headers = [column.header.strip() for column in content.columns]
         only = ": columns are separated by commas, semicolons or tabs" if len(headers) == 1 else ""
-        what = f"it has {quoted(listed(headers))}{only}; known are {', '.join(CHANNELS)}"
-        raise DataError(f"{source}: no column is a channel: {what}")
+        has = f"it has {quoted(listed(headers))}{only}" if headers else "it has no columns of numbers"
+        unread = f" (not read: {'; '.join(content.ignored)})" if content.ignored else ""
+        raise DataError(f"{source}: no column is a channel: {has}{unread}; known are {', '.join(CHANNELS)}")

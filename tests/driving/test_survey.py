@@ -131,6 +131,48 @@ def test_a_name_in_g_declares_its_unit(tmp_path, monkeypatch, names):
         np.testing.assert_allclose(log.values(name), slow[name], atol=1e-12)
 
 
+@pytest.mark.parametrize("down", [False, True], ids=["up", "down"])
+@pytest.mark.parametrize(("size", "other"), [(1.0, 1.02), (1000.0, 1000.0), (9.80665, 9.5), (9.80665, 0.0)])
+def test_the_vertical_acceleration_shows_the_unit_of_the_others(tmp_path, monkeypatch, size, other, down):
+    """Also of a gentle drive. One without gravity shows nothing: SI is proposed."""
+    monkeypatch.chdir(tmp_path)
+    slow = LOG.assign(ax=0.1 * LOG["ax"], ay=0.1 * LOG["ay"])
+    turned = slow.assign(**{name: -slow[name] for name in ("steer", "yaw_rate", "ay")}) if down and other else slow
+    log = turned.assign(
+        ax=turned["ax"] / 9.80665 * size, ay=turned["ay"] / 9.80665 * size, az=-other if down else other
+    )
+    names = {"ax": "X_ACCELERATION", "ay": "Y_ACCELERATION", "az": "Z_ACCELERATION", "yaw_rate": "Z_ANGLE_RATE"}
+    log.rename(columns=names).to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv", "-o", "car.toml", "--quiet"]) == 0
+    log = read_log("log.csv", toml_file(tmp_path / "car.toml", TirefmuError)["columns"])
+    for name in ("ax", "ay", "steer", "yaw_rate"):
+        np.testing.assert_allclose(log.values(name), slow[name], atol=1e-12)
+
+
+def test_a_vertical_acceleration_of_another_sensor_shows_nothing(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    nptdms = pytest.importorskip("nptdms")
+    groups = {"car": LOG.drop(columns="t"), "seat": pd.DataFrame({"az": np.full(len(T), 1.0)})}
+    with nptdms.TdmsWriter("log.tdms") as writer:
+        for group, table in groups.items():
+            for name in table:
+                cells = table[name].to_numpy()
+                writer.write_segment([nptdms.ChannelObject(group, name, cells, {"wf_increment": 0.05})])
+    assert main(["inspect", "log.tdms", "-o", "car.toml", "--quiet"]) == 0
+    columns = toml_file(tmp_path / "car.toml", TirefmuError)["columns"]
+    assert "[g]" not in columns.get("ay", "")
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_column_without_a_number_is_proposed_for_no_channel(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    LOG.assign(ay=np.nan, heading=np.nan).rename(columns={"ay": "AccelY"}).to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv"]) == 0
+    out = capsys.readouterr().out
+    assert 'ay = "AccelY"' not in out
+    assert "needed for an estimate of the tires: ay" in out
+
+
 def test_decimal_commas_of_a_log_are_stated(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     CASES["left"].to_csv("log.csv", index=False, sep=";", decimal=",")

@@ -50,7 +50,7 @@ _CHANNELS = (
     LogChannel("yaw_rate", "yaw rate, positive to the left", "rad/s", "rotation", ("r", "yawrate", "psi_dot",
                "gyro_z", "gz", "omega_z", "angular_velocity_z", "angular_z", "gyro_rad_2", "gyro_yaw_velocity",
                "yaw_velocity", "gyro_yaw", "yaw", "rotation_rate_z",
-               "rate_of_rotation_z", "AVz"),
+               "rate_of_rotation_z", "angle_rate_z", "angular_rate_z", "AVz"),
                12.0, 2e-4, (_POSE,), "a gyroscope, which phones have (ay/speed and the rate of a GPS course are the "
                "turn of the path, not of the car)"),
     LogChannel("ax", "longitudinal acceleration, positive forward", "m/s^2", "acceleration",

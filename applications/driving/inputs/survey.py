@@ -34,6 +34,8 @@ SHORTEST_CONTAINED = 8
 #: Characters of a name that the end of a path may be ("x" may be that of anything), and of one without separators
 #: ("G(z)" is not gz).
 SHORTEST_END, SHORTEST_JOINED = 5, 4
+#: Gravity by the unit that a file does not state: SI, g, mg.
+GRAVITIES = {"": GRAVITY, "g": 1.0, "mg": 1000.0}
 #: Share by which a mean may differ from gravity, correlations that show a sign and a cause.
 GRAVITY_SHARE, CLEAR, STRONG = 0.2, 0.3, 0.7
 _PATH = re.compile("[/.]")
@@ -189,10 +191,13 @@ def survey(content: Content, source: str, columns: Mapping[str, str] | None = No
         near = _Nearest(-2, 0, named[id(column)]) if id(column) in named else _nearest(column)
         rows.append(_surveyed(column, data, times, near))
         present = data[np.isfinite(data)]
+        if not len(present) and id(column) not in named:
+            continue  # a sensor that the car does not have
         fit = near.rank + (len(present) == 0 or np.ptp(present) == 0.0), -len(present)
         if near.channel not in ("", "t") and fit < best.get(near.channel, (2, 0)):
             best[near.channel], values[near.channel] = fit, (column, data, times)
-    down = content.down or _points_down(content, source)
+    gravity = _gravity(content, source)
+    down = content.down or gravity.down
     if down:
         why = "by the definition of the format" if content.down else "the vertical acceleration is -g"
         notes.append(f"axes forward, right, down ({why}): channels of turning get a minus")
@@ -201,7 +206,7 @@ def survey(content: Content, source: str, columns: Mapping[str, str] | None = No
         if name in values:
             column, data, _ = values[name]
             sign = "-" if down and name in TURNED else ""
-            proposal[name] = columns.get(name) or f"{sign}{_text(column, name, data)}"
+            proposal[name] = columns.get(name) or f"{sign}{_text(column, name, data, gravity)}"
     notes += _agreed(proposal, values, columns)
     notes += [content.about["decimals"]] if "decimals" in content.about else []
     if lacks := [channel.name for channel in lacking(proposal)]:
@@ -254,16 +259,31 @@ def _clock(content: Content, source: str, named: str) -> tuple[FloatArray | None
     return times, header
 
 
-def _points_down(content: Content, source: str) -> bool:
-    """Return whether a vertical acceleration has the mean -g: z points down."""
+@dataclass(frozen=True)
+class _Gravity:
+    """What the mean of a vertical acceleration shows.
+
+    - `unit`: of the accelerations of its group; empty for SI, and if unknown.
+    - `group`: of its column. `down`: whether z points down.
+    """
+
+    unit: str = ""
+    group: str = ""
+    down: bool = False
+
+
+def _gravity(content: Content, source: str) -> _Gravity:
     for column in content.columns:
         name = name_and_unit(column.header)[0]
         vertical = any(_is_named(name, alias) for alias in VERTICAL)
         values = _numbers(column, content, source) if vertical else None
         if values is not None and np.isfinite(values).any():
             mean = float(np.nanmean(values))
-            return any(abs(mean / size + 1.0) < GRAVITY_SHARE for size in (1.0, GRAVITY))
-    return False
+            for unit, size in GRAVITIES.items():
+                if abs(abs(mean) / size - 1.0) < GRAVITY_SHARE:
+                    return _Gravity(unit, column.group, mean < 0.0)
+            return _Gravity()
+    return _Gravity()
 
 
 def _with_unit(column: Column, name: str) -> str:
@@ -276,14 +296,18 @@ def _with_unit(column: Column, name: str) -> str:
     return f"{header} [{unit}]" if unit else header
 
 
-def _text(column: Column, name: str, values: FloatArray) -> str:
-    """Return how a car file names a column, with the unit that its numbers suggest if the file states none."""
+def _text(column: Column, name: str, values: FloatArray, gravity: _Gravity) -> str:
+    """Return how a car file names a column, with the unit that its numbers suggest if the file states none.
+
+    g cannot be distinguished from a gentle drive in m/s^2, except by the vertical acceleration of the same sensor.
+    """
     header = _with_unit(column, name)
-    if is_unit(name_and_unit(header)[1] or column.declared_unit) or not len(values):
+    if is_unit(name_and_unit(header)[1] or column.declared_unit) or not np.isfinite(values).any():
         return header
     size = float(np.nanquantile(np.abs(values), 0.99))
-    if LOG_CHANNELS[name].quantity == "acceleration" and 0.0 < size < 0.25 * GRAVITY and name in ("ax", "ay"):
-        return header  # g cannot be distinguished from a gentle drive in m/s^2
+    if LOG_CHANNELS[name].quantity == "acceleration":
+        shown = gravity.unit and gravity.group == column.group and to_si(size, gravity.unit) < LOG_CHANNELS[name].limit
+        return f"{header} [{gravity.unit}]" if shown else header
     degrees = {"angle": ("deg", 3.5 if name == "steer" else 1.6), "rotation": ("deg/s", LOG_CHANNELS[name].limit)}
     unit, most = degrees.get(LOG_CHANNELS[name].quantity, ("", np.inf))
     return f"{header} [{unit}]" if size > most and name != "heading" else header
