@@ -33,7 +33,7 @@ class LogChannel:
 _POSE = ("x", "y", "heading")
 _WHEELS = tuple((front, rear) for front in ("omega_fl", "omega_fr") for rear in ("omega_rl", "omega_rr"))
 _CHANNELS = (
-    LogChannel("t", "time", "s", "time", ("time", "timestamp", "timestamps", "elapsed_time", "interval",
+    LogChannel("t", "time", "s", "time", ("time", "timestamp", "timestamps", "stamp", "elapsed_time", "interval",
                "session_time", "device_time"), 1e11),
     LogChannel("steer", "steering: as the ratio or the map of the car reads it, positive to the left", "rad", "angle",
                ("steering", "steering_angle", "steered_angle", "steer_angle", "delta", "swa",

@@ -480,6 +480,32 @@ def as_struct(fields):
     return struct
 
 
+@pytest.mark.parametrize(
+    ("whole", "part", "size", "name"),
+    [
+        ("header.stamp.secs", "header.stamp.nsecs", 1e9, "header.stamp"), ("sec", "nanosec", 1e9, "time"),
+        ("imu/stamp_sec", "imu/stamp_nsec", 1e9, "imu/stamp"), ("Seconds", "MicroSeconds", 1e6, "time"),
+        ("tv_sec", "tv_usec", 1e6, "tv"), ("stamp sec", "stamp msec", 1e3, "stamp"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("begin", [0.0, 1764000000.85])
+def test_seconds_and_their_fractions_are_one_time(tmp_path, whole, part, size, name, begin):
+    steps = np.round(T / 0.05).astype(int) + round(begin / 0.05)
+    table = LOG.drop(columns="t").assign(**{whole: steps // 20, part: np.round(steps % 20 * 0.05 * size).astype(int)})
+    table.to_csv(tmp_path / "a.csv", index=False)
+    log = read_log(tmp_path / "a.csv", {"t": name})
+    np.testing.assert_allclose(log.channels["ay"][0], T, atol=1e-9)
+
+
+@pytest.mark.parametrize("names", [("secs", "nsecs"), ("secs", "laps"), ("time", "secs", "nsecs")])
+def test_columns_that_are_no_pair_stay_as_they_are(tmp_path, names):
+    """Nanoseconds since the begin are no fractions; a column of times beside a pair is the time."""
+    cells = {"secs": np.floor(T), "nsecs": 1e9 * (T % 1.0 if "time" in names else T), "laps": 1.0, "time": T}
+    LOG.drop(columns="t").assign(**{name: cells[name] for name in names}).to_csv(tmp_path / "a.csv", index=False)
+    headers = [column.header for column in read_content(tmp_path / "a.csv").columns]
+    assert headers == [*LOG.columns[1:], *names]
+
+
 def test_a_waveform_whose_start_was_never_set_begins_at_zero(tmp_path):
     dates = np.array(["1904-01-01"], dtype="datetime64[us]")
     tdms_of(tmp_path / "a.tdms", {"run": (dates, {name: LOG[name].to_numpy() for name in LOG if name != "t"})}, True)
