@@ -506,6 +506,58 @@ def test_columns_that_are_no_pair_stay_as_they_are(tmp_path, names):
     assert headers == [*LOG.columns[1:], *names]
 
 
+LONG = {
+    "telemetry": ("timestamp", "signal_name", "value", ""), "influx": ("_time", "_field", "_value", ""),
+    "races": ("time", "telemetry_name", "telemetry_value", ""), "units": ("Time", "Channel", "Value", "Unit"),
+}  # fmt: skip
+
+
+def melted(rows, kind, units):
+    """Return a long table of a log: a row for each value, the signals of one time in any order."""
+    time, name, value, unit = LONG[kind]
+    long = rows.melt("t", var_name=name, value_name=value).rename(columns={"t": time})
+    long = long.sample(frac=1.0, random_state=3).sort_values(time, kind="stable")
+    return long.assign(**{unit: long[name].map(units)}) if unit else long
+
+
+@pytest.mark.parametrize("kind", LONG)
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_a_row_for_each_value_is_a_column_for_each_signal(tmp_path, kind, suffix):
+    units = {"steer": "deg", "speed": "km/h", "yaw_rate": "deg/s", "ay": "g"} if kind == "units" else {}
+    factors = {"steer": np.degrees(1.0), "speed": 3.6, "yaw_rate": np.degrees(1.0), "ay": 1.0 / 9.80665}
+    rows = LOG.assign(**{name: LOG[name] * factors[name] for name in units})
+    table = melted(rows, kind, units).assign(id=7, device="ecu")
+    table.to_csv(tmp_path / "a.csv", index=False) if suffix == "csv" else table.to_parquet(tmp_path / "a.parquet")
+    log = read_log(tmp_path / f"a.{suffix}", {"t": LONG[kind][0]})
+    for name in ("steer", "speed", "yaw_rate", "ay"):
+        np.testing.assert_allclose(log.channels[name][0], T, atol=1e-9)
+        np.testing.assert_allclose(log.values(name), LOG[name], atol=1e-12)
+
+
+def test_a_long_table_of_two_cars_is_refused(tmp_path):
+    cars = [melted(LOG, "races", {}).assign(vehicle_id=car) for car in ("GR86-7", "GR86-13")]
+    pd.concat(cars).sort_values("time", kind="stable").to_csv(tmp_path / "a.csv", index=False)
+    with pytest.raises(DataError, match="column vehicle_id: 'GR86-7, GR86-13' in rows of one signal: save a table"):
+        read_log(tmp_path / "a.csv")
+
+
+def test_a_long_table_with_a_value_that_is_no_number_is_refused_with_its_line(tmp_path):
+    table = melted(LOG, "telemetry", {}).astype({"value": object})
+    table.iloc[40, 2] = "1.5x"
+    table.to_csv(tmp_path / "a.csv", index=False)
+    with pytest.raises(DataError, match=r"a\.csv: line 42: column value: '1\.5x' is not a number"):
+        read_log(tmp_path / "a.csv")
+
+
+@pytest.mark.parametrize("names", [("name", "value"), ("sensor", "speed")])
+def test_a_table_with_texts_is_no_long_table(tmp_path, names):
+    """Names of one row each, and texts beside channels."""
+    words = [f"row {i}" for i in range(len(T))]
+    LOG.drop(columns="speed").assign(**{names[0]: words, names[1]: 15.0}).to_csv(tmp_path / "a.csv", index=False)
+    headers = [column.header for column in read_content(tmp_path / "a.csv").columns]
+    assert headers == ["t", "steer", "yaw_rate", "ay", *names]
+
+
 def test_a_waveform_whose_start_was_never_set_begins_at_zero(tmp_path):
     dates = np.array(["1904-01-01"], dtype="datetime64[us]")
     tdms_of(tmp_path / "a.tdms", {"run": (dates, {name: LOG[name].to_numpy() for name in LOG if name != "t"})}, True)
