@@ -32,17 +32,20 @@ _RACECAPTURE = re.compile(r'"?(?P<name>[^"|]+)"?\|"?(?P<unit>[^"|]*)"?\|[^|]*\|[
 def read_csv(path: Path) -> Content:
     """Return the content of a CSV file.
 
-    Lines that begin with ``#`` above the names are skipped, and so are titles and blocks of information. Columns are
+    Lines that begin with ``#`` above the names are skipped, and so are titles and blocks of information. If the numbers
+    have no names above them, these lines have them, as in the files of `numpy.savetxt` and of CarMaker. Columns are
     separated by commas, semicolons or tabs; numbers may have decimal commas. Numbers are read exactly. Raises
     `DataError` with file and line of the first row that is wider than the header.
     """
     with _opened(path) as file:
-        sample = _sample(file, path)
+        comments, sample = _sample(file, path)
     separator = max(_SEPARATORS, key=lambda mark: _plausible([text for _, text in sample], mark))
-    rows = [(line, row) for line, text in sample for _, row in _rows([text], path, line - 1, separator)]
+    rows = _cells(sample, path, separator)
     if not rows:
         raise DataError(f"{path}: the file is empty")
     commas = has_decimal_commas(row for _, row in rows)
+    if is_numeric_row(list(map(with_point, rows[0][1]))):
+        rows = [(line, row) for line, row in _cells(comments, path, separator) if len(row) == len(rows[0][1])] + rows
     rows_by_use = layout([list(map(with_point, row)) if commas else row for _, row in rows])
     skipped = rows[rows_by_use.first - 1][0]
     names, units = rows[rows_by_use.names][1], [] if rows_by_use.units is None else rows[rows_by_use.units][1]
@@ -82,19 +85,27 @@ def _exact(cells: pd.Series) -> pd.Series:
         return cells
 
 
-def _sample(file: TextIO, path: Path) -> list[tuple[int, str]]:
-    """Return number and text of the first lines that are neither blank nor comments above the names."""
+def _sample(file: TextIO, path: Path) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
+    """Return number and text of the first comments, without their marks, and of the lines below that are not blank."""
+    comments: list[tuple[int, str]] = []
     sample: list[tuple[int, str]] = []
     lines = iter(partial(file.readline, LONGEST_LINE + 1), "")
     for number, line in enumerate(islice(lines, MOST_ABOVE), start=1):
         if len(line) > LONGEST_LINE:
             raise DataError(f"{path}: line {number}: more than {LONGEST_LINE} characters")
         text = line.strip("\r\n")
-        if text.strip() and not (text.startswith("#") and not sample):
+        if text.startswith("#") and not sample:
+            comments = [*comments, (number, text.lstrip("# \t"))][-SAMPLED:]
+        elif text.strip():
             sample.append((number, text))
         if len(sample) >= SAMPLED:
             break
-    return sample
+    return comments, sample
+
+
+def _cells(sample: Iterable[tuple[int, str]], path: Path, separator: str) -> list[tuple[int, list[str]]]:
+    """Return the line number and the cells of each line that is not blank."""
+    return [(line, row) for line, text in sample for _, row in _rows([text], path, line - 1, separator)]
 
 
 def _plausible(lines: list[str], separator: str) -> tuple[int, int, int]:

@@ -105,13 +105,21 @@ def test_a_name_counts_in_any_spelling_and_with_its_unit(tmp_path, monkeypatch, 
         ("z_rate_of_rotation", "yaw_rate"),
         ("Time Stamp", "t"),
         ("front_left wheel speed", "omega_fl"),
+        ("Car.ay", "ay"),
+        ("Car.vx", "speed"),
+        ("imu_gz", "yaw_rate"),
+        ("Car.WheelSpd_FL", "omega_fl"),
+        ("Car.SideSlipAngle", "beta"),
     ],
 )
 def test_a_name_counts_joined_separated_and_in_another_order(name, channel):
     assert nearest_channel(Column(name, [])) == channel
 
 
-@pytest.mark.parametrize("name", ["G(z)", "imu/orientation/x", "air_speed_x/y", "Steering Torque [Nm]", "yaw_moment"])
+@pytest.mark.parametrize("name", [
+    "G(z)", "imu/orientation/x", "imu/x", "Car.x", "air_speed_x/y", "Steering Torque [Nm]", "yaw_moment",
+    "Vhcl.FL.SideSlip", "RR_ay", "Car.CFL.vx", "Trailer.ay",
+])  # fmt: skip
 def test_a_name_of_something_else_is_no_channel(name):
     assert nearest_channel(Column(name, [])) == ""
 
@@ -171,6 +179,32 @@ def test_a_column_without_a_number_is_proposed_for_no_channel(tmp_path, monkeypa
     out = capsys.readouterr().out
     assert 'ay = "AccelY"' not in out
     assert "needed for an estimate of the tires: ay" in out
+
+
+@pytest.mark.parametrize("types", [[], ["C1"] * 6])
+@pytest.mark.parametrize("units", [[], ["s", "rad", "m/s", "rad/s", "m/s^2", "m/s^2"]])
+@pytest.mark.parametrize("above", [[], ["Created: 2026-11-29", "run, 5"]])
+@pytest.mark.parametrize("quote", ["", '"'])
+def test_names_behind_a_comment_mark_are_names(tmp_path, monkeypatch, types, units, above, quote):
+    """As in exports of CarMaker and in files of numpy.savetxt."""
+    monkeypatch.chdir(tmp_path)
+    names = ["Time", "Driver.Steer.Ang", "Car.vx", "Car.YawRate", "Car.ax", "Car.ay"]
+    head = [",".join(f"{quote}{cell}{quote}" for cell in row) for row in (names, types, units) if row]
+    body = [
+        ",".join(map(repr, row)) for row in LOG[["t", "steer", "speed", "yaw_rate", "ax", "ay"]].to_numpy().tolist()
+    ]
+    (tmp_path / "log.csv").write_text("\n".join([*(f"# {line}" for line in (*above, *head)), *body]), encoding="utf-8")
+    assert main(["inspect", "log.csv", "-o", "car.toml", "--quiet"]) == 0
+    log = read_log("log.csv", toml_file(tmp_path / "car.toml", TirefmuError)["columns"])
+    for name in ("steer", "speed", "yaw_rate", "ax", "ay"):
+        np.testing.assert_allclose(log.values(name), LOG[name], atol=1e-12)
+        np.testing.assert_allclose(log.channels[name][0], T, atol=1e-9)
+
+
+def test_a_comment_above_names_is_no_row_of_names(tmp_path):
+    lines = [",".join(LOG), *(",".join(map(repr, row)) for row in LOG.to_numpy().tolist())]
+    (tmp_path / "log.csv").write_text("\n".join(["# a,b,c,d,e,f", *lines]), encoding="utf-8")
+    np.testing.assert_allclose(read_log(tmp_path / "log.csv").values("ay"), LOG["ay"], atol=1e-12)
 
 
 def test_decimal_commas_of_a_log_are_stated(tmp_path, monkeypatch, capsys):

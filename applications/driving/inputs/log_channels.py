@@ -62,7 +62,7 @@ _CHANNELS = (
                "linear_acceleration_y", "accelerometer_m_s2_1"), 80.0, 2e-3, (_POSE,),
                "an accelerometer near the center of gravity"),
     LogChannel("beta", "sideslip angle at the reference point, positive to the left", "rad", "angle",
-               ("sideslip", "slip_angle", "side_slip"), 1.6, 2e-4),
+               ("sideslip", "slip_angle", "side_slip", "sideslip_angle", "side_slip_angle"), 1.6, 2e-4),
     LogChannel("vy", "lateral speed at the reference point, positive to the left", "m/s", "speed",
                ("v_y", "lateral_speed", "lateral_velocity"), 50.0, 2e-3),
     LogChannel("x", "position of the reference point, global x", "m", "length", ("pos_x", "position_x", "east"), 1e7,
@@ -80,7 +80,7 @@ POSITIONS = ("latitude", "longitude", "gps_latitude", "gps_longitude")
 #: Words of names that are written in several ways.
 SHORT = {"acceleration": "acc", "accel": "acc", "lateral": "lat", "longitudinal": "long", "lon": "long",
          "vertical": "vert", "gs": "g", "gforce": "g", "steering": "steer", "whl": "wheel", "ang": "angle",
-         "gyroscope": "gyro"}  # fmt: skip
+         "spd": "speed", "gyroscope": "gyro"}  # fmt: skip
 #: Channels that change sign between axes forward, left, up and forward, right, down.
 TURNED = ("steer", "yaw_rate", "ay", "beta", "vy", "y", "heading")
 LOG_CHANNELS: dict[str, LogChannel] = {declared.name: declared for declared in _CHANNELS}

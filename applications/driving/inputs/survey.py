@@ -6,6 +6,7 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import takewhile
 from typing import Any
 
 import numpy as np
@@ -32,12 +33,15 @@ GAP = 5.0
 #: Characters of a name that the name of a column may contain among others.
 SHORTEST_CONTAINED = 8
 #: Characters of a name that the end of a path may be ("x" may be that of anything), and of one without separators
-#: ("G(z)" is not gz).
-SHORTEST_END, SHORTEST_JOINED = 5, 4
+#: ("G(z)" is not gz); of the end behind the car or a sensor ("imu/x" may be anything).
+SHORTEST_END, SHORTEST_JOINED, SHORTEST_OWNED = 5, 4, 2
 #: Gravity by the unit that a file does not state: SI, g, mg.
 GRAVITIES = {"": GRAVITY, "g": 1.0, "mg": 1000.0}
 #: Share by which a mean may differ from gravity, correlations that show a sign and a cause.
 GRAVITY_SHARE, CLEAR, STRONG = 0.2, 0.3, 0.7
+#: Words before the name of a channel that name the car or a sensor in it, and those of a wheel.
+OWNERS = frozenset({"car", "vehicle", "vhcl", "ego", "chassis", "body", "imu", "ins", "gnss", "can", "ecu", "sensor"})
+WHEELS = frozenset({"fl", "fr", "rl", "rr"})
 _PATH = re.compile("[/.]")
 
 
@@ -134,29 +138,41 @@ def _nearest(column: Column) -> _Nearest:
     name, unit = name_and_unit(column.header)[0], column.declared_unit
     quantity = unit_named(unit).quantity if is_unit(unit) else ""
     candidates = []
+    wheel = WHEELS & set(words_of(name))
     for channel, declared in LOG_CHANNELS.items():
         if quantity in ("", declared.quantity):
             plain, ending = (name, "") if quantity else unit_at_end(name, declared.quantity)
             for alias in (channel, *declared.aliases):
+                of_another = bool(wheel - set(words_of(alias)))
+                if of_another and channel != "steer":
+                    continue  # the slip or the acceleration of a wheel is not that of the car
                 unit = ending or ("g" if "g" in alias.split("_") and not quantity else "")
                 if _is_named(plain, alias) or _is_named(name, alias):
-                    candidates.append(_Nearest(0, -len(alias), channel, unit))
+                    candidates.append(_Nearest(int(of_another), -len(alias), channel, unit))
                 elif len(alias) >= SHORTEST_CONTAINED and f"_{_words(alias)}_" in f"_{_words(plain)}_":
                     candidates.append(_Nearest(1, -len(alias), channel, unit))
     return min(candidates, default=_Nearest())
 
 
 def _is_named(written: str, alias: str) -> bool:
-    """Return whether a name, or the end of a path such as ``imu/angular_velocity/z``, has the words of an alias."""
+    """Return whether a name, or the end of a path such as ``imu/angular_velocity/z``, has the words of an alias.
+
+    A short end counts if what is before it is the car or a sensor: ``Car.ay``, ``imu_gz``.
+    """
     parts = _PATH.split(written)
     wanted = _words(alias).split("_")
-    for first in range(len(parts)):
-        words = _words("_".join(parts[first:])).split("_")
+    ends = [("_".join(parts[first:]), _PATH.sub("_", "/".join(parts[:first]))) for first in range(len(parts))]
+    words_before = list(takewhile(OWNERS.__contains__, words_of(written)))
+    if words_before and len(words_before) < len(words_of(written)):
+        ends.append(("_".join(words_of(written)[len(words_before) :]), "_".join(words_before)))
+    for end, before in ends:
+        words = _words(end).split("_")
         joined = "".join(words)
-        plain = "".join(words_of("_".join(parts[first:])))
+        plain = "".join(words_of(end))
         alike = joined == "".join(wanted) or plain == "".join(words_of(alias))
         same = sorted(words) == sorted(wanted) or (len(joined) >= SHORTEST_JOINED and alike)
-        if same and (first == 0 or len(joined) >= SHORTEST_END):
+        owned = OWNERS.issuperset(words_of(before)) and len(joined) >= SHORTEST_OWNED
+        if same and (not before or owned or len(joined) >= SHORTEST_END):
             return True
     return False
 
