@@ -8,14 +8,13 @@ import numpy as np
 import pandas as pd
 
 from ...boundary.errors import DataError
-from ...boundary.escaping import quoted
 from ...numerics.arrays import FloatArray
 from ...symbolic.channels import CHANNELS, INPUTS, OUTPUTS
 from ..column_names import check_names
 from ..interpretation import NOT_READ, Interpretation
 from ..recording import Recording
 from ..thresholds import MAX_INCOMPLETE
-from .columns.content import Content, listed
+from .columns.content import Content, names_of
 from .columns.resolution import DEFINED, ColumnChoice, choices, common_clock, ignored_columns
 from .ttc_channels import as_bench_table, completed, missing_channel
 
@@ -125,8 +124,6 @@ def _check_present(content: Content, chosen: Mapping[str, ColumnChoice], source:
     channels = {id(choice.column): name for name, choice in chosen.items()}
     check_names([channels.get(id(column), column.header.strip()) for column in content.columns], source)
     if not chosen:
-        headers = [column.header.strip() for column in content.columns]
-        only = ": columns are separated by commas, semicolons or tabs" if len(headers) == 1 else ""
-        has = f"it has {quoted(listed(headers))}{only}" if headers else "it has no columns of numbers"
         unread = f" (not read: {'; '.join(content.ignored)})" if content.ignored else ""
-        raise DataError(f"{source}: no column is a channel: {has}{unread}; known are {', '.join(CHANNELS)}")
+        what = f"{names_of(content)}{unread}; known are {', '.join(CHANNELS)}"
+        raise DataError(f"{source}: no column is a channel: {what}")

@@ -201,6 +201,17 @@ def test_names_behind_a_comment_mark_are_names(tmp_path, monkeypatch, types, uni
         np.testing.assert_allclose(log.channels[name][0], T, atol=1e-9)
 
 
+@pytest.mark.parametrize("stamp", [False, True])
+def test_a_log_without_names_is_said_to_have_none(tmp_path, monkeypatch, capsys, stamp):
+    monkeypatch.chdir(tmp_path)
+    times = [f"2026_11_29_12_00_{t:06.3f}".replace(".", "_") for t in T] if stamp else T
+    LOG.assign(t=times).to_csv("log.csv", index=False, header=False)
+    assert main(["inspect", "log.csv"]) == 2
+    assert "no names: write a row of names above it" in " ".join(capsys.readouterr().err.split())
+    with pytest.raises(DataError, match=r"no channel t \(time\): its first row has numbers and no names"):
+        read_log("log.csv")
+
+
 def test_a_comment_above_names_is_no_row_of_names(tmp_path):
     lines = [",".join(LOG), *(",".join(map(repr, row)) for row in LOG.to_numpy().tolist())]
     (tmp_path / "log.csv").write_text("\n".join(["# a,b,c,d,e,f", *lines]), encoding="utf-8")

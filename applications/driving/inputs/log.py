@@ -12,7 +12,7 @@ import pandas as pd
 
 from ....boundary.errors import DataError, WrongType
 from ....boundary.escaping import quoted
-from ....measurements.files.columns.content import Content
+from ....measurements.files.columns.content import Content, names_of
 from ....measurements.files.columns.frames import frame_content
 from ....measurements.files.columns.resolution import ColumnChoice, choices, ignored_columns
 from ....measurements.files.reading import read_content
@@ -148,7 +148,8 @@ def _check_size(values: FloatArray, name: str, place: str) -> None:
 def _check(channels: Mapping[str, Samples], chosen: Mapping[str, ColumnChoice], content: Content, source: str) -> None:
     """Raise if what an estimate needs is missing."""
     if "t" not in chosen and all(column.times is None for column in content.columns):
-        raise DataError(f"{source}: no channel {_lacks(LOG_CHANNELS['t'], content)}; {_naming('t', content)}")
+        has = "" if chosen else f": {names_of(content)}"
+        raise DataError(f"{source}: no channel {_lacks(LOG_CHANNELS['t'], content)}{has}; {_naming('t', content)}")
     for name, (t, _) in channels.items():
         if len(t) < MIN_SAMPLES:
             raise DataError(f"{source}: {name} has {len(t)} samples, fewer than {MIN_SAMPLES}")

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ....boundary.escaping import quoted
 from ....numerics.arrays import FloatArray
 from ...units import UNITS, find_unit
 from .cells import is_number
@@ -127,6 +128,20 @@ def name_and_unit(header: str) -> tuple[str, str | None]:
         name = " ".join(f"{header[: unit.start()]} {header[unit.end() :]}".split())
         return (name, unit[0][1:-1].strip()) if name else (header, None)
     return match["name"], (match["square"] if match["square"] is not None else match["round"]).strip()
+
+
+def names_of(content: Content) -> str:
+    """Return in words what the columns of a file are named, for a message that none of them is meant.
+
+    A first row of numbers in the place of the names, but for one date, is none.
+    """
+    headers = [column.header.strip() for column in content.columns]
+    if not headers:
+        return "it has no columns of numbers"
+    if len(headers) > 1 and sum(map(is_number, headers)) >= len(headers) - 1:
+        return "its first row has numbers and no names: write a row of names above it"
+    only = ": columns are separated by commas, semicolons or tabs" if len(headers) == 1 else ""
+    return f"it has {quoted(listed(headers))}{only}"
 
 
 def is_unit(spelling: str) -> bool:

@@ -46,9 +46,9 @@ def with_columns_of_signals(content: Content, source: str) -> Content:
     for other in others:
         _refuse_several(other, texts, source)
     for signal in signals:
-        own = (texts == signal).to_numpy()
-        unit = "" if units is None else units[own].iloc[0].strip()
-        others.append(Column(signal.strip(), np.where(own, cells, np.nan), unit))
+        rows = (texts == signal).to_numpy()
+        unit = "" if units is None else units[rows].iloc[0].strip()
+        others.append(Column(signal.strip(), np.where(rows, cells, np.nan), unit))
     return replace(content, columns=tuple(others))
 
 

@@ -564,6 +564,12 @@ def test_a_waveform_whose_start_was_never_set_begins_at_zero(tmp_path):
     np.testing.assert_allclose(read_log(tmp_path / "a.tdms").channels["ay"][0], T, atol=1e-9)
 
 
+def test_a_matrix_is_named_as_not_read(tmp_path):
+    savemat(tmp_path / "a.mat", {"slip_and_force": np.ones((50, 2))})
+    with pytest.raises(DataError, match=r"it has no columns of numbers \(not read: variables slip_and_force\)"):
+        read_recording(tmp_path / "a.mat")
+
+
 def test_what_a_log_has_instead_is_named(tmp_path):
     from scipy.io import savemat
 

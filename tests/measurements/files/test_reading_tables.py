@@ -158,6 +158,7 @@ def test_a_column_that_looks_like_a_missing_output_is_refused_where_outputs_are_
         ("alpha;Fz\n0,1;1.250\n", "line 2: column alpha: '0,1' is not a number"),
         ("IA,Fz\n0.1,900\n", "'IA' is not a channel: did you mean gamma (rad; 'gamma [deg]' declares degrees)?"),
         ("remark,id\n1,2\n", "no column is a channel: it has 'remark, id'; known are t, kappa,"),
+        ("0.0,1.5\n0.1,1.6\n", "no column is a channel: its first row has numbers and no names: write a row of"),
         ("alpha|Fz\n0.1|900\n", "it has 'alpha|Fz': columns are separated by commas, semicolons or tabs; known"),
         ("alpha,Fz\n0.1,900\n,900\n0.1,900\nnan,900\n", "line 3: alpha is NaN (2 of 4 rows)"),
         ("alpha,Fz\n0.1,900\n0.2\n", "line 3: Fz is NaN (1 of 2 rows)"),
