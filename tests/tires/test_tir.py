@@ -114,7 +114,7 @@ def test_a_core_tire_is_written_for_readers_without_switches(tmp_path):
         ("[VERTICAL]", "[VERTICAL] FNOMIN = 3", "text behind section [VERTICAL]: 'FNOMIN = 3'"),
         ("KPUMIN = -0.3", "KPUMIN = 0.4", "KPUMIN = 0.4 lies above KPUMAX = 0.3"),
         ("FZMAX = 1220.0", "FZMAX = inf", "FZMAX = 'inf' is not a number"),
-        ("FITTYP = 96", "FITTYP = 96\nTIREFMU", "'TIREFMU' in [MODEL] is not 'KEY = value'"),
+        ("FITTYP = 96", "FITTYP = 96\nTIREFMU", "'TIREFMU' in [MODEL] is not 'KEY = value'; a comment begins with $"),
         ("TIREFMU_MODEL = 'mf96'", "TIREFMU_MODEL = 'mf69'", "unknown model 'mf69': did you mean mf96?"),
         ("NAME = 'Hoosier", 'NAME = "Hoosier', 'NAME is not a quoted text: "Hoosier'),
         ("NAME = ", "EFFECTS = 'camber_trust' $", "effect of mf96 'camber_trust': did you mean camber_thrust?"),

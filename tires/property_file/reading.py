@@ -370,7 +370,8 @@ class _Reader:
         for row in self.rows:
             if row.section in strict and not row.in_table:
                 line = quoted(without_comment(row.text).strip())
-                raise TirError(f"{self.path}:{row.line}: {line} in [{row.section}] is not 'KEY = value'")
+                words = "" if any(map(str.isdigit, line)) else "; a comment begins with $"  # one that a page has broken
+                raise TirError(f"{self.path}:{row.line}: {line} in [{row.section}] is not 'KEY = value'{words}")
 
     def _refuse_own(self, stated: dict[str, Entry], model: Model) -> None:
         allowed = ["TIREFMU_MODEL", "NAME", "EFFECTS", *(f"CORE_{name}" for name in model.coefficients)]
