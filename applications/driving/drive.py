@@ -21,9 +21,10 @@ from .factors import CERTAIN, believed, factors_of, scaled_tires, withheld
 from .inputs.car import Car, read_car
 from .inputs.grid import Grid, forward_speed, gridded, spinning, unwrapped
 from .inputs.log import Log, LogLike, read_log
+from .inputs.log_channels import POSE
 from .inputs.plausibility import check_load_class, check_log, check_wheel_speeds, exchanged_axles
 from .inputs.unknowns import Unknowns, check_factors, unknowns_of
-from .interval import POSE, interval_of
+from .interval import interval_of
 from .result import Drive, wheel_table
 from .rivals import (
     DriveExplanation,

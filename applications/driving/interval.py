@@ -23,12 +23,12 @@ from ...tires.code.casadi_code import ARRAYS, casadi_expression, compiled
 from ...tires.code.modules import two_track
 from .inputs.car import Car, loads_of
 from .inputs.grid import MEASURED
+from .inputs.log_channels import POSE
 from .inputs.unknowns import ALONG, AXLES, FACTORS, Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 
 MOTION = ("v_x", "v_y", "yaw_rate")
-POSE = ("x", "y", "heading")
 #: Residuals of the balance of forces, per static load.
 BALANCE = ("e_front", "e_rear")
 #: Further results of an interval for each axle: the inputs of a wheel that is the mean of both, its side force, W axes,

@@ -629,6 +629,15 @@ def test_without_a_peak_friction_is_not_determined(car, tire):
         assert factors[axle]["LMUY"].low < 1.0 < factors[axle]["LMUY"].high
 
 
+def with_pose(log, sign, size):
+    """Return a log with positions and a heading from 0 to 360 deg, in units of a size in deg."""
+    t, speed = log["t"].to_numpy(), log["speed"].to_numpy()
+    step = np.gradient(t)
+    heading = np.cumsum(log["yaw_rate"].to_numpy() * step)
+    x, y = np.cumsum(speed * np.cos(heading) * step), np.cumsum(speed * np.sin(heading) * step)
+    return log.assign(x=x, y=y, heading=(sign * np.degrees(heading) + 200.0) % 360.0 * size)
+
+
 REFUSED = {
     "no steering": (lambda log: log.assign(steer=0.0), "steer hardly changes"),
     "held steering": (lambda log: log.assign(steer=0.3), "steer hardly changes"),
@@ -642,6 +651,15 @@ REFUSED = {
     "in g and km/h": (
         lambda log: log.filter(regex="^(?!omega)").assign(ay=log["ay"] / 9.81, speed=3.6 * log["speed"]),
         "speed in km/h and ay in g",
+    ),
+    "heading in degrees": (lambda log: with_pose(log, 1.0, 1.0), "in deg? --columns 'heading=HEADER [deg]'"),
+    "heading of a compass": (
+        lambda log: with_pose(log, -1.0, 1.0),
+        "as that of a compass and in deg? --columns 'heading=-HEADER [deg]'",
+    ),
+    "heading to the right": (
+        lambda log: with_pose(log, -1.0, np.pi / 180.0),
+        "as that of a compass? --columns 'heading=-HEADER'",
     ),
     "a bank": (lambda log: log.assign(ay=log["ay"] + 6.0), "a banked road"),
     "microseconds": (lambda log: log.assign(t=1e6 * log["t"]), "in us? --columns 't=t [us]'"),

@@ -105,6 +105,7 @@ def test_a_name_counts_in_any_spelling_and_with_its_unit(tmp_path, monkeypatch, 
         ("z_rate_of_rotation", "yaw_rate"),
         ("Time Stamp", "t"),
         ("front_left wheel speed", "omega_fl"),
+        ("Corr Speed", "speed"),
         ("Car.ay", "ay"),
         ("Car.vx", "speed"),
         ("imu_gz", "yaw_rate"),
@@ -199,6 +200,14 @@ def test_names_behind_a_comment_mark_are_names(tmp_path, monkeypatch, types, uni
     for name in ("steer", "speed", "yaw_rate", "ax", "ay"):
         np.testing.assert_allclose(log.values(name), LOG[name], atol=1e-12)
         np.testing.assert_allclose(log.channels[name][0], T, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["G_Sensor_Front_Yaw_Rate", "wheel_speed_rl", "Gierrate"])
+def test_a_channel_that_no_bench_has_makes_a_log(tmp_path, monkeypatch, capsys, name):
+    monkeypatch.chdir(tmp_path)
+    LOG[["t", "speed", "yaw_rate"]].rename(columns={"yaw_rate": name}).to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv"]) == 0
+    assert "the log of a drive" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("stamp", [False, True])

@@ -17,7 +17,7 @@ from ....measurements.files.columns.frames import frame_content
 from ....measurements.files.columns.resolution import ColumnChoice, choices, ignored_columns
 from ....measurements.files.reading import read_content
 from .clock import clock_problem
-from .log_channels import LOG_CHANNELS, WHEEL_SPEEDS, LogChannel, lacking
+from .log_channels import LOG_CHANNELS, POSE, WHEEL_SPEEDS, LogChannel, lacking
 from .survey import nearest_column
 
 FloatArray = npt.NDArray[np.float64]
@@ -60,7 +60,7 @@ class Log:
 
     def has_pose(self) -> bool:
         """Return whether position and heading are logged."""
-        return {"x", "y", "heading"} <= self.channels.keys()
+        return set(POSE) <= self.channels.keys()
 
     def has_wheel_speeds(self) -> bool:
         """Return whether the spin of a wheel of each axle is logged."""
@@ -82,7 +82,7 @@ def read_log(log: LogLike, columns: Mapping[str, str] | None = None) -> Log:
     Returns
     -------
     Log
-        In SI units.
+        In SI units. Positions and heading are read if all three are there.
 
     Raises
     ------
@@ -101,6 +101,8 @@ def read_log(log: LogLike, columns: Mapping[str, str] | None = None) -> Log:
     else:
         raise WrongType("log", log, "a DataFrame or the path of a file")
     chosen = choices(content, LOG_CHANNELS, source, columns)
+    if not set(POSE) <= chosen.keys():
+        chosen = {name: choice for name, choice in chosen.items() if name not in POSE}
     channels = samples_of(content, chosen, source)
     _check(channels, chosen, content, source)
     start = min(t[0] for t, _ in channels.values())

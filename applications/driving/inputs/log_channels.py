@@ -30,7 +30,8 @@ class LogChannel:
     source: str = ""
 
 
-_POSE = ("x", "y", "heading")
+#: Position and heading, which only all three determine the motion of a car.
+POSE = ("x", "y", "heading")
 _WHEELS = tuple((front, rear) for front in ("omega_fl", "omega_fr") for rear in ("omega_rl", "omega_rr"))
 _CHANNELS = (
     LogChannel("t", "time", "s", "time", ("time", "timestamp", "timestamps", "stamp", "elapsed_time", "interval",
@@ -39,8 +40,8 @@ _CHANNELS = (
                ("steering", "steering_angle", "steered_angle", "steer_angle", "delta", "swa",
                "steering_wheel_angle", "steer_sw"), 20.0, source="the CAN bus of the car (OBD has none) or a sensor"),
     LogChannel("speed", "forward speed", "m/s", "speed", ("v", "vx", "v_x", "velocity", "vel", "ground_speed",
-               "vehicle_speed", "gps_speed", "velocity_kmh", "wheel_speed", "twist_linear_x", "v_ego"), 150.0, 0.005,
-               (*_WHEELS, _POSE)),
+               "vehicle_speed", "gps_speed", "corr_speed", "velocity_kmh", "wheel_speed", "twist_linear_x", "v_ego"),
+               150.0, 0.005, (*_WHEELS, POSE)),
     *(
         LogChannel(f"omega_{corner}", f"spin of the wheel {corner}", "rad/s", "rotation",
                    (f"wheel_speed_{corner}", f"wheel_speed_{side}"),
@@ -51,7 +52,7 @@ _CHANNELS = (
                "gyro_z", "gz", "omega_z", "angular_velocity_z", "angular_z", "gyro_rad_2", "gyro_yaw_velocity",
                "yaw_velocity", "gyro_yaw", "yaw", "rotation_rate_z",
                "rate_of_rotation_z", "angle_rate_z", "angular_rate_z", "AVz"),
-               12.0, 2e-4, (_POSE,), "a gyroscope, which phones have (ay/speed and the rate of a GPS course are the "
+               12.0, 2e-4, (POSE,), "a gyroscope, which phones have (ay/speed and the rate of a GPS course are the "
                "turn of the path, not of the car)"),
     LogChannel("ax", "longitudinal acceleration, positive forward", "m/s^2", "acceleration",
                ("a_x", "acceleration_x", "longitudinal_acceleration", "a_ego", "g_force_long", "longitudinal_g",
@@ -59,7 +60,7 @@ _CHANNELS = (
                2e-3),
     LogChannel("ay", "lateral acceleration, positive to the left", "m/s^2", "acceleration",
                ("a_y", "acceleration_y", "lateral_acceleration", "g_force_lat", "lateral_g", "g_lat",
-               "linear_acceleration_y", "accelerometer_m_s2_1"), 80.0, 2e-3, (_POSE,),
+               "linear_acceleration_y", "accelerometer_m_s2_1"), 80.0, 2e-3, (POSE,),
                "an accelerometer near the center of gravity"),
     LogChannel("beta", "sideslip angle at the reference point, positive to the left", "rad", "angle",
                ("sideslip", "slip_angle", "side_slip", "sideslip_angle", "side_slip_angle"), 1.6, 2e-4),

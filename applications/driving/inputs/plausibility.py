@@ -98,6 +98,7 @@ def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
             f"{source}: the steering does not explain the yaw rate (correlation {correlation:.2f}): is this the log of "
             f"{car.source}?"
         )
+    _check_heading(grid, yaw_rate, source)
     lateral_gain, offset = 1.0, 0.0
     ay = grid.means[MEASURED.index("ay")]
     if np.isfinite(ay).any():
@@ -120,6 +121,19 @@ def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
             f"{source}: ay is {offset:+.3g} m/s^2 from speed times yaw rate on average: a banked road, or a tilted "
             f"sensor: state it: ay_offset = {offset:.3g} in [sensors] of {car.source} (a bank of 1 rad adds 9.81)"
         )
+
+
+def _check_heading(grid: Grid, yaw_rate: FloatArray, source: str) -> None:
+    """Raise if the heading turns the other way than the yaw rate, as that of a compass does, or in degrees."""
+    heading = _rate_of_heading(grid)
+    gain, correlation = _slope(yaw_rate, heading) if np.isfinite(heading).any() else (1.0, 0.0)
+    if abs(correlation) < MIN_CORRELATION or (gain > 0.0 and _within(gain, LATERAL_GAIN)):
+        return
+    sign = "-" if gain < 0.0 else ""
+    unit = " [deg]" if _within(abs(np.radians(gain)), LATERAL_GAIN) else ""
+    means = [*(["to the right, as that of a compass"] if sign else []), *(["in deg"] if unit else [])]
+    remedy = f": {' and '.join(means)}? --columns 'heading={sign}HEADER{unit}'" if means else ": in another unit?"
+    raise DataError(f"{source}: the heading turns {gain:.3g} times as fast as the yaw rate{remedy}")
 
 
 def exchanged_axles(grid: Grid, speed: FloatArray, car: Car) -> tuple[str, ...]:
@@ -203,8 +217,15 @@ def _yaw_rate(grid: Grid) -> FloatArray:
     measured = grid.means[MEASURED.index("yaw_rate")]
     if np.isfinite(measured).any():
         return np.asarray(measured)
+    return _rate_of_heading(grid)
+
+
+def _rate_of_heading(grid: Grid) -> FloatArray:
+    """Return the rate of the heading; NaN if it is not logged."""
     heading = grid.means[MEASURED.index("heading")]
     finite = np.isfinite(heading)
+    if not finite.any():
+        return np.full(len(grid.t), np.nan)
     return np.asarray(np.gradient(np.interp(grid.t, grid.t[finite], heading[finite]), grid.t))
 
 

@@ -42,6 +42,8 @@ GRAVITY_SHARE, CLEAR, STRONG = 0.2, 0.3, 0.7
 #: Words before the name of a channel that name the car or a sensor in it, and those of a wheel.
 OWNERS = frozenset({"car", "vehicle", "vhcl", "ego", "chassis", "body", "imu", "ins", "gnss", "can", "ecu", "sensor"})
 WHEELS = frozenset({"fl", "fr", "rl", "rr"})
+#: Channels that a bench has not.
+OF_A_CAR = frozenset({"yaw_rate", *(f"omega_{wheel}" for wheel in WHEELS)})
 _PATH = re.compile("[/.]")
 
 
@@ -93,7 +95,7 @@ class Survey:
 
 
 def is_drive_log(content: Content, named: Collection[str] = ()) -> bool:
-    """Return whether a file is the log of a drive: no force but of wheels, and two channels or the positions of a car.
+    """Return whether a file is the log of a drive: no force but of wheels, and two channels, a yaw rate or positions.
 
     `named`: channels that the user names; one that only a drive has decides.
     """
@@ -105,7 +107,11 @@ def is_drive_log(content: Content, named: Collection[str] = ()) -> bool:
     ):
         return False
     near = {nearest_channel(column) for column in content.columns} - {"", "t", "speed"}
-    return len(near) >= 2 or any(_is_named(name, position) for name in names for position in POSITIONS)
+    return (
+        len(near) >= 2
+        or bool(near & OF_A_CAR)
+        or any(_is_named(name, position) for name in names for position in POSITIONS)
+    )
 
 
 def nearest_channel(column: Column) -> str:

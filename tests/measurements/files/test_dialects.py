@@ -564,6 +564,14 @@ def test_a_waveform_whose_start_was_never_set_begins_at_zero(tmp_path):
     np.testing.assert_allclose(read_log(tmp_path / "a.tdms").channels["ay"][0], T, atol=1e-9)
 
 
+@pytest.mark.parametrize("names", [("heading",), ("x", "y"), ("x", "heading"), ("x", "y", "heading")])
+def test_a_part_of_a_pose_is_not_read(names):
+    """Every VBOX log has a heading, and none has positions in m."""
+    log = read_log(LOG.assign(**dict.fromkeys(names, 0.1 * T)))
+    assert set(names) & set(log.channels) == (set(names) if len(names) == 3 else set())
+    assert all(name in log.ignored for name in names) == (len(names) < 3)
+
+
 def test_a_matrix_is_named_as_not_read(tmp_path):
     savemat(tmp_path / "a.mat", {"slip_and_force": np.ones((50, 2))})
     with pytest.raises(DataError, match=r"it has no columns of numbers \(not read: variables slip_and_force\)"):
