@@ -109,6 +109,12 @@ def test_a_name_counts_in_any_spelling_and_with_its_unit(tmp_path, monkeypatch, 
         ("Car.ay", "ay"),
         ("Car.vx", "speed"),
         ("imu_gz", "yaw_rate"),
+        ("ay_filtered", "ay"),
+        ("a_y_IMU", "ay"),
+        ("accx_can", "ax"),
+        ("acc_body_y", "ay"),
+        ("vel_body_x", "speed"),
+        ("twist/angular/z", "yaw_rate"),
         ("Car.WheelSpd_FL", "omega_fl"),
         ("Car.SideSlipAngle", "beta"),
     ],
@@ -119,7 +125,9 @@ def test_a_name_counts_joined_separated_and_in_another_order(name, channel):
 
 @pytest.mark.parametrize("name", [
     "G(z)", "imu/orientation/x", "imu/x", "Car.x", "air_speed_x/y", "Steering Torque [Nm]", "yaw_moment",
-    "Vhcl.FL.SideSlip", "RR_ay", "Car.CFL.vx", "Trailer.ay",
+    "Vhcl.FL.SideSlip", "RR_ay", "Car.CFL.vx", "Trailer.ay", "AngularVelocityY", "imu/angular_velocity/x",
+    "Vertical Velocity", "wind_velocity", "steering_angle_target", "cmd_steering_angle", "vehicle_speed_limit",
+    "GPS Speed Accuracy", "lateral_acceleration_variance",
 ])  # fmt: skip
 def test_a_name_of_something_else_is_no_channel(name):
     assert nearest_channel(Column(name, [])) == ""

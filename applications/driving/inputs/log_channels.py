@@ -39,7 +39,7 @@ _CHANNELS = (
     LogChannel("steer", "steering: as the ratio or the map of the car reads it, positive to the left", "rad", "angle",
                ("steering", "steering_angle", "steered_angle", "steer_angle", "delta", "swa",
                "steering_wheel_angle", "steer_sw"), 20.0, source="the CAN bus of the car (OBD has none) or a sensor"),
-    LogChannel("speed", "forward speed", "m/s", "speed", ("v", "vx", "v_x", "velocity", "vel", "ground_speed",
+    LogChannel("speed", "forward speed", "m/s", "speed", ("v", "vx", "v_x", "velocity", "velocity_x", "ground_speed",
                "vehicle_speed", "gps_speed", "corr_speed", "velocity_kmh", "wheel_speed", "twist_linear_x", "v_ego"),
                150.0, 0.005, (*_WHEELS, POSE)),
     *(
@@ -81,7 +81,7 @@ POSITIONS = ("latitude", "longitude", "gps_latitude", "gps_longitude")
 #: Words of names that are written in several ways.
 SHORT = {"acceleration": "acc", "accel": "acc", "lateral": "lat", "longitudinal": "long", "lon": "long",
          "vertical": "vert", "gs": "g", "gforce": "g", "steering": "steer", "whl": "wheel", "ang": "angle",
-         "spd": "speed", "gyroscope": "gyro"}  # fmt: skip
+         "spd": "speed", "vel": "velocity", "gyroscope": "gyro"}  # fmt: skip
 #: Channels that change sign between axes forward, left, up and forward, right, down.
 TURNED = ("steer", "yaw_rate", "ay", "beta", "vy", "y", "heading")
 LOG_CHANNELS: dict[str, LogChannel] = {declared.name: declared for declared in _CHANNELS}

@@ -6,7 +6,6 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import takewhile
 from typing import Any
 
 import numpy as np
@@ -39,8 +38,16 @@ SHORTEST_END, SHORTEST_JOINED, SHORTEST_OWNED = 5, 4, 2
 GRAVITIES = {"": GRAVITY, "g": 1.0, "mg": 1000.0}
 #: Share by which a mean may differ from gravity, correlations that show a sign and a cause.
 GRAVITY_SHARE, CLEAR, STRONG = 0.2, 0.3, 0.7
-#: Words before the name of a channel that name the car or a sensor in it, and those of a wheel.
-OWNERS = frozenset({"car", "vehicle", "vhcl", "ego", "chassis", "body", "imu", "ins", "gnss", "can", "ecu", "sensor"})
+#: Words of a name that name the car, a sensor in it or a filter; those that make another quantity of it, in the words
+#: of `SHORT`; those of a wheel.
+OWNERS = frozenset((
+    "car", "vehicle", "vhcl", "ego", "chassis", "body", "imu", "ins", "gnss", "can", "ecu", "sensor",
+    "raw", "filtered", "filt", "measured", "meas", "corrected", "corr",
+))  # fmt: skip
+OTHERS = frozenset((
+    "angular", "vert", "wind", "air", "motor", "engine", "target", "desired", "command", "cmd", "reference",
+    "limit", "max", "min", "error", "accuracy", "variance", "covariance", "std", "torque", "moment",
+))  # fmt: skip
 WHEELS = frozenset({"fl", "fr", "rl", "rr"})
 #: Channels that a bench has not.
 OF_A_CAR = frozenset({"yaw_rate", *(f"omega_{wheel}" for wheel in WHEELS)})
@@ -155,7 +162,7 @@ def _nearest(column: Column) -> _Nearest:
                 unit = ending or ("g" if "g" in alias.split("_") and not quantity else "")
                 if _is_named(plain, alias) or _is_named(name, alias):
                     candidates.append(_Nearest(int(of_another), -len(alias), channel, unit))
-                elif len(alias) >= SHORTEST_CONTAINED and f"_{_words(alias)}_" in f"_{_words(plain)}_":
+                elif len(alias) >= SHORTEST_CONTAINED and _is_contained(_words(alias), _words(plain)):
                     candidates.append(_Nearest(1, -len(alias), channel, unit))
     return min(candidates, default=_Nearest())
 
@@ -163,24 +170,28 @@ def _nearest(column: Column) -> _Nearest:
 def _is_named(written: str, alias: str) -> bool:
     """Return whether a name, or the end of a path such as ``imu/angular_velocity/z``, has the words of an alias.
 
-    A short end counts if what is before it is the car or a sensor: ``Car.ay``, ``imu_gz``.
+    Words of the car, of a sensor or of a filter do not count: ``Car.ay``, ``imu_gz``, ``ay_filtered``.
     """
-    parts = _PATH.split(written)
+    parts, words = _PATH.split(written), words_of(written)
     wanted = _words(alias).split("_")
-    ends = [("_".join(parts[first:]), _PATH.sub("_", "/".join(parts[:first]))) for first in range(len(parts))]
-    words_before = list(takewhile(OWNERS.__contains__, words_of(written)))
-    if words_before and len(words_before) < len(words_of(written)):
-        ends.append(("_".join(words_of(written)[len(words_before) :]), "_".join(words_before)))
-    for end, before in ends:
-        words = _words(end).split("_")
+    core = tuple(word for word in words if word not in OWNERS)
+    ends = [("_".join(parts[first:]), SHORTEST_END if first else 0) for first in range(len(parts))]
+    if core != words:
+        ends.append(("_".join(core), SHORTEST_OWNED))
+    for end, shortest in ends:
+        words = tuple(_words(end).split("_"))
         joined = "".join(words)
         plain = "".join(words_of(end))
         alike = joined == "".join(wanted) or plain == "".join(words_of(alias))
         same = sorted(words) == sorted(wanted) or (len(joined) >= SHORTEST_JOINED and alike)
-        owned = OWNERS.issuperset(words_of(before)) and len(joined) >= SHORTEST_OWNED
-        if same and (not before or owned or len(joined) >= SHORTEST_END):
+        if same and len(joined) >= shortest:
             return True
     return False
+
+
+def _is_contained(alias: str, name: str) -> bool:
+    """Return whether a name has the words of an alias, and none that makes another quantity of it."""
+    return f"_{alias}_" in f"_{name}_" and not OTHERS & (set(name.split("_")) - set(alias.split("_")))
 
 
 def nearest_column(name: str, content: Content) -> str:
