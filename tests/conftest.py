@@ -5,8 +5,10 @@ from __future__ import annotations
 import gc
 import lzma
 import os
-from collections.abc import Generator, Iterator
+import pickle
+from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
+from typing import Any
 
 import filelock
 import hypothesis
@@ -18,9 +20,10 @@ os.environ["MPLBACKEND"] = "Agg"
 os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 # Derandomized: a commit has the same result everywhere. No deadline and no health check of speed, because machines may
-# be busy. (pytest --hypothesis-profile=default draws new examples.)
+# be busy. A release draws more examples (and pytest --hypothesis-profile=default new ones).
 hypothesis.settings.register_profile(
     "tirefmu",
+    max_examples=100 if "TIREFMU_SLOW" in os.environ else 30,
     deadline=None,
     derandomize=True,
     print_blob=True,
@@ -99,22 +102,60 @@ def compiled_code(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPath
 
 @pytest.fixture(scope="session", autouse=True)
 def coarse_figures() -> Iterator[None]:
-    """Draw figures with few pixels and axes where they first are: no test looks at them, and they take long."""
+    """Make figures with few pixels and nothing on them: no test looks at them, and they take long.
+
+    Tests of what is drawn request `drawn_figures`.
+    """
     from matplotlib.figure import Figure
 
     from tirefmu.drawing import picture
-    from tirefmu.tires.drawing import files, surface_figure
+    from tirefmu.tires.drawing import files
 
-    def roughly(**given: object) -> Figure:
-        return Figure(**{**given, "layout": None})
+    class Unseen(Figure):
+        def draw(self, renderer: object) -> None:
+            """Draw nothing."""
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(picture, "MatplotlibFigure", roughly)
-        patch.setattr(surface_figure, "MatplotlibFigure", roughly)
+        _make_figures(patch, Unseen)
         patch.setattr(picture, "DPI", 40)
         patch.setattr(picture, "PAGE_DPI", 40)
         patch.setattr(files, "DPI", 40)
         yield
+
+
+@pytest.fixture
+def drawn_figures() -> Iterator[None]:
+    """Draw figures, with their axes where they first are."""
+    from matplotlib.figure import Figure
+
+    with pytest.MonkeyPatch.context() as patch:
+        _make_figures(patch, Figure)
+        yield
+
+
+def _make_figures(patch: pytest.MonkeyPatch, kind: Callable[..., object]) -> None:
+    from tirefmu.drawing import picture
+    from tirefmu.tires.drawing import surface_figure
+
+    for module in (picture, surface_figure):
+        patch.setattr(module, "MatplotlibFigure", lambda **given: kind(**{**given, "layout": None}))
+
+
+@pytest.fixture(scope="session")
+def once(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, Callable[[Path], Any]], Any]:
+    """Return what computes a result with a name once for all workers, from a function of an empty folder."""
+    folder = tmp_path_factory.getbasetemp()
+    folder = folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder
+
+    def result(name: str, make: Callable[[Path], Any]) -> Any:
+        stored = folder / f"{name}.pickle"
+        with filelock.FileLock(folder / f"{name}.lock"):
+            if not stored.exists():
+                (folder / name).mkdir()
+                stored.write_bytes(pickle.dumps(make(folder / name)))
+        return pickle.loads(stored.read_bytes())
+
+    return result
 
 
 @pytest.fixture(scope="session")

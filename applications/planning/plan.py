@@ -220,8 +220,8 @@ def plan(
     --------
     >>> from tirefmu.applications.planning.bench_file import Limits
     >>> bench = Bench({"Fz": Limits(220.0, 1120.0, 3.0, levels=2), "alpha": Limits(-0.2, 0.2, 2.0, 0.14)})
-    >>> result = plan("trento_hoosier", bench, aims=["stiffness"], minutes=2.0)
-    >>> result.program.seconds <= 120.0, list(result.prediction.widths)
+    >>> result = plan("trento_hoosier", bench, aims=["stiffness"], minutes=1.0)
+    >>> result.program.seconds <= 60.0, list(result.prediction.widths)
     (True, ['stiffness_y'])
     """
     bench = bench if isinstance(bench, Bench) else read_bench(bench)

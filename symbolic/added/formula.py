@@ -14,6 +14,7 @@ import re
 import warnings
 from collections.abc import Callable
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 
 import sympy as sp
@@ -74,15 +75,24 @@ def formula(text: str, location: str) -> sp.Expr:
     tirefmu.boundary.errors.EffectError: example: 'T / (2 - 2)' divides by 0
     """
     try:
-        expression = _read(_tree(text), location)
+        return _expression(text)
+    except EffectError as error:
+        raise EffectError(f"{location}: {error}") from None
+
+
+@lru_cache(maxsize=4096)
+def _expression(text: str) -> sp.Expr:
+    """Return the expression of a text, which is read once: a file, its checks and the lines of a model ask for it."""
+    try:
+        expression = _read(_tree(text))
         for _ in range(MAX_FORMS):  # SymPy may print brackets that it removes on reading
-            again = _read(_tree(formula_text(expression)), location)
+            again = _read(_tree(formula_text(expression)))
             if again == expression:
                 return expression
             expression = again
     except _Refused as error:
-        raise EffectError(f"{location}: {quoted(text)} {error}") from None
-    raise EffectError(f"{location}: {quoted(text)} has no reproducible text")
+        raise EffectError(f"{quoted(text)} {error}") from None
+    raise EffectError(f"{quoted(text)} has no reproducible text")
 
 
 def formula_text(expression: sp.Expr) -> str:
@@ -124,35 +134,35 @@ def _tree(text: str) -> ast.expr:
     return tree
 
 
-def _read(node: ast.expr, location: str) -> sp.Expr:
+def _read(node: ast.expr) -> sp.Expr:
     """Return the checked expression of a node."""
     if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)) and not isinstance(node.value, bool):
         value = node.value
-        return _worked_out(node, location, lambda: _number(value))
+        return _worked_out(node, lambda: _number(value))
     if isinstance(node, ast.Name):
         return sp.Float(math.pi) if node.id == "pi" else sp.Symbol(node.id, real=True)
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.USub, ast.UAdd)):
-        value = _read(node.operand, location)
+        value = _read(node.operand)
         return -value if isinstance(node.op, ast.USub) else value
     if isinstance(node, ast.BinOp) and type(node.op) in OPERATORS:
         operands = [node.left, node.right]
         apply = on_numbers = OPERATORS[type(node.op)]
     elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and len(node.args) == 1 and not node.keywords:
         if node.func.id not in FUNCTIONS:
-            raise EffectError(f"{location}: unknown function {node.func.id!r}{nearest(node.func.id, FUNCTIONS)}")
+            raise EffectError(f"unknown function {node.func.id!r}{nearest(node.func.id, FUNCTIONS)}")
         operands, apply = node.args, FUNCTIONS[node.func.id]
         on_numbers = ON_NUMBERS[node.func.id]
     else:
-        raise EffectError(f"{location}: {quoted(ast.unparse(node))} is not allowed in a formula")
-    values = [_read(operand, location) for operand in operands]
-    return _worked_out(node, location, lambda: _applied(node, values, apply, on_numbers))
+        raise EffectError(f"{quoted(ast.unparse(node))} is not allowed in a formula")
+    values = [_read(operand) for operand in operands]
+    return _worked_out(node, lambda: _applied(node, values, apply, on_numbers))
 
 
-def _worked_out(node: ast.expr, location: str, compute: Callable[[], sp.Expr]) -> sp.Expr:
+def _worked_out(node: ast.expr, compute: Callable[[], sp.Expr]) -> sp.Expr:
     try:
         return compute()
     except _Refused as error:
-        raise EffectError(f"{location}: {quoted(ast.unparse(node))} {error}") from None
+        raise EffectError(f"{quoted(ast.unparse(node))} {error}") from None
 
 
 def _applied(

@@ -13,22 +13,21 @@ KERNELS = ("forces", "jacobian_inputs", "jacobian_parameters")
 
 
 def batch_sources(model: Model, routines: tuple[Routine, ...]) -> dict[str, str]:
-    """Return the sources of a model's kernels by routine, one library each.
+    """Return the sources of the kernels of those of a model's routines that have one, one library each.
 
     The exported ``<model>_batch_<routine>`` takes n rows whose columns are `stride` numbers apart, for inputs and
     results. It is valid for rows without turn slip under default options and marks the rows without a finite result;
-    the caller computes these one by one. Of `jacobian_parameters` it gives the entries that are not 0 everywhere, row
-    by row (`tirefmu.symbolic.printers.routines.entries`); its library also exports
+    the caller computes these one by one. Of `jacobian_parameters` it gives the entries of coefficients that a force
+    depends on, row by row (`tirefmu.symbolic.printers.routines.entries`); its library also exports
     ``<model>_batch_chosen_derivatives``, some of them, and ``<model>_batch_normal_equations``, which uses them where
     they are (`normal_equations.h`).
     """
     by_name = {routine.full_name: routine for routine in routines}
     sources = {}
-    for name in KERNELS:
-        general = by_name[name]
-        routine = by_name.get(f"{name}_{PLAIN}", general)
+    for name in by_name.keys() & set(KERNELS):
+        routine = by_name.get(f"{name}_{PLAIN}", by_name[name])
         values = [value for row in routine.results for value in row]
-        chosen = entries(general) if name == "jacobian_parameters" else range(len(values))
+        chosen = entries(model) if name == "jacobian_parameters" else range(len(values))
         sources[name] = _source(model, routine, [values[i] for i in chosen])
     return sources
 

@@ -13,7 +13,7 @@ from .definitions import INCLUDES, comment, definitions
 from .expressions import PlainCPrinter
 from .pairs import function_of, in_pairs
 from .python import PLAIN_ROWS, origin
-from .routines import PLAIN, Assignment, Routine, jacobians_of, values_of
+from .routines import JACOBIANS, PLAIN, Assignment, Routine
 
 #: Above lines that are not in the book's order.
 IN_PAIRS = "Two calls of a function that do not depend on each other are computed at a time"
@@ -23,7 +23,10 @@ ARRAYS = "const double inputs[], const double parameters[], double results[]"
 
 
 def c_header(model: Model, routines: tuple[Routine, ...]) -> str:
-    """Return the header: sizes, indices of inputs, parameters and results, prototypes."""
+    """Return the header: sizes, indices of inputs, parameters and results, prototypes, also of the Jacobians.
+
+    `routines`: those that are no Jacobians.
+    """
     quantities = routines[0]
     prefix = model.name.upper()
     remarks = {name: f"{declared.description} [{declared.unit}]" for name, declared in model.coefficients.items()}
@@ -44,15 +47,14 @@ def c_header(model: Model, routines: tuple[Routine, ...]) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def c_sources(model: Model, routines: tuple[Routine, ...]) -> dict[str, str]:
-    """Return the two sources of a model by the names of their files, without the ending.
+def c_values(model: Model, routines: tuple[Routine, ...]) -> str:
+    """Return the source with the routines that are no Jacobians."""
+    return _source(model, "C99", routines, [_rows(model)])
 
-    ``<model>`` has every routine but the Jacobians, ``<model>_jacobians`` these. Neither calls the other.
-    """
-    return {
-        model.name: _source(model, "C99", values_of(routines), [_rows(model)]),
-        f"{model.name}_jacobians": _source(model, "C99: Jacobians", jacobians_of(routines), []),
-    }
+
+def c_jacobians(model: Model, routines: tuple[Routine, ...]) -> str:
+    """Return the source with the Jacobians. Neither source calls the other."""
+    return _source(model, "C99: Jacobians", routines, [])
 
 
 def _source(model: Model, what: str, routines: tuple[Routine, ...], more: list[str]) -> str:
@@ -88,7 +90,10 @@ def _meaning(option: Option) -> str:
 
 
 def _prototypes(model: Model, routines: tuple[Routine, ...], variant: str) -> str:
-    return "\n".join(f"{_prototype(model, routine)};" for routine in routines if routine.variant == variant)
+    """Print the prototypes of a variant; the Jacobians of the forces follow these."""
+    names = [name for routine in routines if routine.variant == variant
+             for name in (routine.name, *(JACOBIANS if routine.name == "forces" else ()))]  # fmt: skip
+    return "\n".join(f"{_prototype(model, f'{name}_{variant}'.rstrip('_'))};" for name in names)
 
 
 def _plain_prototypes(model: Model, routines: tuple[Routine, ...]) -> list[str]:
@@ -97,8 +102,8 @@ def _plain_prototypes(model: Model, routines: tuple[Routine, ...]) -> list[str]:
     return [f"{remark}\n{prototypes}"] if prototypes else []
 
 
-def _prototype(model: Model, routine: Routine) -> str:
-    return f"void {model.name}_{routine.full_name}({ARRAYS})"
+def _prototype(model: Model, routine: str) -> str:
+    return f"void {model.name}_{routine}({ARRAYS})"
 
 
 def _is_plain(model: Model) -> str:
@@ -115,11 +120,11 @@ def _is_plain(model: Model) -> str:
 
 def _chooser(model: Model, plain: Routine) -> str:
     """Print the routine that passes its row to the plain variant or to the general one."""
-    general, arguments = replace(plain, variant=""), "(inputs, parameters, results)"
+    arguments = "(inputs, parameters, results)"
     return (
-        f"{_prototype(model, general)}\n{{\n"
+        f"{_prototype(model, plain.name)}\n{{\n"
         f"    if (is_plain(inputs, parameters))\n        {model.name}_{plain.full_name}{arguments};\n"
-        f"    else\n        {general.name}_general{arguments};\n}}"
+        f"    else\n        {plain.name}_general{arguments};\n}}"
     )
 
 
@@ -195,6 +200,6 @@ def _function(model: Model, routine: Routine, routines: tuple[Routine, ...]) -> 
         lines.append(f"memset(results, 0, {len(values)}*sizeof(double));")
     lines += [f"results[{i}] = {PRINTER.doprint(v)};" for i, v in enumerate(values) if not sparse or v != 0]
     body = "\n".join(f"    {line}" if line else "" for line in lines)
-    head = f"static void {routine.name}_general({ARRAYS})" if is_general else _prototype(model, routine)
+    head = f"static void {routine.name}_general({ARRAYS})" if is_general else _prototype(model, routine.full_name)
     summary = comment(routine.summary, *([PLAIN_ROWS] if routine.variant == PLAIN else []))
     return f"{summary}\n{head}\n{{\n{body}\n}}"

@@ -20,12 +20,12 @@ from ..model.discovery import packaged_models
 from ..model.verification import verify
 from ..models import MODELS, WITH_EFFECTS, whole_library
 from .batch import KERNELS, batch_sources
-from .c import c_header, c_sources
+from .c import c_header, c_jacobians, c_values
 from .line_functions import line_function_files
 from .operations import c_operations
-from .python import origin, python_modules
+from .python import origin, python_jacobians, python_values
 from .rolling_radius import c_loaded_radius, c_rolling_radius
-from .routines import routines
+from .routines import Routine, jacobians, value_routines
 
 
 def render(everything: bool = False) -> dict[str, str]:
@@ -41,7 +41,8 @@ def render(everything: bool = False) -> dict[str, str]:
     extended = [_with_library(model) for model in models] if everything else []
     for model in models:
         on_demand = set() if everything else set(files_on_demand(model.name))
-        files |= {name: text for name, text in render_model(model).items() if name not in on_demand}
+        printed = render_model(model) if everything else render_values(model)
+        files |= {name: text for name, text in printed.items() if name not in on_demand}
     for model in extended:
         files |= {f"{WITH_EFFECTS}/{name}": text for name, text in render_model(model).items()}
     files["MANIFEST.json"] = _manifest(files, models, extended)
@@ -59,9 +60,8 @@ def _with_library(model: Model) -> Model:
     return model.extended(whole_library(model, packaged_library()))
 
 
-@lru_cache(maxsize=16)
 def render_model(model: Model) -> dict[str, str]:
-    """Return the files of one model, Jacobians included: path relative to the folder, text.
+    """Return the files of one model: path relative to the folder, text.
 
     `model`: also one with added effects. Raises `ModelError` if the model violates its declarations; see
     `tirefmu.symbolic.model.verification`.
@@ -70,19 +70,40 @@ def render_model(model: Model) -> dict[str, str]:
     >>> sorted(render_model(model_named("mf96")))[:3]
     ['c/mf96.c', 'c/mf96.h', 'c/mf96_batch_forces.c']
     """
+    return render_values(model) | render_jacobians(model)
+
+
+@lru_cache(maxsize=16)
+def render_values(model: Model) -> dict[str, str]:
+    """Return those of the files of one model that are not about Jacobians."""
     verify(model)
-    parts = routines(model)
-    kernels = {f"c/{model.name}_batch_{name}.c": text for name, text in batch_sources(model, parts).items()}
+    parts = value_routines(model)
     return {
-        **kernels,
-        **{f"numpy/{name}.py": text for name, text in python_modules(model, parts).items()},
-        **{f"c/{name}.c": text for name, text in c_sources(model, parts).items()},
+        **_kernels(model, parts),
+        f"numpy/{model.name}.py": python_values(model, parts),
+        f"c/{model.name}.c": c_values(model, parts),
         f"c/{model.name}.h": c_header(model, parts),
         f"c/{model.name}_operations.h": c_operations(model),
         f"c/{model.name}_rolling_radius.h": c_rolling_radius(model),
         f"c/{model.name}_loaded_radius.h": c_loaded_radius(model),
         f"structure/{model.name}.json": model.structure.to_text(origin(model)),
     }
+
+
+@lru_cache(maxsize=16)
+def render_jacobians(model: Model) -> dict[str, str]:
+    """Return the files of the Jacobians of one model, and the header that they include."""
+    parts, header = jacobians(model), f"c/{model.name}.h"
+    return {
+        **_kernels(model, parts),
+        f"numpy/{model.name}_jacobians.py": python_jacobians(model, parts),
+        f"c/{model.name}_jacobians.c": c_jacobians(model, parts),
+        header: render_values(model)[header],
+    }
+
+
+def _kernels(model: Model, routines: tuple[Routine, ...]) -> dict[str, str]:
+    return {f"c/{model.name}_batch_{name}.c": text for name, text in batch_sources(model, routines).items()}
 
 
 def files_on_demand(name: str) -> list[str]:

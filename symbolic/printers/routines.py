@@ -22,6 +22,9 @@ from .derivatives import ChainRule, is_short, split
 LOCAL, CARRIED = "Partial derivatives of each line", "Chain rule"
 #: The variant for rows without turn slip under default options.
 PLAIN = "plain"
+#: The derivatives of the forces, and what they are.
+JACOBIANS = ("jacobian_inputs", "jacobian_parameters")
+SUMMARIES = ("Derivatives of the forces by the inputs.", "Derivatives of the forces by the coefficients.")
 
 
 @dataclass(frozen=True)
@@ -65,27 +68,63 @@ class Routine:
         return frozenset(symbol.name for expression in expressions for symbol in expression.free_symbols)
 
 
-def routines(model: Model) -> tuple[Routine, ...]:
-    """Return the routines of a model, all effects present.
+def value_routines(model: Model) -> tuple[Routine, ...]:
+    """Return the routines of a model that are no Jacobians, all effects present.
 
-    Returns: quantities, forces, jacobian_inputs, jacobian_parameters; relaxation, where slips can lag; state_lines,
-    where there are states; if options and turn slip are in the lines, all but the first again, plain.
+    Returns: quantities, forces; relaxation, where slips can lag; state_lines, where there are states; if options and
+    turn slip are in the lines, forces and relaxation again, plain.
 
     >>> from tirefmu.symbolic.models import model_named
-    >>> [routine.name for routine in routines(model_named("mf96"))]
-    ['quantities', 'forces', 'jacobian_inputs', 'jacobian_parameters']
+    >>> [routine.name for routine in value_routines(model_named("mf96"))]
+    ['quantities', 'forces']
     """
-    general, plain = model.lines(), model.lines(plain=True)
+    (_, general), *plain = _variants(model)
     printed = [_values("quantities", "Every named quantity of the model.", general, _named(model, general))]
-    printed += _forces_and_derivatives(model, general)
+    printed += _forces(model, general)
     if model.states:
         summary = "Of each state: target, velocity of its path or flow; rate or reciprocal width; start."
         printed.append(
             _values("state_lines", summary, general, [sp.Symbol(name, real=True) for name in model.state_lines])
         )
-    if [line.expression for line in general] != [line.expression for line in plain]:
-        printed += _forces_and_derivatives(model, plain, PLAIN)
+    printed += [replace(routine, variant=name) for name, lines in plain for routine in _forces(model, lines)]
     return tuple(printed)
+
+
+def jacobians(model: Model) -> tuple[Routine, ...]:
+    """Return the derivatives of the forces of a model: most of the text, which is printed into separate files.
+
+    Returns: jacobian_inputs, jacobian_parameters; again, plain, where forces are.
+
+    >>> from tirefmu.symbolic.models import model_named
+    >>> [routine.name for routine in jacobians(model_named("mf96"))]
+    ['jacobian_inputs', 'jacobian_parameters']
+    """
+    outputs = [quantity.symbol for quantity in model.outputs]
+    columns = (
+        [quantity.symbol for quantity in model.inputs],
+        [sp.Symbol(name, real=True) for name in model.coefficients],
+    )
+    printed = []
+    for variant, lines in _variants(model):
+        needed = reaching(lines, [str(output) for output in outputs])
+        for name, summary, by in zip(JACOBIANS, SUMMARIES, columns, strict=True):
+            printed.append(replace(_derivatives(name, summary, needed, outputs, by), variant=variant))
+    return tuple(printed)
+
+
+def reach(model: Model) -> tuple[tuple[str, ...], ...]:
+    """Return the coefficients that the lines of each force read, in the order of the model.
+
+    >>> from tirefmu.symbolic.models import model_named
+    >>> [len(names) for names in reach(model_named("mf96"))]
+    [29, 40, 100]
+    """
+    lines, reached = model.lines(), []
+    for output in model.outputs:
+        needed = reaching(lines, [str(output.symbol)])
+        read = {symbol.name for line in needed for symbol in line.expression.free_symbols}
+        reached.append(tuple(name for name in model.coefficients if name in read))
+    return tuple(reached)
 
 
 def chosen_routines(
@@ -108,36 +147,24 @@ def chosen_routines(
     make = {
         "forces": lambda: _values("forces", "Forces and moments.", needed, list(outputs)),
         "quantities": lambda: _values("quantities", "Named quantities.", lines, list(quantities)),
-        "jacobian_inputs": lambda: _derivatives(
-            "jacobian_inputs", "Derivatives of the forces by the inputs.", needed, outputs, inputs
-        ),
-        "jacobian_parameters": lambda: _derivatives(
-            "jacobian_parameters", "Derivatives of the forces by the coefficients.", needed, outputs, coefficients
-        ),
+        "jacobian_inputs": lambda: _derivatives(JACOBIANS[0], SUMMARIES[0], needed, outputs, inputs),
+        "jacobian_parameters": lambda: _derivatives(JACOBIANS[1], SUMMARIES[1], needed, outputs, coefficients),
         "states": lambda: _values("states", "Derivatives of the states, and decay rates.", lines, list(states)),
     }
     return tuple(make[name]() for name in names)
 
 
-def jacobians_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
-    """Return the Jacobians among routines: most of the text, which is printed into separate files.
-
-    >>> from tirefmu.symbolic.models import model_named
-    >>> [routine.name for routine in jacobians_of(routines(model_named("mf96")))]
-    ['jacobian_inputs', 'jacobian_parameters']
-    """
-    return tuple(routine for routine in routines if routine.name.startswith("jacobian_"))
+def entries(model: Model) -> list[int]:
+    """Return the indices of the derivatives by coefficients, counted row by row, that `reach` does not exclude."""
+    places = {name: i for i, name in enumerate(model.coefficients)}
+    return [row * len(places) + places[name] for row, names in enumerate(reach(model)) for name in names]
 
 
-def values_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
-    """Return the routines that are not Jacobians: quantities, forces, relaxation lengths, lines of states."""
-    return tuple(routine for routine in routines if not routine.name.startswith("jacobian_"))
-
-
-def entries(jacobian: Routine) -> list[int]:
-    """Return the indices in a Jacobian, counted row by row, of the entries that are not 0 everywhere."""
-    values = [value for row in jacobian.results for value in row]
-    return [i for i, value in enumerate(values) if value != 0]
+def _variants(model: Model) -> list[tuple[str, Sequence[Equation]]]:
+    """Return the lines for every row, and those for most rows if they differ, by their variant."""
+    general, plain = model.lines(), model.lines(plain=True)
+    differ = [line.expression for line in general] != [line.expression for line in plain]
+    return [("", general), *[(PLAIN, plain)] * differ]
 
 
 def _named(model: Model, lines: Sequence[Equation]) -> list[sp.Symbol]:
@@ -145,27 +172,14 @@ def _named(model: Model, lines: Sequence[Equation]) -> list[sp.Symbol]:
     return [line.symbol for line in lines if line.named and line.symbol not in outputs]
 
 
-def _forces_and_derivatives(model: Model, lines: Sequence[Equation], variant: str = "") -> list[Routine]:
-    outputs = [quantity.symbol for quantity in model.outputs]
-    inputs = [quantity.symbol for quantity in model.inputs]
-    coefficients = [sp.Symbol(name, real=True) for name in model.coefficients]
-    force_lines = reaching(lines, [str(output) for output in outputs])
-    printed = [
-        _values("forces", "Forces and moments.", force_lines, outputs),
-        _derivatives("jacobian_inputs", "Derivatives of the forces by the inputs.", force_lines, outputs, inputs),
-        _derivatives(
-            "jacobian_parameters",
-            "Derivatives of the forces by the coefficients.",
-            force_lines,
-            outputs,
-            coefficients,
-        ),
-    ]
+def _forces(model: Model, lines: Sequence[Equation]) -> list[Routine]:
+    """Return the forces, and the relaxation lengths where slips can lag."""
+    printed = [_values("forces", "Forces and moments.", lines, [quantity.symbol for quantity in model.outputs])]
     relaxation = (model.quantity("relaxation_x"), model.quantity("relaxation_y"))
     lengths = [line.symbol for line in lines if line.symbol.name in relaxation]
     if lengths:
         printed.append(_values("relaxation", "Relaxation lengths that act on kappa and tan(alpha).", lines, lengths))
-    return [replace(routine, variant=variant) for routine in printed]
+    return printed
 
 
 def _values(name: str, summary: str, lines: Sequence[Equation], targets: list[sp.Symbol]) -> Routine:

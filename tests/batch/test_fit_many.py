@@ -60,7 +60,7 @@ def jobs(tmp_path_factory):
 @pytest.fixture(scope="module")
 def batch(jobs, tmp_path_factory):
     seen = []
-    found = fit_many(jobs, tmp_path_factory.mktemp("out"), workers=2, progress=lambda *report: seen.append(report))
+    found = fit_many(jobs, tmp_path_factory.mktemp("out"), workers=1, progress=lambda *report: seen.append(report))
     assert [(finished, of) for _, finished, of in seen] == [(1, 4), (2, 4), (3, 4), (4, 4)]
     return found
 

@@ -102,7 +102,7 @@ def test_an_invalid_study_is_one_line(fmu, folder, tmp_path, text, message):
 
 def test_a_run_that_fails_is_a_row_with_its_reason(fmu, folder, tmp_path, capsys):
     (folder / "wrong.toml").write_text(STUDY.replace("series = true", "").replace("[0.8, 1.2]", "[1.0, 1e200]"))
-    output = ["-o", str(tmp_path), "--json", str(tmp_path / "study.json")]
+    output = ["-o", str(tmp_path), "--json", str(tmp_path / "study.json"), "--workers", "1"]
     assert main(["study", str(fmu), str(folder / "wrong.toml"), *output]) == 1
     assert json.loads((tmp_path / "study.json").read_text()) == {"ok": False, "runs": 6, "failed": 3}
     table = pd.read_parquet(tmp_path / "study.parquet")

@@ -62,40 +62,50 @@ def published_fmu(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def bench_csv(tmp_path_factory):
+def bench_csv(once):
     """Return a recording of 800 rows, in ISO signs, with noise."""
-    cambers, angles = [0.0, radians(2.0), radians(4.0)], [0.0, radians(3.0), radians(6.0)]
-    lateral = alpha_sweeps([220.0, 700.0, 1120.0], cambers, sample_rate=4.0)
-    drive_brake = kappa_sweeps([220.0, 700.0, 1120.0], angles, sample_rate=4.0)
-    program = concatenate([lateral, drive_brake], signs="iso")
-    path = tmp_path_factory.mktemp("bench") / "bench.csv"
-    write_table(VirtualBench(bench_tire(), Noise(), seed=3).run(program).table, path)
-    return path
+
+    def write(folder):
+        cambers, angles = [0.0, radians(2.0), radians(4.0)], [0.0, radians(3.0), radians(6.0)]
+        lateral = alpha_sweeps([220.0, 700.0, 1120.0], cambers, sample_rate=4.0)
+        drive_brake = kappa_sweeps([220.0, 700.0, 1120.0], angles, sample_rate=4.0)
+        program = concatenate([lateral, drive_brake], signs="iso")
+        write_table(VirtualBench(bench_tire(), Noise(), seed=3).run(program).table, folder / "bench.csv")
+        return folder / "bench.csv"
+
+    return once("bench", write)
 
 
 @pytest.fixture(scope="session")
-def validated(command, bench_csv, tmp_path_factory):
+def validated(command, bench_csv, once):
     """Return what a fit with cross-validation in two folds prints, and its JSON file."""
-    path = tmp_path_factory.mktemp("validated") / "fit.json"
-    options = ("--model", "mf96", "--effects", EFFECTS, "--nominal", "Fz0=220,R0=0.23", "--cross-validate", "2")
-    outcome = command("fit", bench_csv, *options, "-o", path.with_suffix(".tir"), "--json", path)
-    assert outcome.status == 0, outcome.err
-    return outcome, json.loads(path.read_text(encoding="utf-8"))
+
+    def fitted(folder):
+        path = folder / "fit.json"
+        options = ("--model", "mf96", "--effects", EFFECTS, "--nominal", "Fz0=220,R0=0.23", "--cross-validate", "2")
+        outcome = command("fit", bench_csv, *options, "-o", path.with_suffix(".tir"), "--json", path)
+        assert outcome.status == 0, outcome.err
+        return outcome, json.loads(path.read_text(encoding="utf-8"))
+
+    return once("validated", fitted)
 
 
 @pytest.fixture(scope="session")
-def chain(command, bench_csv, tmp_path_factory):
+def chain(command, bench_csv, once):
     """Return the folder of a fit and its FMUs, and what each command printed."""
-    folder = tmp_path_factory.mktemp("chain")
-    outcomes = {
-        "fit": command(
-            "fit", bench_csv, "--model", "mf96", "--effects", EFFECTS, "--nominal", "Fz0=220,R0=0.23",
-            "-o", folder / "fitted.tir", "--all",
-            "--json", folder / "fit.json", "--report", folder / "report.html", "--figures", folder / "figures",
-        )
-    }  # fmt: skip
-    for fmi in ("2", "3"):
-        fmu = folder / f"fmi{fmi}.fmu"
-        outcomes[f"export {fmi}"] = command("export", folder / "fitted.tir", "-o", fmu, "--fmi", fmi)
-        outcomes[f"check {fmi}"] = command("check", fmu, bench_csv, "--json", folder / f"check{fmi}.json")
-    return folder, outcomes
+
+    def run_all(folder):
+        outcomes = {
+            "fit": command(
+                "fit", bench_csv, "--model", "mf96", "--effects", EFFECTS, "--nominal", "Fz0=220,R0=0.23",
+                "-o", folder / "fitted.tir", "--all",
+                "--json", folder / "fit.json", "--report", folder / "report.html", "--figures", folder / "figures",
+            )
+        }  # fmt: skip
+        for fmi in ("2", "3"):
+            fmu = folder / f"fmi{fmi}.fmu"
+            outcomes[f"export {fmi}"] = command("export", folder / "fitted.tir", "-o", fmu, "--fmi", fmi)
+            outcomes[f"check {fmi}"] = command("check", fmu, bench_csv, "--json", folder / f"check{fmi}.json")
+        return folder, outcomes
+
+    return once("chain", run_all)

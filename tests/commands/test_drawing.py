@@ -46,6 +46,7 @@ def small():
     return published("unicamp_small_tire")
 
 
+@pytest.mark.usefixtures("drawn_figures")
 def test_a_published_tire_is_drawn_in_a_new_folder(tmp_path, monkeypatch):
     monkeypatch.setattr(drawing, "default_loads", lambda tire: (60.0,))  # each load takes seconds to draw
     drawn = files.draw("unicamp_small_tire", tmp_path / "new" / "folder")
@@ -63,6 +64,7 @@ def test_every_model_has_surfaces_and_combined_curves(model):
     assert all(np.isfinite(points).all() for points in lines(drawing.combined(sketch).panels[0]).values())
 
 
+@pytest.mark.usefixtures("drawn_figures")
 @pytest.mark.parametrize("suffix", files.FORMATS)
 def test_the_same_tire_gives_the_same_bytes(small, suffix, tmp_path, monkeypatch):
     monkeypatch.setattr(files, "surfaces", lambda sketch, load: picture(drawing.pure(sketch)))  # they take seconds
@@ -172,6 +174,7 @@ def test_the_command_draws_a_file_and_reports_it_as_json(command, published_tir,
     assert sorted(reported["figures"]) == sorted(str(path) for path in (tmp_path / "figures").iterdir())
 
 
+@pytest.mark.usefixtures("drawn_figures")
 @pytest.mark.parametrize("text", EACH_PAGE)
 def test_a_tires_name_is_drawn_literally(text, tmp_path):
     """The SVG is well-formed and contains no script and no external resource."""

@@ -103,7 +103,7 @@ def test_a_fit_prints_a_line_for_each_stage_without_a_terminal(validated, comman
         f"cross-validation: {number} of 2" for number in range(3)
     ]
     assert not any(line in shown.out for line in lines)
-    fast = ("--model", "mf96", "--effects", "none", "--cross-validate", "2", "--quiet")
+    fast = ("--model", "mf96", "--effects", "none", "--cross-validate", "2", "--iterations", "1", "--quiet")
     assert command("fit", bench_csv, *fast, "-o", tmp_path / "t.tir").err == ""
 
 

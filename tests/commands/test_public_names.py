@@ -125,6 +125,12 @@ assert not answer.found
 """
 
 
+def print_all(model):
+    """Print a model and its Jacobians, so that a process finds them."""
+    for jacobians in (False, True):
+        printed_folder(model, jacobians=jacobians)
+
+
 def loaded_by(code, names):
     """Return which of the modules a program loads."""
     code += f"\nimport sys; print('loaded', *[name for name in {names!r} if name in sys.modules])"
@@ -140,14 +146,14 @@ def test_importing_and_errors_load_no_large_library(tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_a_tire_is_evaluated_fitted_and_exported_without_its_equations(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    printed_folder(MODELS["fiala"])  # a clone prints the Jacobians at their first use
+    print_all(MODELS["fiala"])  # a clone prints the Jacobians at their first use
     assert loaded_by(NO_EQUATIONS, ("sympy",)) == []
 
 
 @pytest.mark.slow
 def test_a_diagnosis_needs_no_equations():
-    printed_folder(MODELS["fiala"])
-    printed_folder(model_named("fiala", whole_library(MODELS["fiala"])))
+    print_all(MODELS["fiala"])
+    print_all(model_named("fiala", whole_library(MODELS["fiala"])))
     assert loaded_by(DIAGNOSIS, ("sympy", "matplotlib", "fmpy")) == []
 
 

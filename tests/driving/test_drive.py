@@ -207,7 +207,7 @@ def test_side_forces_that_nothing_explains_are_stated(car, tire):
         return Fx, Fy * (1.0 + 4.0 * np.minimum(kappa, 0.0))
 
     truth = road.Truth({axle: dict.fromkeys(("LMUX", "LMUY", "LKX", "LKY"), 1.0) for axle in AXLES}, {})
-    logs, _ = road.made_drives([truth], ["brake"], [True], seed=5, seconds=12.0, tire=worse_in_braking)
+    logs, _ = road.made_drives([truth], ["brake"], [True], seed=5, seconds=6.0, tire=worse_in_braking)
     answer = tirefmu.drive(logs[0], vehicle=car, tire=tire)
     values = answer.estimate.outputs.values
     Fy, of_tires = (values[:, [OUTPUTS.index(f"{name}_{axle}") for axle in AXLES]] for name in ("Fy", "Fy_tire"))

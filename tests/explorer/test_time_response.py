@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -16,22 +18,30 @@ VALUES = {
     "SHMUX": 0.05, "SHMUY": 0.05, "SHKX": 0.08, "SHKY": 0.08, "BIMU": 0.1, "BIWORK": 5.0, "LLMU": 0.5, "LLK": 0.5,
 }  # fmt: skip
 EFFECTS = ("relax_lat", "relax_lon", "heat_friction", "slip_history", "break_in", "load_lag")
-#: Slips that lag, states that inputs drive, that forces drive, a hysteresis and an accumulation. The model has the
-#: whole library, as in other tests: it is printed and compiled once.
-MEMORY = Tire("mf61", VALUES, effects=EFFECTS, added=tuple(library().values()))
-#: A tire whose grip and stiffness follow the temperature that it predicts.
-WARM = Tire("mf61", {**VALUES, "TREF": 60.0, "TMU2": -1.5e-4, "TKA": 0.002, "THACT": 1.0},
-            effects=("temp_friction", "temp_stiffness", "temperature"), added=MEMORY.added)  # fmt: skip
 #: Input, course, from, to, duration, slip angle.
 COURSES = [
     ("alpha", "step", 0.0, 0.12, 0.5, 0.0),
     ("alpha", "sweep", 0.02, 0.2, 3.0, 0.0),
     ("Fz", "step", 4e3, 6e3, 1.0, 0.05),
 ]
-
-
 #: Rows of the tire's own response in each interval of the page's: its laws assume that slips do not turn between rows.
 ROWS = 8
+
+
+@cache
+def tire_with_memory():
+    """Return a tire with slips that lag, states that inputs drive, that forces drive, a hysteresis, an accumulation.
+
+    The model has the whole library, as in other tests: it is printed and compiled once.
+    """
+    return Tire("mf61", VALUES, effects=EFFECTS, added=tuple(library().values()))
+
+
+@cache
+def warm_tire():
+    """Return a tire whose grip and stiffness follow the temperature that it predicts."""
+    return Tire("mf61", {**VALUES, "TREF": 60.0, "TMU2": -1.5e-4, "TKA": 0.002, "THACT": 1.0},
+                effects=("temp_friction", "temp_stiffness", "temperature"), added=tire_with_memory().added)  # fmt: skip
 
 
 def evaluated(found, name, kind, duration, alpha):
@@ -39,8 +49,14 @@ def evaluated(found, name, kind, duration, alpha):
     t, values = np.array(found["t"]), np.array(found["input"])
     fine, held = np.linspace(0.0, duration, ROWS * (len(t) - 1) + 1), kind == "step"
     values = np.repeat(values, ROWS)[: len(fine)] if held else np.interp(fine, t, values)
-    inputs = {"kappa": 0.0, "alpha": alpha, "Fz": MEMORY.nominal("Fz"), "V": MEMORY.nominal("V"), name: values}
-    return MEMORY.evaluate(pd.DataFrame({**inputs, "t": fine}), hold=held).iloc[::ROWS]
+    inputs = {
+        "kappa": 0.0,
+        "alpha": alpha,
+        "Fz": tire_with_memory().nominal("Fz"),
+        "V": tire_with_memory().nominal("V"),
+        name: values,
+    }
+    return tire_with_memory().evaluate(pd.DataFrame({**inputs, "t": fine}), hold=held).iloc[::ROWS]
 
 
 def course_of(name, kind, start, end, duration):
@@ -48,21 +64,21 @@ def course_of(name, kind, start, end, duration):
 
 
 def test_it_is_that_of_the_tire_and_its_controls_act(opened):
-    page = opened(MEMORY)
+    page = opened(tire_with_memory())
     for *course, alpha in COURSES:
         name, kind, _, _, duration = course
         selected = f"{{ ...view.inputs, alpha: {alpha} }}"
         found = page.evaluate(f"(course) => timeResponse(now, {selected}, course)", course_of(*course))
         assert found["t"][-1] == pytest.approx(duration)
         expected = evaluated(found, name, kind, duration, alpha)
-        steady = MEMORY.evaluate(expected[["kappa", "alpha", "Fz", "V"]])
+        steady = tire_with_memory().evaluate(expected[["kappa", "alpha", "Fz", "V"]])
         columns = {key: pd.DataFrame(found[key]) for key in ("forces", "steady", "states")}
         for output in ("Fx", "Fy", "Mz"):
             size = np.abs(expected[output]).max()
             np.testing.assert_allclose(columns["forces"][output], expected[output], atol=1e-3 * size + 1e-9)
             np.testing.assert_allclose(columns["steady"][output], steady[output], atol=1e-9 * size + 1e-9)
-        assert set(columns["states"]) == {"tan_alpha_lagged", "kappa_lagged", *MEMORY.states}
-        for state in MEMORY.states:
+        assert set(columns["states"]) == {"tan_alpha_lagged", "kappa_lagged", *tire_with_memory().states}
+        for state in tire_with_memory().states:
             size = np.abs(expected[state]).max()
             np.testing.assert_allclose(columns["states"][state], expected[state], atol=2e-3 * size + 1e-12)
         memory = np.abs(np.subtract(expected["Fy"], steady["Fy"])).max()
@@ -75,7 +91,7 @@ def assert_controls_act(page):
     shown = "timePanel.charts.map(({ name, chart }) => [name, chart.figure.hidden, chart.curves?.at(-1).y.length])"
     until(page, "timePanel.charts.every(({ chart }) => chart.curves)")
     charts = page.evaluate(shown)
-    assert [name for name, _, _ in charts][-1] in MEMORY.states
+    assert [name for name, _, _ in charts][-1] in tire_with_memory().states
     assert {count for _, hidden, count in charts if not hidden} == {301}
     page.get_by_label("sweep", exact=True).check()
     page.locator("#time-input").select_option("Fz")
@@ -94,14 +110,18 @@ def assert_controls_act(page):
 
 def test_the_temperature_of_the_tire_is_an_input_and_its_course_one_chart(opened):
     """Curves are those of a tire that starts at the temperature of the slider, in deg C; the response starts there."""
-    page = opened(WARM)
+    page = opened(warm_tire())
     alpha = np.linspace(*page.evaluate("[range('alpha').low, range('alpha').high]"), 201)
     for kelvin in (300.0, 370.0):
         page.locator("#field-input-T_surface").fill(f"{kelvin - 273.15:.2f}")
         page.locator("#field-input-T_surface").press("Enter")
         until(page, f"Math.abs(view.inputs.T_surface - {kelvin}) < 1e-9 && charts[0].chart.curves[0].y.length === 201")
         page.evaluate("charts[0].update()")
-        expected = WARM.with_values(THSTARTS=kelvin).evaluate(pd.DataFrame({"alpha": alpha, "Fz": WARM.nominal("Fz")}))
+        expected = (
+            warm_tire()
+            .with_values(THSTARTS=kelvin)
+            .evaluate(pd.DataFrame({"alpha": alpha, "Fz": warm_tire().nominal("Fz")}))
+        )
         drawn = page.evaluate("charts[0].chart.curves.at(-1).y")
         np.testing.assert_allclose(drawn, expected["Fy"], rtol=1e-9, atol=1e-6)
     until(page, "timePanel.charts.every(({ chart }) => chart.figure.hidden || chart.curves)")

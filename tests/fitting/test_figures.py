@@ -69,6 +69,7 @@ def unrendered(monkeypatch):
     monkeypatch.setattr("tirefmu.drawing.picture.png", lambda figure, dpi: b"")
 
 
+@pytest.mark.usefixtures("drawn_figures")
 def test_every_figure_is_complete(bench, tmp_path):
     some = replace(bench, table=bench.table.iloc[::5])
     drawn = draw_figures(TIRE, [some], tmp_path, prefix="fit_", truth=TIRE)

@@ -59,6 +59,7 @@ def test_intervals_are_listed_in_the_json(noisy):
     assert loads == pytest.approx(noisy.residuals.levels["Fz"])
 
 
+@pytest.mark.usefixtures("drawn_figures")
 def test_bands_are_drawn_and_reported(noisy, known, make, tmp_path):
     recording = make.sideways(known, noise=Noise())
     with_bands = draw_figures(noisy, recording, tmp_path / "a")

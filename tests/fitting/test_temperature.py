@@ -23,7 +23,7 @@ EFFECTS = ("load_friction", "load_stiffness", "temperature")
 
 @pytest.fixture(scope="module")
 def table():
-    return recording(seed=3, noise=NOISE)
+    return recording(seed=3, noise=NOISE, duration=150.0)
 
 
 @pytest.fixture(scope="module")

@@ -64,7 +64,7 @@ def linked(
     objects = [str(path) for path in (ready or {}).values()]
     program = folder / "program"
     includes = [f"-I{folder}", f"-I{fmi_headers()}"]
-    command = [*compiler, "-std=gnu99", "-O1", *flags, *includes, str(HERE / host), *code, *objects, "-o", str(program)]
+    command = [*compiler, "-std=gnu99", "-O0", *flags, *includes, str(HERE / host), *code, *objects, "-o", str(program)]
     built = subprocess.run([*command, "-lm", "-lpthread"], capture_output=True, text=True, check=False)
     assert built.returncode == 0, built.stderr
     return program

@@ -12,10 +12,12 @@ from pathlib import Path
 import pytest
 
 import tirefmu.generated
+from tirefmu.symbolic.added import library
 from tirefmu.symbolic.models import MODELS, WITH_EFFECTS
 from tirefmu.symbolic.printers import generate
 from tirefmu.symbolic.printers.generate import difference, files_on_demand, render, render_model, write
-from tirefmu.tires.code.printed import code_file
+from tirefmu.tires.code.build_cache import RECORD
+from tirefmu.tires.code.printed import code_file, printed_folder
 
 COMMITTED = Path(tirefmu.generated.__file__).parent
 PROGRAM = """
@@ -163,3 +165,13 @@ def test_what_is_not_committed_is_printed_at_its_first_use(file):
     assert COMMITTED not in path.parents
     assert path.read_text(encoding="ascii") == render_model(MODELS["fiala"])[file]
     assert code_file(MODELS["fiala"], "c/fiala.c") == COMMITTED / "c" / "fiala.c"
+
+
+def test_jacobians_are_printed_when_they_are_asked_for(monkeypatch, tmp_path):
+    """Most of the text, which an evaluation does not need. Their C code finds its header beside it."""
+    monkeypatch.setenv("TIREFMU_CACHE", str(tmp_path))
+    model = MODELS["fiala"].extended([library()["temp_friction"]])
+    values, jacobians = (made_files(printed_folder(model, jacobians=each)) - {RECORD} for each in (False, True))
+    assert not [name for name in values if "jacobian" in name]
+    assert values & jacobians == {"c/fiala.h"}
+    assert {name for name in values | jacobians if not name.endswith(".pyc")} == render_model(model).keys()

@@ -134,7 +134,9 @@ def test_every_mode(sheet, model, values, seed, random_rows, mode):
     """
     rows = random_rows(values, 400, seed)
     turning = {**rows, "phit": np.where(rows["phit"] == 0, 0.05, rows["phit"])}
-    for changed, given in (({}, rows), ({}, edges(values)), ({"RCY1": 1.35, "QCRP2": 3.0}, turning)):
+    extreme = edges(values)
+    all_rows = {name: np.concatenate([column, extreme[name]]) for name, column in rows.items()}
+    for changed, given in (({}, all_rows), ({"RCY1": 1.35, "QCRP2": 3.0}, turning)):
         assert_agrees(sheet, model, values | changed, given, **mode)
 
 

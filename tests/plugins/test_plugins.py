@@ -19,11 +19,12 @@ ROWS = '{"alpha": 0.1, "Fz": 900, "V": 20}\n{"alpha": -0.05, "Fz": 800, "V": 30}
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory):
-    """Install the example packages into a folder of their own."""
+    """Install the example packages into a folder of their own: the model only, where no test uses the others."""
+    kinds = KINDS if os.environ.keys() & {"TIREFMU_SLOW", "TIREFMU_PLUGINS"} else ("model",)
     sources, target = tmp_path_factory.mktemp("sources") / "plugins", tmp_path_factory.mktemp("installed")
     shutil.copytree(EXAMPLES, sources)
     options = ["--quiet", "--no-index", "--no-build-isolation", "--no-deps", "--target", target]
-    subprocess.run([sys.executable, "-m", "pip", "install", *options, *(sources / k for k in KINDS)], check=True)
+    subprocess.run([sys.executable, "-m", "pip", "install", *options, *(sources / k for k in kinds)], check=True)
     return target
 
 

@@ -9,6 +9,7 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
+from tirefmu.symbolic.added import read_effect
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires.code import (
     MANY_ROWS,
@@ -120,6 +121,24 @@ def test_derivatives_by_inputs_do_not_depend_on_the_chunks(monkeypatch):
     np.testing.assert_array_equal(code_for(model, "batch").jacobian_inputs(rows, values), whole)
     assert whole.shape == (300, len(symbolic_model.outputs), len(symbolic_model.inputs))
     assert code_for(model, "batch").jacobian_inputs(rows[:, :0], values).shape == (0, *whole.shape[1:])
+
+
+def test_a_coefficient_that_acts_by_its_sign_alone_has_derivatives_of_zero():
+    """Its line reads it: every language has its entries, in the same order."""
+    text = (
+        'name = "sided"\nphysics = "p"\nsource = "s"\n[coefficients]\nSIDED1 = {description = "d", unit = "1"}\n'
+        '[[acts]]\non = "friction_y"\nfactor = "1 + 0.1*sgn(SIDED1)"\n'
+    )
+    symbolic_model = MODELS["brush"].extended([read_effect(text, "sided.toml")])
+    parameters, rows = values_of(symbolic_model, SIDED1=0.3), rows_of("brush", 20)
+    numpy, *others = (code_for(symbolic_model, name) for name in ("numpy", "c", "batch"))
+    (places,) = np.nonzero(numpy.entries[1] == list(symbolic_model.coefficients).index("SIDED1"))
+    expected = numpy.jacobian_entries(rows, parameters)
+    assert len(places) == len(symbolic_model.outputs)  # each force depends on it in combined slip
+    assert not expected[places].any()
+    for code in others:
+        np.testing.assert_array_equal(code.entries, numpy.entries)
+        np.testing.assert_allclose(code.jacobian_entries(rows, parameters), expected, rtol=1e-9, atol=1e-9)
 
 
 def test_the_entries_are_all_nonzero_derivatives(model, parameters):

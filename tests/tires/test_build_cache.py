@@ -313,7 +313,7 @@ def test_modified_generated_code_is_not_run(cache, monkeypatch, tmp_path):
         calls.append(symbolic_model)
         return {f"numpy/{symbolic_model.name}.py": "def forces():\n    return 42\n"}
 
-    monkeypatch.setattr(printed, "_render", lambda: rendered)
+    monkeypatch.setattr(printed, "_render", lambda symbolic_model, jacobians: rendered(symbolic_model))
 
     def fresh():
         modules._module.cache_clear()

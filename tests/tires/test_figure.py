@@ -16,6 +16,7 @@ from tirefmu.drawing.chart_data import MAX_POINTS, MISSING, chart_data
 from tirefmu.drawing.figure import LINE, Cells, Figure, Panel, Series, band, in_rows
 from tirefmu.drawing.picture import picture, png
 
+pytestmark = pytest.mark.usefixtures("drawn_figures")
 X = np.linspace(-1.0, 1.0, 7)
 TIRE = Series("line", X, -300.0 * X, "#123456", "tire", (4.0, 2.0))
 PANEL = Panel("α (deg)", "Fy (N)", (Series("points", X, 200.0 * X, marker="o"), band(X, X, X + 5.0, "#123456"), TIRE))

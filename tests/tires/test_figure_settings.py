@@ -44,6 +44,7 @@ def test_settings_of_the_working_folder_are_not_read(tmp_path):
         assert sorted(path.name for path in (tmp_path / name).iterdir()) == ["matplotlibrc", "out"]
 
 
+@pytest.mark.usefixtures("drawn_figures")
 def test_settings_of_a_program_do_not_change_files(tmp_path):
     tire = published("trento_hoosier")
     plain = [path.read_bytes() for path in draw(tire, tmp_path / "plain", loads=[900.0])]

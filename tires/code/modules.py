@@ -53,7 +53,7 @@ def _module(model: Model, file: str) -> ModuleType:
     packaged = packaged_file(model, f"numpy/{file}.py")
     if packaged:
         return import_module(f"tirefmu.generated.{packaged.removesuffix('.py').replace('/', '.')}")
-    return _loaded(printed_folder(model), file)
+    return _loaded(printed_folder(model, jacobians=file.endswith("_jacobians")), file)
 
 
 @lru_cache(maxsize=128)

@@ -12,7 +12,7 @@ from __future__ import annotations
 import hashlib
 import json
 import py_compile
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from importlib.resources import files
 from importlib.util import MAGIC_NUMBER
@@ -48,7 +48,9 @@ def code_file(model: Model, name: str) -> Path:
     cannot be written.
     """
     packaged = packaged_file(model, name)
-    return Path(str(files("tirefmu.generated"))) / packaged if packaged else printed_folder(model) / name
+    if packaged:
+        return Path(str(files("tirefmu.generated"))) / packaged
+    return printed_folder(model, jacobians="_jacobian" in name) / name
 
 
 def packaged_file(model: Model, name: str) -> str:
@@ -61,15 +63,16 @@ def packaged_file(model: Model, name: str) -> str:
     return path if path in _manifest()["files"] else ""
 
 
-def printed_folder(model: Model) -> Path:
+def printed_folder(model: Model, *, jacobians: bool = False) -> Path:
     """Return the folder of a printed model; print the model if the folder does not exist.
 
-    The folder contains numpy/, c/ and structure/, and the Python files compiled. Raises `ModelError` if the model
+    `jacobians`: the folder of its Jacobians, most of the text, which a fit needs and a simulation does not. The folder
+    contains numpy/, c/ and structure/, and the Python files compiled. Raises `ModelError` if the model
     violates its declarations. Raises `TirefmuError` if it cannot be written.
     """
 
     def write(folder: Path) -> None:
-        for name, text in _render()(model).items():
+        for name, text in _render(model, jacobians).items():
             path = folder / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="ascii", newline="\n")
@@ -78,7 +81,7 @@ def printed_folder(model: Model) -> Path:
                 py_compile.compile(str(path), cfile=str(compiled), dfile=name, doraise=True)
 
     try:
-        return cached(_entry_of(model), write)
+        return cached(_entry_of(model) + "-jacobians" * jacobians, write)
     except OSError as error:
         raise TirefmuError(f"the code of {model.name} cannot be written ({error.strerror or error})") from error
 
@@ -121,7 +124,7 @@ def _printed_structure(name: str, added: Sequence[AddedEffect]) -> Path | None:
     return folder / "structure" / f"{name}.json" if folder else None
 
 
-def _render() -> Callable[[Model], dict[str, str]]:
-    from ...symbolic.printers.generate import render_model  # SymPy's printers load slowly
+def _render(model: Model, jacobians: bool) -> dict[str, str]:
+    from ...symbolic.printers.generate import render_jacobians, render_values  # SymPy's printers load slowly
 
-    return render_model
+    return render_jacobians(model) if jacobians else render_values(model)
