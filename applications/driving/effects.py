@@ -77,7 +77,7 @@ def motion_of(grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> M
     p = unknowns.car_values(car, estimate.z)
     inputs = dict(zip(("alpha", "V", "Fz", "gamma"), wheel_motion(grid, estimate.states, car, p), strict=True))
     inputs["alpha"] = np.arcsin(np.sin(inputs["alpha"]))  # the slip of a wheel that rolls backward is V_y/|V_x|
-    kappa = np.stack([estimate.outputs.values[:, OUTPUTS.index(f"kappa_{axle}")] for axle in AXLES])
+    kappa = np.stack([estimate.outputs[:, OUTPUTS.index(f"kappa_{axle}")] for axle in AXLES])
     return Motion(grid.t, {"kappa": kappa.repeat(2, axis=0), **inputs}, loads_of(p))
 
 

@@ -209,7 +209,7 @@ def test_side_forces_that_nothing_explains_are_stated(car, tire):
     truth = road.Truth({axle: dict.fromkeys(("LMUX", "LMUY", "LKX", "LKY"), 1.0) for axle in AXLES}, {})
     logs, _ = road.made_drives([truth], ["brake"], [True], seed=5, seconds=12.0, tire=worse_in_braking)
     answer = tirefmu.drive(logs[0], vehicle=car, tire=tire)
-    values = answer.estimate.outputs.values
+    values = answer.estimate.outputs
     Fy, of_tires = (values[:, [OUTPUTS.index(f"{name}_{axle}") for axle in AXLES]] for name in ("Fy", "Fy_tire"))
     entries = answer.unknowns.car_values(answer.car, answer.estimate.z)
     balance, stated = 2.0 * (Fy - of_tires), answer.estimate.beyond * loads_of(entries)
@@ -220,8 +220,7 @@ def test_side_forces_that_nothing_explains_are_stated(car, tire):
 def test_turns_to_one_side_determine_no_factor(answer):
     """A ramp of the speed at one steering angle: an asymmetry of the car looks like a stiffness."""
     outputs, right = answer.estimate.outputs, np.array([name.startswith("Fy") for name in OUTPUTS])
-    left_only = replace(outputs, values=np.where(right, np.abs(outputs.values), outputs.values))
-    estimate = replace(answer.estimate, outputs=left_only)
+    estimate = replace(answer.estimate, outputs=np.where(right, np.abs(outputs), outputs))
     factors = factors_of(estimate, answer.unknowns, answer.tires, answer.grid.step, {})
     reasons = {factor.reason for row in factors.values() for factor in row.values()}
     assert len(reasons) == 1
@@ -262,10 +261,10 @@ def test_the_more_probable_of_two_optima_is_the_answer(monkeypatch, evidence):
     def from_one_start(grid, *_, part=None, together=False):
         if grid == "whole":
             wholes.append(part)
-        return grid, (part[1] if part else second if together else first)
+        return grid, (part or (second if together else first))
 
     monkeypatch.setattr(estimate, "_estimated", from_one_start)
-    monkeypatch.setattr(estimate, "_sample", lambda grid: None)
+    monkeypatch.setattr(estimate, "_samples", lambda grid: [])
     given = (None, None, np.zeros(3), None, None)
     assert estimate.estimated("whole", *given)[1].evidence == -57.0
     first.converged, second.converged = evidence[0] == -120.0, evidence[1] == -120.0
@@ -275,8 +274,9 @@ def test_the_more_probable_of_two_optima_is_the_answer(monkeypatch, evidence):
         def part(self, rows):
             return "part", rows
 
+    first.states = second.states = 1.0
     first.converged = second.converged = True
-    monkeypatch.setattr(estimate, "_sample", lambda grid: np.arange(2))
+    monkeypatch.setattr(estimate, "_samples", lambda grid: [np.arange(1), np.arange(2)])
     wholes.clear()
     assert estimate.estimated(Long("whole"), *given)[1].evidence == -57.0
     assert len(wholes) == 2
