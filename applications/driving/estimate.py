@@ -11,7 +11,7 @@ their steps lead to the fixed point of MacKay, Bayesian interpolation, Neural Co
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -77,10 +77,10 @@ def no_forces(grid: Grid, states: FloatArray, z: FloatArray) -> AddedForces:
 
 
 @dataclass(frozen=True)
-class Estimate(Posterior):
+class Estimate:
     """An estimate.
 
-    - `states`, shape (n_nodes, n_states). `z`, shape (n_z,). `deviations`, shape (n_residuals,): those of `BALANCE` are
+    - `states`, shape (n_nodes, n_states). `z`, shape (n_z,), and its `covariance`. `deviations`, shape (n_residuals,): those of `BALANCE` are
       the last ones.
     - `residuals`: of the intervals at the solution. `outputs`, shape (n, n_outputs): `OUTPUTS` there.
     - `beyond`, shape (n, 2): side force that the motion requires of each axle beyond its tires and an effect that they
@@ -95,6 +95,7 @@ class Estimate(Posterior):
 
     states: FloatArray
     z: FloatArray
+    covariance: FloatArray
     deviations: FloatArray
     residuals: Linear
     outputs: FloatArray
@@ -140,7 +141,8 @@ class Estimate(Posterior):
         `n`: number of the unknowns of tires and car.
         """
         given = grid, self.states, self.z[:n], interval_data(grid)
-        return np.sqrt(np.maximum(self.variances(evaluated(interval.output_chunk, *given)), 0.0))
+        posterior = replace(posterior_of(grid, Factor(grid, self.residuals)), covariance=self.covariance)
+        return np.sqrt(np.maximum(posterior.variances(evaluated(interval.output_chunk, *given)), 0.0))
 
 
 def estimated(
@@ -251,7 +253,6 @@ def _estimated(
             break
         radius = max((2.0 if share == 1.0 else share) * radius, LONGEST_STEP)
         z = z + share * change_z
-        grid = _moved(grid, interval, tried.states, log, car, unknowns.car_values(car, z))
         weights = _weights(tried.values / at.problem.weights)
         if longest < 1.0:  # before, errors of the unknowns would be taken for the car's
             coefficients, variances = z[-n_rest:], np.diag(at.posterior.covariance)[-n_rest:]
@@ -260,7 +261,8 @@ def _estimated(
             coefficients[SIZED] *= size / new
             size = new
         states, deviations = tried.states, tried.problem.deviations
-        del at, tried  # a long log has large arrays
+        del at, tried, problem  # a long log has large arrays
+        grid = _moved(grid, interval, states, log, car, unknowns.car_values(car, z))
         if longest > NEAR or round_ % SLOPE_ROUNDS == 0:
             held = forces(grid, states, z)
         added = curved(grid, interval, acting(grid, states, z, held), states, z)
@@ -297,13 +299,12 @@ def _estimate(
     lengths = [correlation_length(linear.values[:, i], grid.segment) for i in range(-n_balance, 0)]
     scale = np.concatenate([np.ones(len(problem.deviations) - n_balance), np.sqrt(lengths)])
     linear.weigh(np.tile(1.0 / scale, (len(grid.t), 1)))
-    given = grid, states, problem.added.tires(z), interval_data(grid)
-    outputs = values_of(interval.output_chunk, *given)
+    outputs = values_of(interval.output_chunk, grid, states, problem.added.tires(z), problem.data)
     weights = (problem.weights / problem.deviations / scale)[:, -n_balance:]
     rest = linear.values[:, -n_balance:] / weights
     beyond = rest + problem.added.columns[:, :, -len(SIZED) :] @ z[-len(SIZED) :]
-    posterior = posterior_of(grid, Factor(grid, linear))
-    return Estimate(**vars(posterior), states=states, z=z, deviations=problem.deviations, residuals=linear,
+    covariance = np.asarray(np.linalg.inv(Factor(grid, linear).schur), dtype=np.float64)
+    return Estimate(states=states, z=z, covariance=covariance, deviations=problem.deviations, residuals=linear,
                     outputs=outputs, beyond=beyond, weights=weights, evidence=evidence, size=size,
                     converged=converged)  # fmt: skip
 
@@ -339,17 +340,17 @@ class _Problem:
     weights: FloatArray
 
     @cached_property
-    def _data(self) -> FloatArray:
+    def data(self) -> FloatArray:
+        """The data of the intervals."""
         return interval_data(self.grid)
 
     def linear(self, states: FloatArray, *, whole: bool = False) -> Linear:
         """Return the weighted residuals and their derivatives by the nodes, and as a whole also by the unknowns."""
         function = self.interval.residual_chunk if whole else self.interval.node_chunk
-        linear = evaluated(function, self.grid, states, self.added.tires(self.z), self._data)
+        further, of_tires = self.added.further if whole else None, self.added.tires(self.z)
+        linear = evaluated(function, self.grid, states, of_tires, self.data, further=further)
         self.added.act(linear.values, self.z, states[self.grid.left], states[self.grid.right])
         self.added.slant(linear, states.shape[1])
-        if whole:
-            linear = self.added.by_unknowns(linear, len(self.z))
         linear.weigh(self.weights / self.deviations)
         return linear
 
@@ -448,7 +449,7 @@ def _volume_slope(at: _Point) -> FloatArray:
     of_tires, last = added.tires(z), len(added.tires(z))
     shares = (at.linear.by_nodes @ pairs) * (at.problem.weights / at.problem.deviations)[:, :, None]
     more = shares.transpose(0, 2, 1).reshape(len(shares), -1)
-    volume = evaluated(at.problem.interval.volume_chunk, grid, at.states, of_tires, interval_data(grid), more)
+    volume = evaluated(at.problem.interval.volume_chunk, grid, at.states, of_tires, at.problem.data, more)
     slopes = volume.by_all(slice(None), last + len(BALANCE))[:, 0]
     result = at.factor.at_nodes(volume.by_nodes.transpose(0, 2, 1))[:, 0] @ at.factor.slopes
     result[:last] += slopes[:, :last].sum(axis=0)

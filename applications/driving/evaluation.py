@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .inputs.grid import Grid
-from .interval import CHUNK, AddedForces, Chunk, Interval, Linear
+from .interval import BALANCE, CHUNK, AddedForces, Chunk, Interval, Linear
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -19,7 +19,7 @@ POINTS = (-1.0 / np.sqrt(12.0), 1.0 / np.sqrt(12.0))
 
 
 def interval_data(grid: Grid, share: float = 0.0) -> FloatArray:
-    """Return the data of the intervals, shape (n_data, n): means, weights, steering and its slopes, speeds of rims.
+    """Return the data of the intervals, shape (n, n_data): means, weights, steering and its slopes, speeds of rims.
 
     Steering and slopes are those at both ends; `share`: the line over the interval, moved by a share of its length.
     """
@@ -28,7 +28,8 @@ def interval_data(grid: Grid, share: float = 0.0) -> FloatArray:
     lines = np.stack([grid.steer, grid.steer_slopes[:2], grid.steer_slopes[2:]])
     lines = lines + share * np.diff(lines, axis=1)
     means = np.where(sampled, grid.means, 0.0)
-    return np.concatenate([means, weights, lines.reshape(6, -1), grid.rims, grid.rim_slopes, grid.behind])
+    rows = np.concatenate([means, weights, lines.reshape(6, -1), grid.rims, grid.rim_slopes, grid.behind])
+    return np.ascontiguousarray(rows.T)
 
 
 def curved(grid: Grid, interval: Interval, added: AddedForces, states: FloatArray, z: FloatArray) -> AddedForces:
@@ -62,22 +63,27 @@ def curvature_of(grid: Grid, states: FloatArray) -> FloatArray:
 
 
 def evaluated(
-    chunk: Chunk, grid: Grid, states: FloatArray, z: FloatArray, data: FloatArray, more: FloatArray | None = None
-) -> Linear:
+    chunk: Chunk, grid: Grid, states: FloatArray, z: FloatArray, data: FloatArray, more: FloatArray | None = None,
+    further: int | None = None,
+) -> Linear:  # fmt: skip
     """Return a function of `Interval` at all intervals.
 
     `states`: of the nodes, shape (n_nodes, n_states), or of both ends of the intervals, shape (2, n, n_states).
-    `more`, shape (n, n_more): its last argument.
+    `more`, shape (n, n_more): its last argument. `further`: number of unknowns after z; the balance of forces, the last
+    values, then has derivatives by all unknowns, 0 by these.
     """
     n, m, few, of_nodes = len(grid.t), chunk.function.size1_out(0), len(chunk.depends), 2 * states.shape[-1]
-    by_z = tuple(np.empty((n, len(depends))) for depends in chunk.depends)
-    linear = Linear(np.empty((n, m)), np.empty((n, few, of_nodes)), by_z, chunk.depends)
+    few_have = few if further is None else few - len(BALANCE)
+    depends = *chunk.depends[:few_have], *[np.arange(len(z) + (further or 0))] * (few - few_have)
+    by_z = tuple(np.zeros((n, len(some))) for some in depends)
+    places = [*[slice(None)] * few_have, *chunk.depends[few_have:]]
+    linear = Linear(np.empty((n, m)), np.empty((n, few, of_nodes)), by_z, depends)
     for rows, (values, by) in _chunks(chunk.function, grid, states, z, data, more):
         linear.values[rows] = values
         by = by.reshape(len(by), -1, few)
         linear.by_nodes[rows] = by[:, :of_nodes].transpose(0, 2, 1)
-        for i, (part, depends) in enumerate(zip(by_z, chunk.depends, strict=True)):
-            part[rows] = by[:, of_nodes + depends, i]
+        for i, (part, some, place) in enumerate(zip(by_z, chunk.depends, places, strict=True)):
+            part[rows, place] = by[:, of_nodes + some, i]
     return linear
 
 
@@ -94,7 +100,7 @@ def _chunks(
     Rows of arrays are columns of the CasADi function, which reads and writes them without copies into its own matrices.
     """
     left, right = states if states.ndim == 3 else (states[grid.left], states[grid.right])
-    columns = [left, right, np.ascontiguousarray(data.T), *([] if more is None else [more])]
+    columns = [left, right, data, *([] if more is None else [more])]
     given = [np.empty((CHUNK, column.shape[1])) for column in columns]
     constant = np.tile(np.concatenate([z, grid.used]), (CHUNK, 1))
     results = [np.empty((CHUNK, function.size1_out(i))) for i in range(function.n_out())]

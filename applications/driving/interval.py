@@ -441,16 +441,10 @@ class AddedForces:
         values[:, -len(BALANCE) :] -= forces + np.einsum("kim,km->ki", self.slopes, middle)
 
     def slant(self, linear: Linear, n: int) -> None:
-        """Add the derivatives of these forces to those of the residuals, by nodes of `n` states."""
+        """Add the derivatives of these forces to those of the residuals, by nodes of `n` states and by unknowns."""
+        last = self.columns.shape[2]
         for first in (0, n):
             linear.by_nodes[:, -len(BALANCE) :, first : first + len(MOTION)] -= self.slopes / 2
-
-    def by_unknowns(self, linear: Linear, n_z: int) -> Linear:
-        """Return residuals whose balance has the derivatives of these forces by all of `n_z` unknowns, too."""
-        first = len(linear.depends) - len(BALANCE)
-        by_z, depends = list(linear.by_z), list(linear.depends)
-        for i in range(first, len(depends)):
-            by_z[i], depends[i] = np.zeros((len(linear.values), n_z)), np.arange(n_z)
-            by_z[i][:, linear.depends[i]] = linear.by_z[i]
-            by_z[i][:, n_z - self.columns.shape[2] :] -= self.columns[:, i - first]
-        return replace(linear, by_z=tuple(by_z), depends=tuple(depends))
+        for axle, by_z in enumerate(linear.by_z[-len(BALANCE) :]):
+            if by_z.size:
+                by_z[:, by_z.shape[1] - last :] -= self.columns[:, axle]

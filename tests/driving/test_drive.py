@@ -580,7 +580,7 @@ def test_a_wrong_car_is_no_finding_of_a_tire(tire):
 def test_a_signal_behind_a_lag_is_that_of_the_differential_equation():
     step, t = 0.05, 0.05 * np.arange(200)
     omega, lag = 2 * np.pi * 1.2, 0.06
-    added = behind_lags(np.sin(omega * t)[None], np.full((1, len(t)), lag), step)[0]
+    added = behind_lags(np.sin(omega * t)[None], np.full((1, len(t)), lag), step)[0, 0]
     exact = (np.sin(omega * t) - omega * lag * np.cos(omega * t)) / (1.0 + (omega * lag) ** 2) - np.sin(omega * t)
     mean = exact * np.sinc(omega * step / 2.0 / np.pi)  # over an interval
     np.testing.assert_allclose(added[20:-5], mean[20:-5], atol=2e-3)
@@ -588,11 +588,14 @@ def test_a_signal_behind_a_lag_is_that_of_the_differential_equation():
 
 def test_signals_behind_lags_know_nothing_of_each_other():
     signals, constants = np.random.default_rng(2).normal(size=(2, 3, 40))
-    constants = np.abs(np.concatenate([constants, 0.0 * constants]))  # without a lag, nothing is added
-    together = behind_lags(signals, constants, 0.05)
-    alone = [behind_lags(signals[i % 3 : i % 3 + 1], constants[i : i + 1], 0.05)[0] for i in range(6)]
+    constants = np.abs(constants)
+    together = behind_lags(signals, constants, 0.05, (1.0, 1.5, 0.0))
+    alone = [
+        [behind_lags(signals[i : i + 1], longer * constants[i : i + 1], 0.05)[0, 0] for i in range(3)]
+        for longer in (1.0, 1.5, 0.0)
+    ]
     np.testing.assert_allclose(together, alone, atol=1e-12)
-    np.testing.assert_allclose(together[3:], 0.0, atol=1e-6)
+    np.testing.assert_allclose(together[2], 0.0, atol=1e-6)  # without a lag, nothing is added
 
 
 def test_a_body_heaves_as_a_damped_mass_on_springs():
