@@ -117,10 +117,12 @@ class Missing:
 
     def on(self, u: FloatArray, factors: Mapping[str, Mapping[str, float]]) -> dict[str, Tire]:
         """Return the tires with the effect and with scaling factors by axle and name."""
-        return {
-            axle: scaled(replace(tire, effects=tire.has | {self.name}).with_values(**self.values(u)), factors[axle])
-            for axle, tire in self.tires.items()
-        }
+        return {axle: scaled(tire, factors[axle], **self.values(u)) for axle, tire in self._active.items()}
+
+    @cached_property
+    def _active(self) -> dict[str, Tire]:
+        """The tires with the effect, whose coefficients are those of the tires without."""
+        return {axle: replace(tire, effects=tire.has | {self.name}) for axle, tire in self.tires.items()}
 
     def off(self, factors: Mapping[str, Mapping[str, float]]) -> dict[str, Tire]:
         """Return the tires without the effect, with scaling factors by axle and name."""
@@ -141,9 +143,9 @@ class Missing:
         return result
 
 
-def scaled(tire: Tire, factors: Mapping[str, float]) -> Tire:
-    """Return a tire with its scaling coefficients multiplied by factors."""
-    return tire.with_values(**{name: tire.values[name] * value for name, value in factors.items()})
+def scaled(tire: Tire, factors: Mapping[str, float], **values: float) -> Tire:
+    """Return a tire with its scaling coefficients multiplied by factors, and with values of other coefficients."""
+    return tire.with_values(**values, **{name: tire.values[name] * value for name, value in factors.items()})
 
 
 def factor_values(unknowns: Unknowns, z: FloatArray) -> dict[str, dict[str, float]]:

@@ -80,8 +80,8 @@ def no_forces(grid: Grid, states: FloatArray, z: FloatArray) -> AddedForces:
 class Estimate:
     """An estimate.
 
-    - `states`, shape (n_nodes, n_states). `z`, shape (n_z,), and its `covariance`. `deviations`, shape (n_residuals,): those of `BALANCE` are
-      the last ones.
+    - `states`, shape (n_nodes, n_states). `z`, shape (n_z,), and its `covariance`. `deviations`, shape (n_residuals,):
+      those of `BALANCE` are the last ones.
     - `residuals`: of the intervals at the solution. `outputs`, shape (n, n_outputs): `OUTPUTS` there.
     - `beyond`, shape (n, 2): side force that the motion requires of each axle beyond its tires and an effect that they
       lack, per static load: what no entry of the car explains.

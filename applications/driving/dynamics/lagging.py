@@ -78,8 +78,9 @@ def with_lags(grid: Grid, interval: Interval, states: FloatArray, car: Car, entr
     inputs = np.concatenate([acceleration, slip, measured_slips(grid, V, car, entries)])
     late, longer = np.empty((2, *inputs.shape)), (1.0, 1.0 + CHANGE)
     period, heave = entries["heave_period"], np.empty((2, len(grid.t)))
-    for number in np.unique(grid.segment):
-        rows = grid.segment == number
+    chains = np.split(np.arange(len(grid.t)), np.flatnonzero(np.diff(grid.segment)) + 1)
+    for length in {len(chain) for chain in chains}:
+        rows = np.stack([chain for chain in chains if len(chain) == length])
         late[:, :, rows] = behind_lags(inputs[:, rows], times[:, rows], grid.step, longer)
         rise = (acceleration[1] + late[0, 1])[rows] ** 2
         heave[:, rows] = [heaving(rise, factor * period, grid.step) for factor in longer]
@@ -114,13 +115,13 @@ def measured_slips(grid: Grid, V: FloatArray, car: Car, entries: Mapping[str, fl
 
 
 def behind_lags(inputs: FloatArray, constants: FloatArray, step: float, longer: Sequence[float] = (1.0,)) -> FloatArray:
-    """Return what first-order lags add to inputs at even times, means over a step, shape (n_longer, n_inputs, n).
+    """Return what first-order lags add to inputs at even times, means over a step, shape (n_longer, *inputs.shape).
 
-    `constants`: time constant of each input, s, shape (n_inputs, n), which is taken `longer` times. The inputs are
-    splines; they begin as if their first slope had lasted.
+    `constants`: time constants of the inputs, s, which are taken `longer` times. The inputs are splines along the last
+    axis; they begin as if their first slope had lasted.
     """
     whole, values = _finer(constants), _finer(inputs)
-    slopes = np.diff(values, append=values[:, -1:]) / (step / PARTS)
+    slopes = np.diff(values, append=values[..., -1:]) / (step / PARTS)
     return np.stack([_means(_behind(values, slopes, factor * whole, step / PARTS)) for factor in longer])
 
 
@@ -129,23 +130,28 @@ def _behind(values: FloatArray, slopes: FloatArray, times: FloatArray, step: flo
     kept = np.exp(-step / np.maximum(times, 1e-9))
     rest = values - slopes * times
     steady = (1.0 - kept) * rest + slopes * step
-    kept[:, -1], steady[:, -1] = 0.0, np.roll(rest[:, 0], -1)  # one recursion, which begins again in each row
-    return recursion(rest[0, 0], kept.ravel()[:-1], steady.ravel()[:-1]).reshape(values.shape) - values
+    kept[..., -1] = 0.0  # one recursion, which begins again in each row
+    steady[..., -1].flat = np.roll(rest[..., 0], -1)
+    return recursion(rest.flat[0], kept.ravel()[:-1], steady.ravel()[:-1]).reshape(values.shape) - values
 
 
 def heaving(rise: FloatArray, period: float, step: float) -> FloatArray:
-    """Return the acceleration of a mass on damped springs whose rest position rises, means over a step, shape (n,).
+    """Return the acceleration of a mass on damped springs whose rest position rises, means over a step.
 
-    `rise`: of the rest position at even times, a spline; the mass begins at rest. `period`: natural, s.
+    `rise`: of the rest position at even times, a spline along the last axis; the mass begins at rest. `period`:
+    natural, s.
     """
     w = 2.0 * np.pi / period
-    at_rest, h = _finer(rise - rise[0]), np.array([step / PARTS])
+    at_rest, h = _finer(rise - rise[..., :1]), np.array([step / PARTS])
     # Position and speed of the mass, rest position and its slope, which is constant between the parts.
     law = np.array([[0.0, 1.0, 0.0, 0.0], [-(w**2), -2.0 * DAMPING * w, w**2, 0.0], [0.0, 0.0, 0.0, 1.0], [0.0] * 4])
     (kept,), _ = held_system(law[None], h)
-    gained = np.stack([at_rest[:-1], np.diff(at_rest) / h], axis=1) @ kept[:2, 2:].T
-    motion = vector_recursion(np.zeros(2), np.broadcast_to(kept[:2, :2], (len(gained), 2, 2)), gained)
-    return _means(w**2 * at_rest + motion @ law[1, :2])
+    slopes = np.diff(at_rest, append=at_rest[..., -1:]) / h
+    gained, matrix = np.stack([at_rest, slopes], axis=-1) @ kept[:2, 2:].T, np.empty((*at_rest.shape, 2, 2))
+    matrix[:] = kept[:2, :2]
+    gained[..., -1, :], matrix[..., -1, :, :] = 0.0, 0.0  # one recursion, which begins again in each row
+    motion = vector_recursion(np.zeros(2), matrix.reshape(-1, 2, 2)[:-1], gained.reshape(-1, 2)[:-1])
+    return _means(w**2 * at_rest + (motion @ law[1, :2]).reshape(at_rest.shape))
 
 
 def _finer(values: FloatArray) -> FloatArray:
