@@ -13,6 +13,7 @@ from .inputs.grid import Grid
 from .interval import BALANCE, CHUNK, AddedForces, Chunk, Interval, Linear
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
 
 #: Gauss points of an interval, from its middle, in its length.
 POINTS = (-1.0 / np.sqrt(12.0), 1.0 / np.sqrt(12.0))
@@ -76,7 +77,7 @@ def evaluated(
     few_have = few if further is None else few - len(BALANCE)
     depends = *chunk.depends[:few_have], *[np.arange(len(z) + (further or 0))] * (few - few_have)
     by_z = tuple(np.zeros((n, len(some))) for some in depends)
-    places = [*[slice(None)] * few_have, *chunk.depends[few_have:]]
+    places: list[slice | IntArray] = [*[slice(None)] * few_have, *chunk.depends[few_have:]]
     linear = Linear(np.empty((n, m)), np.empty((n, few, of_nodes)), by_z, depends)
     for rows, (values, by) in _chunks(chunk.function, grid, states, z, data, more):
         linear.values[rows] = values

@@ -286,6 +286,20 @@ def test_the_more_probable_of_two_optima_is_the_answer(monkeypatch, evidence):
     assert len(wholes) == 1
 
 
+@pytest.mark.parametrize("n", [799, 800, 2384, 4000, 12_000, 100_000])
+def test_a_long_log_is_estimated_in_larger_and_larger_parts_that_are_spread_over_it(n):
+    parts = list(estimate._samples(SimpleNamespace(t=np.arange(n))))
+    assert [len(rows) for rows in parts] == [400 * 5**k for k in range(9) if 2 * 400 * 5**k <= n]
+    for rows in parts:
+        pieces = np.split(rows, np.flatnonzero(np.diff(rows) != 1) + 1)
+        assert {len(piece) for piece in pieces} <= {100, *np.arange(1, n // 100 + 1) * 100}
+        assert np.diff(rows).min() >= 1
+        assert rows[0] >= 0
+        assert rows[-1] < n
+        thirds = np.histogram(rows, np.linspace(0, n, 5))[0]
+        assert thirds.max() <= thirds.min() + 100
+
+
 def test_a_joint_deviation_is_one_although_no_entry_alone_is(answer):
     n = len(answer.unknowns.car)
     sure = replace(answer.estimate, covariance=1e-6 * np.eye(len(answer.estimate.z)), scatter=0.0)
@@ -596,6 +610,16 @@ def test_signals_behind_lags_know_nothing_of_each_other():
     ]
     np.testing.assert_allclose(together, alone, atol=1e-12)
     np.testing.assert_allclose(together[2], 0.0, atol=1e-6)  # without a lag, nothing is added
+
+
+def test_chains_side_by_side_know_nothing_of_each_other():
+    signals, constants = np.random.default_rng(3).normal(size=(2, 2, 3, 40))
+    constants = np.abs(constants)
+    together, heaved = behind_lags(signals, constants, 0.05, (1.0, 1.1)), heaving(signals[0], 0.7, 0.05)
+    for chain in range(3):
+        alone = behind_lags(signals[:, chain], constants[:, chain], 0.05, (1.0, 1.1))
+        np.testing.assert_allclose(together[:, :, chain], alone, rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(heaved[chain], heaving(signals[0, chain], 0.7, 0.05), rtol=1e-9, atol=1e-9)
 
 
 def test_a_body_heaves_as_a_damped_mass_on_springs():

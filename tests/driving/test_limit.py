@@ -124,6 +124,24 @@ def test_compiled_functions_of_an_interval_are_those_of_casadi(at_the_limit, mon
     np.testing.assert_allclose(nodes.by_nodes, whole.by_nodes, rtol=1e-9, atol=1e-6)
 
 
+def test_residuals_depend_on_the_stated_unknowns_alone(at_the_limit):
+    grid, unknowns, final = at_the_limit.grid, at_the_limit.unknowns, at_the_limit.estimate
+    given = at_the_limit.car, at_the_limit.tires, unknowns
+    interval = interval_of(*given, sampled=grid.sampled, spins=CORNERS, step=grid.step)
+    z, data, step = final.z[: len(unknowns)], interval_data(grid), 1e-5
+    linear = evaluated(interval.residual_chunk, grid, final.states, z, data)
+    by_all, of_all = (
+        evaluated(interval.residual_chunk, grid, final.states, z, data, further=further).by_all(slice(None), len(z) + 2)
+        for further in (None, 2)
+    )
+    np.testing.assert_array_equal(by_all, of_all)
+    assert min(len(depends) for depends in linear.depends) < 5
+    for i, shift in enumerate(step * np.eye(len(z))):
+        ends = [values_of(interval.value_chunk, grid, final.states, z + side * shift, data) for side in (-1.0, 1.0)]
+        slope = (ends[1] - ends[0]) / (2.0 * step)
+        np.testing.assert_allclose(by_all[:, :, i], slope, rtol=1e-3, atol=1e-5 * np.abs(by_all).max())
+
+
 def test_friction_along_the_wheel_is_estimated(at_the_limit):
     entries = at_the_limit.to_json()["car"]["entries"]
     name, value = along("rear", "LMUX")

@@ -130,8 +130,7 @@ def _behind(values: FloatArray, slopes: FloatArray, times: FloatArray, step: flo
     kept = np.exp(-step / np.maximum(times, 1e-9))
     rest = values - slopes * times
     steady = (1.0 - kept) * rest + slopes * step
-    kept[..., -1] = 0.0  # one recursion, which begins again in each row
-    steady[..., -1].flat = np.roll(rest[..., 0], -1)
+    kept[..., -1], steady[..., -1] = 0.0, np.roll(rest[..., 0], -1)  # one recursion, which begins again in each row
     return recursion(rest.flat[0], kept.ravel()[:-1], steady.ravel()[:-1]).reshape(values.shape) - values
 
 
