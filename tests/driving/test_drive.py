@@ -521,21 +521,19 @@ def test_an_effect_is_a_name_only_if_it_is_certain_and_predicts(relaxing):
 @pytest.mark.slow
 def test_a_drive_estimated_with_an_effect_has_it_in_its_tires(relaxing):
     answer, length = relaxing
-    given = answer.grid, answer.estimate, answer.unknowns, answer.car
-    factors = factor_values(answer.unknowns, answer.estimate.z)
-    columns = effect_columns(motion_of(*given), answer.tires, factors)
-    missing, u = next((missing, u) for missing, u, _ in columns if missing.name == "relax_lat")
-    base = DriveExplanation(None, answer.grid, answer.estimate)
     interval = interval_of(
         answer.car, answer.tires, answer.unknowns, sampled=answer.grid.sampled, spins=CORNERS, step=answer.grid.step
     )
+    given = interval, answer.unknowns, answer.estimate.states, answer.log, answer.car
+    base = DriveExplanation(None, *estimated(answer.grid, *given))  # the answer itself may have the effect
+    motion = motion_of(base.grid, base.estimate, answer.unknowns, answer.car)
+    columns = effect_columns(motion, answer.tires, factor_values(answer.unknowns, base.estimate.z))
+    missing, u = next((missing, u) for missing, u, _ in columns if missing.name == "relax_lat")
     forces = forces_of(Rival(missing, u), answer.unknowns, answer.car, base)
     near = nearby(Rival(missing, u), base, answer.unknowns, answer.car)
-    grid, estimate = estimated(
-        answer.grid, interval, answer.unknowns, answer.estimate.states, answer.log, answer.car, forces, near
-    )
+    grid, estimate = estimated(base.grid, *given, forces, near)
     assert estimate.converged
-    assert estimate.evidence > answer.estimate.evidence
+    assert estimate.evidence > base.estimate.evidence
     found = estimate.z[len(answer.unknowns) :]
     assert missing.values(found)["SIGY"] == pytest.approx(length, rel=0.25)
     delivered = missing.delivered(found)
