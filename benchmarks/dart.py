@@ -54,7 +54,7 @@ def authors_tire(axle: str) -> Tire:
 
 def residual(answer: Drive, axle: str) -> float:
     """Return the rms of the side force that the motion requires beyond the tires, over 0.3 s, per axle load."""
-    whole, of_tire = (answer.estimate.outputs.values[:, OUTPUTS.index(f"{name}_{axle}")] for name in ("Fy", "Fy_tire"))
+    whole, of_tire = (answer.estimate.outputs[:, OUTPUTS.index(f"{name}_{axle}")] for name in ("Fy", "Fy_tire"))
     width = round(0.3 / answer.grid.step)
     smooth = np.convolve(whole - of_tire, np.full(width, 1 / width), "valid")
     return float(np.sqrt(np.mean(smooth**2))) * 2.0 / answer.car.axle_loads[list(AUTHORS).index(axle)]

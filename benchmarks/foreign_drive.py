@@ -124,7 +124,7 @@ def given_tire(case: Case) -> Tire:
 
 def curve_error(answer: Drive, axle: str) -> float:
     """Return the largest error of the curve of an axle over the slip that was reached, per largest force."""
-    alpha, Fz = (answer.estimate.outputs.values[:, OUTPUTS.index(f"{name}_{axle}")] for name in ("alpha", "Fz"))
+    alpha, Fz = (answer.estimate.outputs[:, OUTPUTS.index(f"{name}_{axle}")] for name in ("alpha", "Fz"))
     slips, load = np.linspace(*np.quantile(alpha, [0.01, 0.99]), 101), float(np.median(Fz))
     true = np.array([formula_lateral(slip, 0.0, load, parameters_vehicle2().tire)[0] for slip in slips])
     estimated = answer.scaled[axle].forces(alpha=slips, Fz=load)["Fy"]

@@ -170,7 +170,8 @@ def _answer(
     where = disagreement(answer.grid, answer.estimate, gap[0], car)
     verdict = verdict_on(answer, ranked, unknowns, car, factors, certain, wrong, contradiction, predicted, where)
     verdict = replace(verdict, lines=(*verdict.lines, *_limits(tires), *_exchanged(log)))
-    wheels = wheel_table(answer.grid, answer.estimate)
+    deviations = answer.estimate.output_deviations(answer.grid, interval, len(unknowns))
+    wheels = wheel_table(answer.grid, answer.estimate.outputs, deviations)
     return Drive(
         log, car, answer.grid, unknowns, answer.estimate, tires, new, factors, wheels, before, after, gap, verdict
     )

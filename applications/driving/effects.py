@@ -77,7 +77,7 @@ def motion_of(grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> M
     p = unknowns.car_values(car, estimate.z)
     inputs = dict(zip(("alpha", "V", "Fz", "gamma"), wheel_motion(grid, estimate.states, car, p), strict=True))
     inputs["alpha"] = np.arcsin(np.sin(inputs["alpha"]))  # the slip of a wheel that rolls backward is V_y/|V_x|
-    kappa = np.stack([estimate.outputs.values[:, OUTPUTS.index(f"kappa_{axle}")] for axle in AXLES])
+    kappa = np.stack([estimate.outputs[:, OUTPUTS.index(f"kappa_{axle}")] for axle in AXLES])
     return Motion(grid.t, {"kappa": kappa.repeat(2, axis=0), **inputs}, loads_of(p))
 
 
@@ -117,10 +117,12 @@ class Missing:
 
     def on(self, u: FloatArray, factors: Mapping[str, Mapping[str, float]]) -> dict[str, Tire]:
         """Return the tires with the effect and with scaling factors by axle and name."""
-        return {
-            axle: scaled(replace(tire, effects=tire.has | {self.name}).with_values(**self.values(u)), factors[axle])
-            for axle, tire in self.tires.items()
-        }
+        return {axle: scaled(tire, factors[axle], **self.values(u)) for axle, tire in self._active.items()}
+
+    @cached_property
+    def _active(self) -> dict[str, Tire]:
+        """The tires with the effect, whose coefficients are those of the tires without."""
+        return {axle: replace(tire, effects=tire.has | {self.name}) for axle, tire in self.tires.items()}
 
     def off(self, factors: Mapping[str, Mapping[str, float]]) -> dict[str, Tire]:
         """Return the tires without the effect, with scaling factors by axle and name."""
@@ -141,9 +143,9 @@ class Missing:
         return result
 
 
-def scaled(tire: Tire, factors: Mapping[str, float]) -> Tire:
-    """Return a tire with its scaling coefficients multiplied by factors."""
-    return tire.with_values(**{name: tire.values[name] * value for name, value in factors.items()})
+def scaled(tire: Tire, factors: Mapping[str, float], **values: float) -> Tire:
+    """Return a tire with its scaling coefficients multiplied by factors, and with values of other coefficients."""
+    return tire.with_values(**values, **{name: tire.values[name] * value for name, value in factors.items()})
 
 
 def factor_values(unknowns: Unknowns, z: FloatArray) -> dict[str, dict[str, float]]:

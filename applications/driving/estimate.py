@@ -10,9 +10,10 @@ their steps lead to the fixed point of MacKay, Bayesian interpolation, Neural Co
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -26,8 +27,8 @@ from .inputs.car import Car
 from .inputs.grid import Grid, with_delays
 from .inputs.log import Log
 from .inputs.unknowns import Unknowns
-from .interval import BALANCE, MOTION, UNCERTAIN, AddedForces, Interval, Linear
-from .linear_solution import LARGEST, LONGEST_STEP, Factor, Posterior, posterior_of
+from .interval import BALANCE, MOTION, AddedForces, Interval, Linear
+from .linear_solution import LARGEST, LEAST_DAMPING, LONGEST_STEP, Factor, Posterior, posterior_of
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -59,8 +60,9 @@ SLOPE_ROUNDS, NEAR = 3, 1.0
 SETTLED, FLAT = 0.1, 0.05
 
 
-#: Intervals in parts of a drive that are estimated first, and the number of these parts. Convention: computing time.
-SAMPLE, PIECES = 400, 4
+#: Intervals in a piece of a drive, number of pieces that are estimated first, and how many times as many next, up to
+#: half the drive. Convention: computing time.
+PIECE, PIECES, GROWTH = 100, 4, 5
 #: Difference of the logarithms of the evidence below which two estimates are one optimum: near their lower limit,
 #: deviations hardly change it. Convention: computing time.
 SAME_OPTIMUM = 2.0
@@ -75,13 +77,12 @@ def no_forces(grid: Grid, states: FloatArray, z: FloatArray) -> AddedForces:
 
 
 @dataclass(frozen=True)
-class Estimate(Posterior):
+class Estimate:
     """An estimate.
 
-    - `states`, shape (n_nodes, n_states). `z`, shape (n_z,). `deviations`, shape (n_residuals,): those of `BALANCE` are
-      the last ones.
-    - `residuals`, `outputs`: of the intervals at the solution; of the latter, the Jacobian is that of `UNCERTAIN`, by
-      nodes and the unknowns of tires and car.
+    - `states`, shape (n_nodes, n_states). `z`, shape (n_z,), and its `covariance`. `deviations`, shape (n_residuals,):
+      those of `BALANCE` are the last ones.
+    - `residuals`: of the intervals at the solution. `outputs`, shape (n, n_outputs): `OUTPUTS` there.
     - `beyond`, shape (n, 2): side force that the motion requires of each axle beyond its tires and an effect that they
       lack, per static load: what no entry of the car explains.
     - `weights`, shape (n, 2): by which the residuals of the balance, per static load, are multiplied.
@@ -94,9 +95,10 @@ class Estimate(Posterior):
 
     states: FloatArray
     z: FloatArray
+    covariance: FloatArray
     deviations: FloatArray
     residuals: Linear
-    outputs: Linear
+    outputs: FloatArray
     beyond: FloatArray
     weights: FloatArray
     evidence: float
@@ -112,9 +114,7 @@ class Estimate(Posterior):
     def of_part(self, grid: Grid, rows: IntArray) -> tuple[FloatArray, FloatArray]:
         """Return the information on the unknowns of some intervals alone, and the slope of their cost."""
         part, _ = grid.part(rows)
-        factor = Factor(
-            part, Linear(self.residuals.values[rows], self.residuals.jacobian[rows]), self.states.shape[1], 1e-9
-        )
+        factor = Factor(part, self.residuals.part(rows))
         return factor.schur - np.eye(len(self.z)), factor.slope(np.zeros(len(self.z)))
 
     def information(self, grid: Grid, added: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -123,18 +123,26 @@ class Estimate(Posterior):
         `added`, shape (n, 2, n_added): side force per static load for a coefficient of 1. Priors are not included.
         Returns matrix and vector of n_z + n_added. What the scatter over parts adds is not included.
         """
-        J, r, n = self.residuals.jacobian, self.residuals.values, self.states.shape[1]
-        factor, columns = Factor(grid, self.residuals, n, 1e-9), -added * self.weights[:, :, None]
-        balance = J[:, -len(BALANCE) :]
-        border = factor.at_nodes(np.einsum("kri,krj->kij", balance[:, :, : 2 * n], columns))
+        residuals, balance = self.residuals, slice(-len(BALANCE), None)
+        factor, columns = Factor(grid, residuals), -added * self.weights[:, :, None]
+        border = factor.at_nodes(np.einsum("kri,krj->kij", residuals.by_nodes[:, balance], columns))
         solved = factor.solved(border) if border.size else border
-        cross = np.einsum("kri,krj->ij", balance[:, :, 2 * n :], columns) - factor.solved_border.T @ border
+        cross = sum(by_z.T @ columns[:, i] for i, by_z in enumerate(residuals.by_z[balance])) + factor.slopes.T @ border
         corner = np.einsum("kri,krj->ij", columns, columns) - border.T @ solved
-        slope = np.einsum("krj,kr->j", columns, r[:, -len(BALANCE) :]) - solved.T @ factor.gradient
+        slope = np.einsum("krj,kr->j", columns, residuals.values[:, balance]) - solved.T @ factor.gradient
         precision = np.linalg.inv(self.covariance - self.scatter)
         both = np.block([[precision - np.eye(len(self.z)), cross], [cross.T, corner]])
         # The unknowns are at their optimum; the score is that at 0, for a quadratic cost.
         return both, np.concatenate([precision @ self.z, cross.T @ self.z - slope])
+
+    def output_deviations(self, grid: Grid, interval: Interval, n: int) -> FloatArray:
+        """Return the standard deviations of `UNCERTAIN`, shape (n_intervals, n_uncertain).
+
+        `n`: number of the unknowns of tires and car.
+        """
+        given = grid, self.states, self.z[:n], interval_data(grid)
+        posterior = replace(posterior_of(grid, Factor(grid, self.residuals)), covariance=self.covariance)
+        return np.sqrt(np.maximum(posterior.variances(evaluated(interval.output_chunk, *given)), 0.0))
 
 
 def estimated(
@@ -145,29 +153,30 @@ def estimated(
 
     From two starts: where all unknowns move at once, entries of the car take what the tires differ by, and may end in
     another optimum; where the factors move alone at first, they take what the car differs by. The more probable of the
-    optima is the answer; of a long log, both starts are of a part, and one of them is left if they end in one optimum.
+    optima is the answer. A long log is estimated in larger and larger parts first, each from the one before, and one of
+    the starts is left where they end in one optimum.
     """
-    given = interval, unknowns, start, log, car, forces
+    given = interval, unknowns, log, car, forces
     if near:
-        return _estimated(grid, *given, near)
-    rows, starts = _sample(grid), (False, True)
-    if rows is None:
-        answers = [_estimated(grid, *given, together=together) for together in starts]
-    else:
+        return _estimated(grid, start, *given, near=near)
+    begins: list[tuple[FloatArray, dict[str, Any]]] = [(start, {"together": together}) for together in (False, True)]
+    for rows in _samples(grid):
         some, nodes = grid.part(rows)
-        of_part = interval, unknowns, start[nodes], log, car, forces
-        parts = [_estimated(some, *of_part, together=together)[1] for together in starts]
-        if abs(parts[0].evidence - parts[1].evidence) < SAME_OPTIMUM:
+        parts = [_estimated(some, states[nodes], *given, **chosen)[1] for states, chosen in begins]
+        if abs(parts[0].evidence - parts[-1].evidence) < SAME_OPTIMUM:
             parts = parts[:1]
-        answers = [_estimated(grid, *given, part=(nodes, part)) for part in parts]
+        begins = [(states.copy(), {"part": part}) for (states, _), part in zip(begins, parts, strict=False)]
+        for states, chosen in begins:
+            states[nodes] = chosen["part"].states
+    answers = [_estimated(grid, states, *given, **chosen) for states, chosen in begins]
     return max(answers, key=lambda answer: (answer[1].converged, graded(answer[1].evidence)))
 
 
 def _estimated(
-    grid: Grid, interval: Interval, unknowns: Unknowns, start: FloatArray, log: Log, car: Car, forces: Forces,
-    near: Estimate | None = None, part: tuple[IntArray, Estimate] | None = None, together: bool = False,
+    grid: Grid, start: FloatArray, interval: Interval, unknowns: Unknowns, log: Log, car: Car, forces: Forces,
+    near: Estimate | None = None, part: Estimate | None = None, together: bool = False,
 ) -> tuple[Grid, Estimate]:  # fmt: skip
-    """Return what `estimated` does from one start: `near`, a `part` (its nodes, estimate), or the given car and tires.
+    """Return what `estimated` does from one start: `near`, that of a `part`, or the given car and tires.
 
     Steps of the unknowns and of the deviations of all residuals decrease one criterion: minus the logarithm of the
     posterior, integrated over the states. The deviations wait until a step of the unknowns is not shortened: far from
@@ -187,13 +196,11 @@ def _estimated(
     if near:
         start, deviations, size, (z, rest) = near.states, near.deviations.copy(), near.size, np.split(near.z, [n])
     elif part:
-        nodes, first = part
-        start, deviations, size, z = start.copy(), first.deviations.copy(), first.size, first.z[:n]
-        start[nodes] = first.states
+        deviations, size, z = part.deviations.copy(), part.size, part.z[:n]
         grid = _moved(grid, interval, start, log, car, unknowns.car_values(car, z))
 
     def acting(grid: Grid, states: FloatArray, z: FloatArray, held: AddedForces) -> AddedForces:
-        beyond = values_of(interval, grid, states, z[:n], interval_data(grid))[:, -n_balance:]
+        beyond = values_of(interval.value_chunk, grid, states, z[:n], interval_data(grid))[:, -n_balance:]
         return held.and_columns(*discrepancy_columns(grid, states, unknowns.car_values(car, z), beyond, size))
 
     held = forces(grid, start, z)
@@ -246,7 +253,6 @@ def _estimated(
             break
         radius = max((2.0 if share == 1.0 else share) * radius, LONGEST_STEP)
         z = z + share * change_z
-        grid = _moved(grid, interval, tried.states, log, car, unknowns.car_values(car, z))
         weights = _weights(tried.values / at.problem.weights)
         if longest < 1.0:  # before, errors of the unknowns would be taken for the car's
             coefficients, variances = z[-n_rest:], np.diag(at.posterior.covariance)[-n_rest:]
@@ -255,7 +261,8 @@ def _estimated(
             coefficients[SIZED] *= size / new
             size = new
         states, deviations = tried.states, tried.problem.deviations
-        del at, tried  # a long log has large arrays
+        del at, tried, problem  # a long log has large arrays
+        grid = _moved(grid, interval, states, log, car, unknowns.car_values(car, z))
         if longest > NEAR or round_ % SLOPE_ROUNDS == 0:
             held = forces(grid, states, z)
         added = curved(grid, interval, acting(grid, states, z, held), states, z)
@@ -265,13 +272,13 @@ def _estimated(
     return grid, _estimate(*given, size, converged)
 
 
-def _sample(grid: Grid) -> IntArray | None:
-    """Return the intervals of some parts of a drive, from which an estimate of the whole begins, or None."""
-    n = len(grid.t)
-    if n < 2 * SAMPLE:
-        return None
-    first = np.arange(PIECES) * n // PIECES + (n // PIECES - SAMPLE // PIECES) // 2
-    return np.asarray((first[:, None] + np.arange(SAMPLE // PIECES)).ravel(), dtype=np.intp)
+def _samples(grid: Grid) -> Iterator[IntArray]:
+    """Go through larger and larger parts of a drive, in pieces that are spread over it: their intervals."""
+    n, pieces = len(grid.t), PIECES
+    while 2 * pieces * PIECE <= n:
+        first = np.arange(pieces) * n // pieces + (n // pieces - PIECE) // 2
+        yield np.asarray((first[:, None] + np.arange(PIECE)).ravel(), dtype=np.intp)
+        pieces *= GROWTH
 
 
 def _moved(
@@ -292,13 +299,12 @@ def _estimate(
     lengths = [correlation_length(linear.values[:, i], grid.segment) for i in range(-n_balance, 0)]
     scale = np.concatenate([np.ones(len(problem.deviations) - n_balance), np.sqrt(lengths)])
     linear.weigh(np.tile(1.0 / scale, (len(grid.t), 1)))
-    given = grid, states, problem.added.tires(z), interval_data(grid)
-    outputs = evaluated(interval.output_chunk, *given, differentiated=len(UNCERTAIN))
+    outputs = values_of(interval.output_chunk, grid, states, problem.added.tires(z), problem.data)
     weights = (problem.weights / problem.deviations / scale)[:, -n_balance:]
     rest = linear.values[:, -n_balance:] / weights
     beyond = rest + problem.added.columns[:, :, -len(SIZED) :] @ z[-len(SIZED) :]
-    posterior = posterior_of(grid, Factor(grid, linear, states.shape[1], 1e-9))
-    return Estimate(**vars(posterior), states=states, z=z, deviations=problem.deviations, residuals=linear,
+    covariance = np.asarray(np.linalg.inv(Factor(grid, linear).schur), dtype=np.float64)
+    return Estimate(states=states, z=z, covariance=covariance, deviations=problem.deviations, residuals=linear,
                     outputs=outputs, beyond=beyond, weights=weights, evidence=evidence, size=size,
                     converged=converged)  # fmt: skip
 
@@ -334,25 +340,26 @@ class _Problem:
     weights: FloatArray
 
     @cached_property
-    def _data(self) -> FloatArray:
+    def data(self) -> FloatArray:
+        """The data of the intervals."""
         return interval_data(self.grid)
 
     def linear(self, states: FloatArray, *, whole: bool = False) -> Linear:
         """Return the weighted residuals and their derivatives by the nodes, and as a whole also by the unknowns."""
         function = self.interval.residual_chunk if whole else self.interval.node_chunk
-        further, of_tires = self.added.further if whole else 0, self.added.tires(self.z)
-        linear = evaluated(function, self.grid, states, of_tires, self._data, further=further)
+        further, of_tires = self.added.further if whole else None, self.added.tires(self.z)
+        linear = evaluated(function, self.grid, states, of_tires, self.data, further=further)
         self.added.act(linear.values, self.z, states[self.grid.left], states[self.grid.right])
-        self.added.slant(linear.jacobian, states.shape[1])
+        self.added.slant(linear, states.shape[1])
         linear.weigh(self.weights / self.deviations)
         return linear
 
     def solved(self, states: FloatArray) -> _Point:
         """Return the best states from initial ones (Gauss-Newton steps, damped as Levenberg's)."""
-        n, linear, damping, tolerance = states.shape[1], self.linear(states), 1e-9, TOLERANCE
+        n, linear, damping, tolerance = states.shape[1], self.linear(states), LEAST_DAMPING, TOLERANCE
         for _ in range(MAX_STEPS):
             try:
-                factor = Factor(self.grid, linear, n, damping)
+                factor = Factor(self.grid, linear, damping)
             except np.linalg.LinAlgError:  # rounding made the matrix indefinite
                 damping = 100.0 * damping
                 continue
@@ -366,12 +373,15 @@ class _Problem:
             if gain < 0.0:
                 damping = max(damping, 1e-5) * 30.0
             elif gain > RELIABLE * predicted:
-                damping = max(damping / 10.0, 1e-9)
+                damping = max(damping / 10.0, LEAST_DAMPING)
             if gain >= 0.0:
                 states, linear = moved, tried
-        factor = Factor(self.grid, linear, n, 1e-9)  # of a damped matrix, the determinant is not the posterior's
+        else:
+            damping = np.inf
+        if damping > LEAST_DAMPING:  # of another point or damped, the determinant is not the posterior's
+            factor = Factor(self.grid, linear)
         # The density of the next motion that the balance gives and those of sensors have the deviations as scales.
-        density = np.log(np.abs(np.linalg.det(linear.jacobian[:, -len(BALANCE) :, n + 1 : n + 3]))).sum()
+        density = np.log(np.abs(np.linalg.det(linear.by_nodes[:, -len(BALANCE) :, n + 1 : n + 3]))).sum()
         density -= np.sum((linear.values != 0.0) * np.log(self.deviations), axis=0)[: -len(BALANCE)].sum()
         criterion = linear.cost(self.z) + float(np.log(factor.band[0]).sum() - density)
         return _Point(self, states, linear.values, criterion)
@@ -397,7 +407,7 @@ class _Point:
     @cached_property
     def factor(self) -> Factor:
         """The factored problem."""
-        return Factor(self.problem.grid, self.linear, self.states.shape[1], 1e-9)
+        return Factor(self.problem.grid, self.linear)
 
     @property
     def evidence(self) -> float:
@@ -418,7 +428,7 @@ class _Point:
         values, deviations = self.linear.values, self.problem.deviations
         squares = np.sum(values**2, axis=0)
         sampled = np.sum(values != 0.0, axis=0)
-        determined = np.maximum(sampled - self.posterior.variances(self.linear.jacobian).sum(axis=0), 1.0)
+        determined = np.maximum(sampled - self.posterior.variances(self.linear).sum(axis=0), 1.0)
         excess = (squares - determined) / 2
         lowest, highest = np.log(floor / deviations), np.log(ceiling / deviations)
         free = np.flatnonzero((excess > 0.0) & (highest > 0.0) | (excess < 0.0) & (lowest < 0.0))
@@ -436,13 +446,13 @@ def _volume_slope(at: _Point) -> FloatArray:
     proportion to which they change: for the factors alone, these would grow, and the discrepancy would fall.
     """
     pairs, grid, added, z = at.posterior.pairs, at.problem.grid, at.problem.added, at.problem.z
-    function, of_tires = at.problem.interval.volume_chunk, added.tires(z)
-    n, last = pairs.shape[1], pairs.shape[1] + len(of_tires)
-    shares = (at.linear.jacobian[:, :, :n] @ pairs) * (at.problem.weights / at.problem.deviations)[:, :, None]
+    of_tires, last = added.tires(z), len(added.tires(z))
+    shares = (at.linear.by_nodes @ pairs) * (at.problem.weights / at.problem.deviations)[:, :, None]
     more = shares.transpose(0, 2, 1).reshape(len(shares), -1)
-    slopes = evaluated(function, grid, at.states, of_tires, interval_data(grid), more).jacobian[:, 0]
-    result = -at.factor.at_nodes(slopes[:, :n, None])[:, 0] @ at.factor.solved_border
-    result[: len(of_tires)] += slopes[:, n:last].sum(axis=0)
+    volume = evaluated(at.problem.interval.volume_chunk, grid, at.states, of_tires, at.problem.data, more)
+    slopes = volume.by_all(slice(None), last + len(BALANCE))[:, 0]
+    result = at.factor.at_nodes(volume.by_nodes.transpose(0, 2, 1))[:, 0] @ at.factor.slopes
+    result[:last] += slopes[:, :last].sum(axis=0)
     by_relative = np.einsum("ki,kij->j", slopes[:, last:], added.relative)
     result[len(z) - len(by_relative) :] += by_relative
     return np.asarray(result)

@@ -85,7 +85,7 @@ def factors_of(
 
 def _is_one_sided(estimate: Estimate, axle: str, step: float) -> bool:
     """Return whether an axle has much larger side forces to one side than to the other one."""
-    Fy, Fz = (estimate.outputs.values[:, OUTPUTS.index(f"{name}_{axle}")] for name in ("Fy", "Fz"))
+    Fy, Fz = (estimate.outputs[:, OUTPUTS.index(f"{name}_{axle}")] for name in ("Fy", "Fz"))
     less, more = sorted(_exceeded(side * Fy / Fz, step) for side in (-1.0, 1.0))
     return less < OTHER_SIDE * more
 
@@ -128,7 +128,7 @@ def withheld(factors: Mapping[str, Mapping[str, Factor]], reason: str) -> dict[s
 
 def used_share(estimate: Estimate, axle: str, tire: Tire, friction: float) -> FloatArray:
     """Return the side force over its peak for a friction factor, shape (n,)."""
-    Fy, Fz = (estimate.outputs.values[:, OUTPUTS.index(f"{name}_{axle}")] for name in ("Fy", "Fz"))
+    Fy, Fz = (estimate.outputs[:, OUTPUTS.index(f"{name}_{axle}")] for name in ("Fy", "Fz"))
     scaled = tire.with_values(LMUY=tire.values["LMUY"] * friction)
     loads = np.linspace(max(Fz.min(), 0.05 * Fz.max()), Fz.max() * 1.001, 9)
     curves = scaled.forces(alpha=_SLIPS[:, None], Fz=loads[None, :], code="numpy")["Fy"]

@@ -102,7 +102,7 @@ def _beliefs(answer: Drive) -> Figure:
 
 
 def _forces(answer: Drive) -> Figure:
-    values, deviation = answer.estimate.outputs.values, answer.wheels["Fy_sd"].to_numpy().reshape(2, -1)
+    values, deviation = answer.estimate.outputs, answer.wheels["Fy_sd"].to_numpy().reshape(2, -1)
     panels = []
     for i, axle in enumerate(AXLES):
         alpha, Fz, Fy = (values[:, OUTPUTS.index(f"{name}_{axle}")] for name in ("alpha", "Fz", "Fy"))

@@ -27,6 +27,7 @@ from .inputs.log_channels import POSE
 from .inputs.unknowns import ALONG, AXLES, FACTORS, Unknowns
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
 
 MOTION = ("v_x", "v_y", "yaw_rate")
 #: Residuals of the balance of forces, per static load.
@@ -83,29 +84,40 @@ class Relaxation:
 
 
 @dataclass(frozen=True)
+class Chunk:
+    """A function of `CHUNK` intervals.
+
+    - `function`: of columns of left node, right node, data (`evaluation.interval_data`), and unknowns followed by the
+      delay and the lags in the data. It gives values and their Jacobian by left node, right node, unknowns.
+    - `depends`: the unknowns on which each of the first values depends, those with derivatives.
+    """
+
+    function: Any
+    depends: tuple[IntArray, ...] = ()
+
+
+@dataclass(frozen=True)
 class Interval:
     """The function of an interval.
 
     - `states`: names of the states of a node.
     - `residuals`: names; those of `MEASURED` are first, `BALANCE` last.
-    - `residual_chunk`, `output_chunk`: functions of `CHUNK` columns of left node, right node, data
-      (`evaluation.interval_data`), and unknowns followed by the delay and the lags in the data. They give
-      the residuals or `OUTPUTS`, and the Jacobian of residuals or `UNCERTAIN` by left node, right node, unknowns.
-    - `value_chunk`, `node_chunk`: of the same arguments, the residuals alone, and with their Jacobian by both nodes.
     - `relaxations`: of the tire of each axle, in the directions "x" and "y".
-    - `volume_chunk`: of the same and a matrix for the Jacobian of the residuals by both nodes: their product minus the
-      logarithm of the density that the balance gives the next motion, and its derivatives, the last two by the
-      logarithms of the side forces of the tires of both axles.
+    - `residual_chunk`, `output_chunk`: the residuals or `OUTPUTS`, with derivatives of residuals or `UNCERTAIN`.
+    - `value_chunk`, `node_chunk`: the residuals alone, and with their derivatives by both nodes.
+    - `volume_chunk`: of a further argument, a matrix for the Jacobian of the residuals by both nodes: their product
+      minus the logarithm of the density that the balance gives the next motion, and its derivatives, the last two
+      by the logarithms of the side forces of the tires of both axles.
     """
 
     states: tuple[str, ...]
     residuals: tuple[str, ...]
     relaxations: Mapping[tuple[str, str], Relaxation]
-    value_chunk: Any
-    node_chunk: Any
-    residual_chunk: Any
-    output_chunk: Any
-    volume_chunk: Any
+    value_chunk: Chunk
+    node_chunk: Chunk
+    residual_chunk: Chunk
+    output_chunk: Chunk
+    volume_chunk: Chunk
 
 
 def interval_of(
@@ -175,25 +187,27 @@ def interval_of(
     outputs = ca.vertcat(*_outputs(wheels, forces, kappa, required_forces), *Fx[::2], *Fx[1::2])
     arguments = [left, right, data, ca.vertcat(z, used)]
 
-    def chunk(name: str, arguments: list[Any], results: list[Any], flags: tuple[str, ...] | None = None) -> Any:
+    def chunk(name: str, values: Any, by: Any = None, flags: tuple[str, ...] = (), more: tuple[Any, ...] = ()) -> Chunk:
+        results = [values] if by is None else [values, ca.vec(by)]
         whole = [ca.substitute(ca.densify(result), share, 1.0) for result in results]
-        function = ca.Function(name, arguments, whole, {"cse": True})
-        return (function if flags is None else compiled(function, flags)).map(CHUNK)
+        function = ca.Function(name, [*arguments, *more], whole, {"cse": True})
+        of_z = [] if by is None else ca.DM(by.sparsity(), 1.0).full()[:, 2 * len(states) :]
+        depends = tuple(np.flatnonzero(row) for row in of_z)
+        return Chunk((compiled(function, flags) if flags else function).map(CHUNK), depends)
 
-    uncertain = outputs[: len(UNCERTAIN)]
-    by, of_outputs = (ca.densify(ca.jacobian(results, ca.vertcat(left, right, z))) for results in (residual, uncertain))
-    by_nodes = by[:, : 2 * len(states)]
-    chunks = [
-        chunk("values", arguments, [residual], OFTEN),
-        chunk("nodes", arguments, [residual, ca.vec(by_nodes)], OFTEN),
-        chunk("residuals", arguments, [residual, ca.vec(by)], SELDOM),
-        chunk("outputs", arguments, [outputs, ca.vec(of_outputs)]),
-    ]
+    uncertain, everything = outputs[: len(UNCERTAIN)], ca.vertcat(left, right, z)
+    by, by_nodes = ca.jacobian(residual, everything), ca.jacobian(residual, ca.vertcat(left, right))
     shares = ca.SX.sym("shares", by_nodes.numel())
     density = ca.log(ca.fabs(ca.det(ca.jacobian(residual[-len(BALANCE) :], right[1:3]))))
-    volume = ca.dot(ca.vec(by_nodes), shares) - density
-    gradient = ca.gradient(volume, ca.vertcat(left, right, z, share))
-    chunks.append(chunk("volume", [*arguments, shares], [volume, gradient], SELDOM))
+    volume = ca.dot(ca.vec(ca.densify(by_nodes)), shares) - density
+    gradient = ca.gradient(volume, ca.vertcat(everything, share)).T
+    chunks = (
+        chunk("values", residual, flags=OFTEN),
+        chunk("nodes", residual, by_nodes, OFTEN),
+        chunk("residuals", residual, by, SELDOM),
+        chunk("outputs", outputs, ca.jacobian(uncertain, everything)),
+        chunk("volume", volume, gradient, SELDOM, (shares,)),
+    )
     return Interval(states, tuple(parts), relaxations, *chunks)
 
 
@@ -357,15 +371,34 @@ def _outputs(
 
 @dataclass(frozen=True)
 class Linear:
-    """Functions of all intervals at a point, shape (n, n_functions), and their Jacobian by left node, right node, z."""
+    """Functions of all intervals at a point, and derivatives of the first ones or of all.
+
+    `values`, shape (n, n_functions). `by_nodes`, shape (n, n_differentiated, 2 n_states): by left node and right node.
+    `by_z`: of each function by the unknowns `depends`, shape (n, len(depends)): most depend on few.
+    """
 
     values: FloatArray
-    jacobian: FloatArray
+    by_nodes: FloatArray
+    by_z: tuple[FloatArray, ...]
+    depends: tuple[IntArray, ...]
 
     def weigh(self, weights: FloatArray) -> None:
         """Multiply the functions by weights, shape (n, n_functions)."""
         self.values[:] *= weights
-        self.jacobian[:] *= weights[:, :, None]
+        self.by_nodes[:] *= weights[:, :, None]
+        for by_z, weight in zip(self.by_z, weights.T, strict=True):
+            by_z[:] *= weight[:, None]
+
+    def part(self, rows: IntArray) -> Linear:
+        """Return the functions of some intervals."""
+        return Linear(self.values[rows], self.by_nodes[rows], tuple(by_z[rows] for by_z in self.by_z), self.depends)
+
+    def by_all(self, some: slice, n_z: int) -> FloatArray:
+        """Return the derivatives of some intervals by `n_z` unknowns, shape (n_some, n_differentiated, n_z)."""
+        whole = np.zeros((*self.by_nodes[some].shape[:2], n_z))
+        for i, (by_z, depends) in enumerate(zip(self.by_z, self.depends, strict=True)):
+            whole[:, i, depends] = by_z[some]
+        return whole
 
     def cost(self, z: FloatArray) -> float:
         """Return half the sum of squares of residuals and of the unknowns."""
@@ -407,10 +440,11 @@ class AddedForces:
         forces = self.offset + self.columns @ z[len(z) - self.columns.shape[2] :]
         values[:, -len(BALANCE) :] -= forces + np.einsum("kim,km->ki", self.slopes, middle)
 
-    def slant(self, jacobian: FloatArray, n: int) -> None:
+    def slant(self, linear: Linear, n: int) -> None:
         """Add the derivatives of these forces to those of the residuals, by nodes of `n` states and by unknowns."""
-        last, moving, balance = self.columns.shape[2], len(MOTION), slice(-len(BALANCE), None)
-        if jacobian.shape[2] > 2 * n:
-            jacobian[:, balance, jacobian.shape[2] - last :] -= self.columns
+        last = self.columns.shape[2]
         for first in (0, n):
-            jacobian[:, balance, first : first + moving] -= self.slopes / 2
+            linear.by_nodes[:, -len(BALANCE) :, first : first + len(MOTION)] -= self.slopes / 2
+        for axle, by_z in enumerate(linear.by_z[-len(BALANCE) :]):
+            if by_z.size:
+                by_z[:, by_z.shape[1] - last :] -= self.columns[:, axle]

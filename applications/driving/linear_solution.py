@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, cho_solve_banded, cholesky_banded
+from scipy.linalg.lapack import dtbtrs
 
 from ...numerics.arrays import BoolArray, FloatArray, IndexArray
 from .inputs.grid import Grid
@@ -16,6 +18,8 @@ from .interval import Linear
 LONGEST_STEP = 1.0
 #: Intervals whose variances or parts of the border are computed at a time. Convention: memory.
 SOME = 500
+#: Share by which the diagonal of the matrix of the motion is larger, at least: rounding.
+LEAST_DAMPING = 1e-9
 #: Largest deviation of an unknown: one that reaches it contradicts the car file.
 LARGEST = 20.0
 
@@ -26,8 +30,8 @@ class Posterior:
 
     - `covariance`, shape (n_z, n_z). `pairs`, shape (n, 2 n_states, 2 n_states): covariance of the nodes of an interval
       for given unknowns.
-    - `slopes`, shape (n_nodes, n_states, n_z): change of the nodes with the unknowns. `ends`, shape (n, 2): numbers of
-      the nodes of an interval.
+    - `slopes`, shape (n_nodes n_states, n_z): change of the nodes with the unknowns. `ends`, shape (n, 2 n_states):
+      which of its rows are the nodes of an interval.
     """
 
     covariance: FloatArray
@@ -35,39 +39,42 @@ class Posterior:
     slopes: FloatArray
     ends: IndexArray
 
-    def variances(self, J: FloatArray) -> FloatArray:
-        """Return the variances of functions with the Jacobian J, shape (n, n_functions, 2 n_states + n_z).
-
-        J may lack the last unknowns, on which the functions do not depend.
-        """
-        n, result = self.pairs.shape[1], np.empty(J.shape[:2])
-        for first in range(0, len(J), SOME):  # a long log has large arrays
-            rows = slice(first, first + SOME)
-            of_nodes, slopes = J[rows, :, :n], self.slopes[self.ends[rows]].reshape(-1, n, len(self.covariance))
-            by_z = of_nodes @ slopes
-            by_z[:, :, : J.shape[2] - n] += J[rows, :, n:]
-            given_z = np.sum(of_nodes @ self.pairs[rows] * of_nodes, axis=2)
-            result[rows] = given_z + np.sum(by_z @ self.covariance * by_z, axis=2)
+    def variances(self, linear: Linear) -> FloatArray:
+        """Return the variances of functions, shape (n, n_differentiated)."""
+        result, n_z = np.empty(linear.by_nodes.shape[:2]), len(self.covariance)
+        for some in in_parts(linear):
+            of_nodes = linear.by_nodes[some]
+            by_z = of_nodes @ self.slopes[self.ends[some]] + linear.by_all(some, n_z)
+            given_z = np.sum(of_nodes @ self.pairs[some] * of_nodes, axis=2)
+            result[some] = given_z + np.sum(by_z @ self.covariance * by_z, axis=2)
         return result
 
 
-class Factor:
-    """The Gauss-Newton matrix, factored: a band of the nodes and, when it is used, a border of the unknowns."""
+def in_parts(linear: Linear) -> Iterator[slice]:
+    """Go through the intervals, some at a time: a long log has large arrays."""
+    for first in range(0, len(linear.values), SOME):
+        yield slice(first, first + SOME)
 
-    def __init__(self, grid: Grid, linear: Linear, n: int, damping: float) -> None:
-        self.n, self._J, self._size = n, linear.jacobian, grid.n_nodes * n
-        self._slopes = np.einsum("kri,kr->ki", linear.jacobian, linear.values)
-        nodes = linear.jacobian[:, :, : 2 * n]
-        blocks = np.matmul(nodes.transpose(0, 2, 1), nodes)
+
+class Factor:
+    """The Gauss-Newton matrix, factored: a band of the nodes and, when it is used, a border of the unknowns.
+
+    `linear`: residuals, the last one of which depends on all unknowns.
+    """
+
+    def __init__(self, grid: Grid, linear: Linear, damping: float = LEAST_DAMPING) -> None:
+        n = linear.by_nodes.shape[2] // 2
+        self.n, self._linear, self._size = n, linear, grid.n_nodes * n
+        blocks = np.matmul(linear.by_nodes.transpose(0, 2, 1), linear.by_nodes)
         at = np.stack([grid.left, grid.right], axis=1)
-        self._rows = (at[:, :, None] * n + np.arange(n)).reshape(len(at), 2 * n)
+        self.ends = (at[:, :, None] * n + np.arange(n)).reshape(len(at), 2 * n)
         band = np.zeros((2 * n, self._size))
         for i in range(2 * n):
             for j in range(i + 1):
-                band[i - j, self._rows[:, j]] += blocks[:, i, j]  # no node is twice at the same end of intervals
+                band[i - j, self.ends[:, j]] += blocks[:, i, j]  # no node is twice at the same end of intervals
         band[0] = band[0] * (1.0 + damping) + 1e-12
         self.band = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
-        self.gradient = self.at_nodes(self._slopes[:, : 2 * n, None])[:, 0]
+        self.gradient = self.at_nodes(np.einsum("kri,kr->ki", linear.by_nodes, linear.values)[:, :, None])[:, 0]
         self.solved_gradient = self.solved(self.gradient)
 
     def solved(self, right: FloatArray) -> FloatArray:
@@ -83,32 +90,48 @@ class Factor:
     def _add(self, sums: FloatArray, some: slice, parts: FloatArray) -> None:
         """Add parts at both ends of some intervals to the sums at the nodes."""
         for end in (slice(0, self.n), slice(self.n, 2 * self.n)):
-            sums[self._rows[some, end]] += parts[:, end]
+            sums[self.ends[some, end]] += parts[:, end]
 
     @cached_property
-    def _border(self) -> FloatArray:
-        n, J = self.n, self._J
-        sums = np.zeros((self._size, J.shape[2] - 2 * n))
-        for first in range(0, len(J), SOME):
-            some = slice(first, first + SOME)
-            self._add(sums, some, np.matmul(J[some, :, : 2 * n].transpose(0, 2, 1), J[some, :, 2 * n :]))
-        return sums
+    def _eliminated(self) -> tuple[FloatArray, FloatArray]:
+        """The change of the states with the unknowns, and the precision of the unknowns, their prior included."""
+        linear = self._linear
+        n_z = len(linear.depends[-1])
+        precision = np.eye(n_z)
+        for by_z, depends in zip(linear.by_z, linear.depends, strict=True):
+            precision[np.ix_(depends, depends)] += by_z.T @ by_z
+        border = np.zeros((n_z, self._size)).T  # the order of LAPACK, which solves it in place
+        for some in in_parts(linear):
+            self._add(border, some, np.matmul(linear.by_nodes[some].transpose(0, 2, 1), linear.by_all(some, n_z)))
+        half, _ = dtbtrs(self.band, border, uplo="L", overwrite_b=True)
+        precision -= half.T @ half
+        whole, _ = dtbtrs(self.band, half, uplo="L", trans="T", overwrite_b=True)
+        return np.negative(whole, out=whole), precision
 
-    @cached_property
-    def solved_border(self) -> FloatArray:
-        """The change of the states with the unknowns, negative."""
-        return self.solved(self._border)
+    @property
+    def slopes(self) -> FloatArray:
+        """The change of the states with the unknowns, shape (n_nodes n, n_z)."""
+        return self._eliminated[0]
 
-    @cached_property
+    @property
     def schur(self) -> FloatArray:
         """The precision of the unknowns, their prior included."""
-        rows = self._J[:, :, 2 * self.n :].swapaxes(0, 1)
-        inner = sum((by_z.T @ by_z for by_z in rows), np.eye(rows.shape[2]))
-        return np.asarray(inner - self._border.T @ self.solved_border)
+        return self._eliminated[1]
+
+    def _by_z(self, values: FloatArray) -> FloatArray:
+        """Return the derivatives of half the squares of residuals by the unknowns, shape (n_residuals, n_z).
+
+        `values`, shape (n, n_residuals).
+        """
+        linear = self._linear
+        result = np.zeros((len(linear.by_z), len(linear.depends[-1])))
+        for row, residual, by_z, depends in zip(result, values.T, linear.by_z, linear.depends, strict=True):
+            row[depends] = residual @ by_z
+        return result
 
     def slope(self, more: FloatArray) -> FloatArray:
         """Return the derivatives of the cost by the unknowns, for the best states, and `more`."""
-        return np.asarray(self._slopes[:, 2 * self.n :].sum(axis=0) + more - self._border.T @ self.solved_gradient)
+        return np.asarray(self._by_z(self._linear.values).sum(axis=0) + more + self.slopes.T @ self.gradient)
 
     def unexplained(self, values: FloatArray, kinds: IndexArray) -> FloatArray:
         """Return the products of residuals of some kinds with what states and unknowns leave of others, shape (k, k).
@@ -116,9 +139,8 @@ class Factor:
         `values`, shape (n, n_residuals).
         """
         rows = values.T[kinds]
-        parts = [residual[:, None] * self._J[:, kind] for kind, residual in zip(kinds, rows, strict=True)]
-        at_nodes = self.at_nodes(np.stack([part[:, : 2 * self.n] for part in parts], axis=2))
-        by_z = np.array([part[:, 2 * self.n :].sum(axis=0) for part in parts]) - at_nodes.T @ self.solved_border
+        at_nodes = self.at_nodes((self._linear.by_nodes[:, kinds] * rows.T[:, :, None]).transpose(0, 2, 1))
+        by_z = self._by_z(values)[kinds] + at_nodes.T @ self.slopes
         explained = at_nodes.T @ self.solved(at_nodes) + by_z @ np.linalg.solve(self.schur, by_z.T)
         return np.asarray(np.diag(np.sum(rows**2, axis=1)) - explained)
 
@@ -134,15 +156,14 @@ class Factor:
         change_z[free] = -cho_solve(cho_factor(self.schur[free][:, free]), whole[free])
         change_z *= min(1.0, longest / max(float(np.abs(change_z).max()), 1e-12))
         change_z = np.clip(z + change_z, *limits) - z
-        return (-self.solved_gradient - self.solved_border @ change_z).reshape(-1, self.n), change_z
+        return (self.slopes @ change_z - self.solved_gradient).reshape(-1, self.n), change_z
 
 
 def posterior_of(grid: Grid, factor: Factor) -> Posterior:
     """Return the linearized posterior of a factored problem."""
     covariance = np.asarray(np.linalg.inv(factor.schur), dtype=np.float64)
-    slopes = -factor.solved_border.reshape(grid.n_nodes, factor.n, -1)
-    ends = np.stack([grid.left, grid.right], axis=1)
-    return Posterior(covariance, _pair_covariances(factor.band, grid, factor.n), slopes, ends)
+    pairs = _pair_covariances(factor.band, grid, factor.n)
+    return Posterior(covariance, pairs, factor.slopes, factor.ends)
 
 
 def _pair_covariances(band: FloatArray, grid: Grid, n: int) -> FloatArray:

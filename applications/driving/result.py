@@ -219,20 +219,16 @@ class Drive:
         return written
 
 
-def wheel_table(grid: Grid, estimate: Estimate) -> pd.DataFrame:
+def wheel_table(grid: Grid, outputs: FloatArray, deviation: FloatArray) -> pd.DataFrame:
     """Return the recording in ISO-W signs: rows of the front axle, then of the rear axle, whose time goes on.
 
     Columns: ``t kappa alpha gamma Fz V Fy``; the standard deviations ``Fy_sd`` (N) and ``alpha_sd`` (rad); ``axle`` 1
     for front and 2 for rear; ``t_log``, the time in the log, s. There is no Fx: kappa is the slip at which the tire has
     the force that the motion requires.
     """
-    deviation = np.sqrt(np.maximum(estimate.variances(estimate.outputs.jacobian), 0.0))
     parts = []
     for number, axle in enumerate(AXLES):
-        columns = {
-            name: estimate.outputs.values[:, OUTPUTS.index(f"{name}_{axle}")]
-            for name in ("kappa", "alpha", "Fz", "V", "Fy")
-        }
+        columns = {name: outputs[:, OUTPUTS.index(f"{name}_{axle}")] for name in ("kappa", "alpha", "Fz", "V", "Fy")}
         spread = {f"{name}_sd": deviation[:, UNCERTAIN.index(f"{name}_{axle}")] for name in ("Fy", "alpha")}
         start = number * (grid.t[-1] - grid.t[0] + GAP)
         table = pd.DataFrame(

@@ -139,7 +139,7 @@ def simulated_pieces(
 
 def _outputs(estimate: Estimate, name: str) -> FloatArray:
     """Return one of `OUTPUTS` of both axles, shape (n, 2)."""
-    return estimate.outputs.values[:, [OUTPUTS.index(f"{name}_{axle}") for axle in AXLES]]
+    return estimate.outputs[:, [OUTPUTS.index(f"{name}_{axle}") for axle in AXLES]]
 
 
 def _shortest_time(p: Mapping[str, float], tires: Mapping[str, Tire], speed: float) -> float:

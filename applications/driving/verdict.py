@@ -273,8 +273,7 @@ def disagreement(grid: Grid, estimate: Estimate, lacking: FloatArray, car: Car) 
     shares = lacking / np.array(car.axle_loads)
     axle = int(np.argmax(graded(np.mean(shares**2, axis=0))))
     values = {
-        name: estimate.outputs.values[:, OUTPUTS.index(f"{name}_{AXLES[axle]}")]
-        for name in ("alpha", "kappa", "V", "Fz")
+        name: estimate.outputs[:, OUTPUTS.index(f"{name}_{AXLES[axle]}")] for name in ("alpha", "kappa", "V", "Fz")
     }
     size = shares[:, axle]
     along = size * np.sign(values["alpha"])

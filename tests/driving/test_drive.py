@@ -209,7 +209,7 @@ def test_side_forces_that_nothing_explains_are_stated(car, tire):
     truth = road.Truth({axle: dict.fromkeys(("LMUX", "LMUY", "LKX", "LKY"), 1.0) for axle in AXLES}, {})
     logs, _ = road.made_drives([truth], ["brake"], [True], seed=5, seconds=6.0, tire=worse_in_braking)
     answer = tirefmu.drive(logs[0], vehicle=car, tire=tire)
-    values = answer.estimate.outputs.values
+    values = answer.estimate.outputs
     Fy, of_tires = (values[:, [OUTPUTS.index(f"{name}_{axle}") for axle in AXLES]] for name in ("Fy", "Fy_tire"))
     entries = answer.unknowns.car_values(answer.car, answer.estimate.z)
     balance, stated = 2.0 * (Fy - of_tires), answer.estimate.beyond * loads_of(entries)
@@ -220,8 +220,7 @@ def test_side_forces_that_nothing_explains_are_stated(car, tire):
 def test_turns_to_one_side_determine_no_factor(answer):
     """A ramp of the speed at one steering angle: an asymmetry of the car looks like a stiffness."""
     outputs, right = answer.estimate.outputs, np.array([name.startswith("Fy") for name in OUTPUTS])
-    left_only = replace(outputs, values=np.where(right, np.abs(outputs.values), outputs.values))
-    estimate = replace(answer.estimate, outputs=left_only)
+    estimate = replace(answer.estimate, outputs=np.where(right, np.abs(outputs), outputs))
     factors = factors_of(estimate, answer.unknowns, answer.tires, answer.grid.step, {})
     reasons = {factor.reason for row in factors.values() for factor in row.values()}
     assert len(reasons) == 1
@@ -262,10 +261,10 @@ def test_the_more_probable_of_two_optima_is_the_answer(monkeypatch, evidence):
     def from_one_start(grid, *_, part=None, together=False):
         if grid == "whole":
             wholes.append(part)
-        return grid, (part[1] if part else second if together else first)
+        return grid, (part or (second if together else first))
 
     monkeypatch.setattr(estimate, "_estimated", from_one_start)
-    monkeypatch.setattr(estimate, "_sample", lambda grid: None)
+    monkeypatch.setattr(estimate, "_samples", lambda grid: [])
     given = (None, None, np.zeros(3), None, None)
     assert estimate.estimated("whole", *given)[1].evidence == -57.0
     first.converged, second.converged = evidence[0] == -120.0, evidence[1] == -120.0
@@ -275,8 +274,9 @@ def test_the_more_probable_of_two_optima_is_the_answer(monkeypatch, evidence):
         def part(self, rows):
             return "part", rows
 
+    first.states = second.states = 1.0
     first.converged = second.converged = True
-    monkeypatch.setattr(estimate, "_sample", lambda grid: np.arange(2))
+    monkeypatch.setattr(estimate, "_samples", lambda grid: [np.arange(1), np.arange(2)])
     wholes.clear()
     assert estimate.estimated(Long("whole"), *given)[1].evidence == -57.0
     assert len(wholes) == 2
@@ -284,6 +284,20 @@ def test_the_more_probable_of_two_optima_is_the_answer(monkeypatch, evidence):
     wholes.clear()
     estimate.estimated(Long("whole"), *given)
     assert len(wholes) == 1
+
+
+@pytest.mark.parametrize("n", [799, 800, 2384, 4000, 12_000, 100_000])
+def test_a_long_log_is_estimated_in_larger_and_larger_parts_that_are_spread_over_it(n):
+    parts = list(estimate._samples(SimpleNamespace(t=np.arange(n))))
+    assert [len(rows) for rows in parts] == [400 * 5**k for k in range(9) if 2 * 400 * 5**k <= n]
+    for rows in parts:
+        pieces = np.split(rows, np.flatnonzero(np.diff(rows) != 1) + 1)
+        assert {len(piece) for piece in pieces} <= {100, *np.arange(1, n // 100 + 1) * 100}
+        assert np.diff(rows).min() >= 1
+        assert rows[0] >= 0
+        assert rows[-1] < n
+        thirds = np.histogram(rows, np.linspace(0, n, 5))[0]
+        assert thirds.max() <= thirds.min() + 100
 
 
 def test_a_joint_deviation_is_one_although_no_entry_alone_is(answer):
@@ -507,21 +521,19 @@ def test_an_effect_is_a_name_only_if_it_is_certain_and_predicts(relaxing):
 @pytest.mark.slow
 def test_a_drive_estimated_with_an_effect_has_it_in_its_tires(relaxing):
     answer, length = relaxing
-    given = answer.grid, answer.estimate, answer.unknowns, answer.car
-    factors = factor_values(answer.unknowns, answer.estimate.z)
-    columns = effect_columns(motion_of(*given), answer.tires, factors)
-    missing, u = next((missing, u) for missing, u, _ in columns if missing.name == "relax_lat")
-    base = DriveExplanation(None, answer.grid, answer.estimate)
     interval = interval_of(
         answer.car, answer.tires, answer.unknowns, sampled=answer.grid.sampled, spins=CORNERS, step=answer.grid.step
     )
+    given = interval, answer.unknowns, answer.estimate.states, answer.log, answer.car
+    base = DriveExplanation(None, *estimated(answer.grid, *given))  # the answer itself may have the effect
+    motion = motion_of(base.grid, base.estimate, answer.unknowns, answer.car)
+    columns = effect_columns(motion, answer.tires, factor_values(answer.unknowns, base.estimate.z))
+    missing, u = next((missing, u) for missing, u, _ in columns if missing.name == "relax_lat")
     forces = forces_of(Rival(missing, u), answer.unknowns, answer.car, base)
     near = nearby(Rival(missing, u), base, answer.unknowns, answer.car)
-    grid, estimate = estimated(
-        answer.grid, interval, answer.unknowns, answer.estimate.states, answer.log, answer.car, forces, near
-    )
+    grid, estimate = estimated(base.grid, *given, forces, near)
     assert estimate.converged
-    assert estimate.evidence > answer.estimate.evidence
+    assert estimate.evidence > base.estimate.evidence
     found = estimate.z[len(answer.unknowns) :]
     assert missing.values(found)["SIGY"] == pytest.approx(length, rel=0.25)
     delivered = missing.delivered(found)
@@ -580,7 +592,7 @@ def test_a_wrong_car_is_no_finding_of_a_tire(tire):
 def test_a_signal_behind_a_lag_is_that_of_the_differential_equation():
     step, t = 0.05, 0.05 * np.arange(200)
     omega, lag = 2 * np.pi * 1.2, 0.06
-    added = behind_lags(np.sin(omega * t)[None], np.full((1, len(t)), lag), step)[0]
+    added = behind_lags(np.sin(omega * t)[None], np.full((1, len(t)), lag), step)[0, 0]
     exact = (np.sin(omega * t) - omega * lag * np.cos(omega * t)) / (1.0 + (omega * lag) ** 2) - np.sin(omega * t)
     mean = exact * np.sinc(omega * step / 2.0 / np.pi)  # over an interval
     np.testing.assert_allclose(added[20:-5], mean[20:-5], atol=2e-3)
@@ -588,11 +600,24 @@ def test_a_signal_behind_a_lag_is_that_of_the_differential_equation():
 
 def test_signals_behind_lags_know_nothing_of_each_other():
     signals, constants = np.random.default_rng(2).normal(size=(2, 3, 40))
-    constants = np.abs(np.concatenate([constants, 0.0 * constants]))  # without a lag, nothing is added
-    together = behind_lags(signals, constants, 0.05)
-    alone = [behind_lags(signals[i % 3 : i % 3 + 1], constants[i : i + 1], 0.05)[0] for i in range(6)]
+    constants = np.abs(constants)
+    together = behind_lags(signals, constants, 0.05, (1.0, 1.5, 0.0))
+    alone = [
+        [behind_lags(signals[i : i + 1], longer * constants[i : i + 1], 0.05)[0, 0] for i in range(3)]
+        for longer in (1.0, 1.5, 0.0)
+    ]
     np.testing.assert_allclose(together, alone, atol=1e-12)
-    np.testing.assert_allclose(together[3:], 0.0, atol=1e-6)
+    np.testing.assert_allclose(together[2], 0.0, atol=1e-6)  # without a lag, nothing is added
+
+
+def test_chains_side_by_side_know_nothing_of_each_other():
+    signals, constants = np.random.default_rng(3).normal(size=(2, 2, 3, 40))
+    constants = np.abs(constants)
+    together, heaved = behind_lags(signals, constants, 0.05, (1.0, 1.1)), heaving(signals[0], 0.7, 0.05)
+    for chain in range(3):
+        alone = behind_lags(signals[:, chain], constants[:, chain], 0.05, (1.0, 1.1))
+        np.testing.assert_allclose(together[:, :, chain], alone, rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(heaved[chain], heaving(signals[0, chain], 0.7, 0.05), rtol=1e-9, atol=1e-9)
 
 
 def test_a_body_heaves_as_a_damped_mass_on_springs():

@@ -55,9 +55,9 @@ def unbalanced(answer, motion, truths):
             z[names.index(name)] = np.log(factor) / unknowns.spread[names.index(name)] * car.values.get(name, 1.0)
         grid = estimate._moved(first, interval, states, answer.log, car, unknowns.car_values(car, z))
         added = estimate.curved(grid, interval, estimate.no_forces(grid, states, z), states, z)
-        lacking = (estimate.values_of(interval, grid, states, z, estimate.interval_data(grid)) + added.correction)[
-            :, -len(BALANCE) :
-        ]
+        lacking = (
+            estimate.values_of(interval.value_chunk, grid, states, z, estimate.interval_data(grid)) + added.correction
+        )[:, -len(BALANCE) :]
         yield [float(np.sqrt(np.mean(lacking[rows] ** 2))) for rows in (ax > 1.0, ax < -1.5)]
 
 
@@ -86,7 +86,7 @@ def test_the_discrepancy_has_the_same_part_of_the_integral_as_the_factors(at_the
     grid, unknowns, final = at_the_limit.grid, at_the_limit.unknowns, at_the_limit.estimate
     given = at_the_limit.car, at_the_limit.tires, unknowns
     interval, n = interval_of(*given, sampled=grid.sampled, spins=CORNERS, step=grid.step), len(unknowns)
-    values = estimate.values_of(interval, grid, final.states, final.z[:n], estimate.interval_data(grid))
+    values = estimate.values_of(interval.value_chunk, grid, final.states, final.z[:n], estimate.interval_data(grid))
     entries = unknowns.car_values(at_the_limit.car, final.z)
     columns = discrepancy_columns(grid, final.states, entries, values[:, -len(BALANCE) :], final.size)
     added = estimate.no_forces(grid, final.states, final.z).and_columns(*columns)
@@ -112,14 +112,34 @@ def test_compiled_functions_of_an_interval_are_those_of_casadi(at_the_limit, mon
             for interval in (compiled, plain)
         )
         np.testing.assert_allclose(one.values, other.values, rtol=1e-9, atol=1e-9)
-        np.testing.assert_allclose(one.jacobian, other.jacobian, rtol=1e-9, atol=1e-9 * np.abs(one.jacobian).max())
+        for ours, theirs in zip((one.by_nodes, *one.by_z), (other.by_nodes, *other.by_z), strict=True):
+            np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-9 * np.abs(ours).max(initial=0.0))
     nodes, whole = (
         evaluated(function, grid, final.states, z, data) for function in (compiled.node_chunk, compiled.residual_chunk)
     )
     np.testing.assert_allclose(nodes.values, whole.values, rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(values_of(compiled, grid, final.states, z, data), whole.values, rtol=1e-9, atol=1e-9)
-    n = nodes.jacobian.shape[2]
-    np.testing.assert_allclose(nodes.jacobian, whole.jacobian[:, :, :n], rtol=1e-9, atol=1e-6)
+    np.testing.assert_allclose(
+        values_of(compiled.value_chunk, grid, final.states, z, data), whole.values, rtol=1e-9, atol=1e-9
+    )
+    np.testing.assert_allclose(nodes.by_nodes, whole.by_nodes, rtol=1e-9, atol=1e-6)
+
+
+def test_residuals_depend_on_the_stated_unknowns_alone(at_the_limit):
+    grid, unknowns, final = at_the_limit.grid, at_the_limit.unknowns, at_the_limit.estimate
+    given = at_the_limit.car, at_the_limit.tires, unknowns
+    interval = interval_of(*given, sampled=grid.sampled, spins=CORNERS, step=grid.step)
+    z, data, step = final.z[: len(unknowns)], interval_data(grid), 1e-5
+    linear = evaluated(interval.residual_chunk, grid, final.states, z, data)
+    by_all, of_all = (
+        evaluated(interval.residual_chunk, grid, final.states, z, data, further=further).by_all(slice(None), len(z) + 2)
+        for further in (None, 2)
+    )
+    np.testing.assert_array_equal(by_all, of_all)
+    assert min(len(depends) for depends in linear.depends) < 5
+    for i, shift in enumerate(step * np.eye(len(z))):
+        ends = [values_of(interval.value_chunk, grid, final.states, z + side * shift, data) for side in (-1.0, 1.0)]
+        slope = (ends[1] - ends[0]) / (2.0 * step)
+        np.testing.assert_allclose(by_all[:, :, i], slope, rtol=1e-3, atol=1e-5 * np.abs(by_all).max())
 
 
 def test_friction_along_the_wheel_is_estimated(at_the_limit):

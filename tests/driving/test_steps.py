@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.linalg import block_diag
 
 from tirefmu.applications.driving import estimate
 from tirefmu.applications.driving.effects import effect_columns, factor_values, motion_of
-from tirefmu.applications.driving.interval import Linear, interval_of
+from tirefmu.applications.driving.interval import interval_of
 from tirefmu.symbolic.vehicle.quantities import CORNERS
 
 
@@ -19,15 +17,15 @@ def factored(answer):
     """Return the residuals of some intervals of two chains, their factor, the dense Jacobian, how many unknowns."""
     rows = np.r_[20:50, 70:95]
     grid, _ = answer.grid.part(rows)
-    of_all, n = answer.estimate.residuals, answer.estimate.states.shape[1]
-    linear = Linear(of_all.values[rows].copy(), of_all.jacobian[rows].copy())
-    n_residuals, n_z = linear.values.shape[1], linear.jacobian.shape[2] - 2 * n
+    linear, n, n_z = answer.estimate.residuals.part(rows), answer.estimate.states.shape[1], len(answer.estimate.z)
+    n_residuals = linear.values.shape[1]
     dense = np.zeros((len(rows), n_residuals, grid.n_nodes * n + n_z))
     for k, ends in enumerate(zip(grid.left, grid.right, strict=True)):
         for place, node in enumerate(ends):
-            dense[k, :, node * n : (node + 1) * n] += linear.jacobian[k, :, place * n : (place + 1) * n]
-        dense[k, :, -n_z:] = linear.jacobian[k, :, 2 * n :]
-    return linear, estimate.Factor(grid, linear, n, 1e-9), dense, n_z
+            dense[k, :, node * n : (node + 1) * n] += linear.by_nodes[k, :, place * n : (place + 1) * n]
+        for i, (by_z, depends) in enumerate(zip(linear.by_z, linear.depends, strict=True)):
+            dense[k, i, depends - n_z] = by_z[k]
+    return linear, estimate.Factor(grid, linear), dense, n_z
 
 
 def test_what_motion_and_unknowns_leave_of_residuals_is_that_of_the_dense_problem(factored):
@@ -84,9 +82,8 @@ def test_a_motion_without_side_slip_leads_to_that_of_the_answer(answer):
     )
     start = final.states.copy()
     start[:, 1] = 0.0
-    part = np.arange(len(start)), replace(final, states=start)
     _, found = estimate._estimated(
-        answer.grid, interval, unknowns, start, answer.log, car, estimate.no_forces, part=part
+        answer.grid, start, interval, unknowns, answer.log, car, estimate.no_forces, part=final
     )
     assert found.converged
     deviation = np.sqrt(np.diag(final.covariance))

@@ -8,7 +8,7 @@ round; an interval has its derivatives by the time constants.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -74,19 +74,19 @@ def with_lags(grid: Grid, interval: Interval, states: FloatArray, car: Car, entr
     )
     constants = np.array([entries["pitch_lag"], entries["roll_lag"], *np.repeat(stretch, 2)])[:, None]
     times = constants * np.concatenate([np.ones_like(acceleration), lateral])
-    inputs = np.concatenate([acceleration, slip])
-    kappa, late = measured_slips(grid, V, car, entries), np.repeat(along, 2)[:, None] * longitudinal
-    behind, changed, of_kappa = np.empty_like(inputs), np.empty_like(inputs), np.empty_like(kappa)
+    times = np.concatenate([times, np.repeat(along, 2)[:, None] * longitudinal])
+    inputs = np.concatenate([acceleration, slip, measured_slips(grid, V, car, entries)])
+    late, longer = np.empty((2, *inputs.shape)), (1.0, 1.0 + CHANGE)
     period, heave = entries["heave_period"], np.empty((2, len(grid.t)))
-    for number in np.unique(grid.segment):
-        rows = grid.segment == number
-        both = np.concatenate([times[:, rows], (1 + CHANGE) * times[:, rows]])
-        behind[:, rows], changed[:, rows] = np.split(behind_lags(inputs[:, rows], both, grid.step), 2)
-        of_kappa[:, rows] = behind_lags(kappa[:, rows], late[:, rows], grid.step)
-        rise = (acceleration[1] + behind[1])[rows] ** 2
-        heave[:, rows] = [heaving(rise, longer * period, grid.step) for longer in (1.0, 1.0 + CHANGE)]
+    chains = np.split(np.arange(len(grid.t)), np.flatnonzero(np.diff(grid.segment)) + 1)
+    for length in {len(chain) for chain in chains}:
+        rows = np.stack([chain for chain in chains if len(chain) == length])
+        late[:, :, rows] = behind_lags(inputs[:, rows], times[:, rows], grid.step, longer)
+        rise = (acceleration[1] + late[0, 1])[rows] ** 2
+        heave[:, rows] = [heaving(rise, factor * period, grid.step) for factor in longer]
     heave[1] = (heave[1] - heave[0]) / (CHANGE * period)
-    by_time = (changed - behind) / np.maximum(CHANGE * constants, 1e-9)
+    behind, of_kappa = np.split(late[0], [len(constants)])
+    by_time = (late[1, : len(constants)] - behind) / np.maximum(CHANGE * constants, 1e-9)
     parts = behind[:2], by_time[:2], behind[2:], by_time[2:], of_kappa, heave
     used = (*grid.used[:3], entries["pitch_lag"], entries["roll_lag"], *stretch, period)
     return replace(grid, behind=np.concatenate(parts), used=used)
@@ -114,35 +114,43 @@ def measured_slips(grid: Grid, V: FloatArray, car: Car, entries: Mapping[str, fl
     return np.where(logged, slips, slips[other])
 
 
-def behind_lags(inputs: FloatArray, constants: FloatArray, step: float) -> FloatArray:
-    """Return what first-order lags add to inputs at even times, means over a step, shape (n_constants, n).
+def behind_lags(inputs: FloatArray, constants: FloatArray, step: float, longer: Sequence[float] = (1.0,)) -> FloatArray:
+    """Return what first-order lags add to inputs at even times, means over a step, shape (n_longer, *inputs.shape).
 
-    `constants`: time constants, s, which go through the inputs once or more. The inputs are splines; they begin as if
-    their first slope had lasted.
+    `constants`: time constants of the inputs, s, which are taken `longer` times. The inputs are splines along the last
+    axis; they begin as if their first slope had lasted.
     """
-    times, values = _finer(constants), np.tile(_finer(inputs), (len(constants) // len(inputs), 1))
-    slopes = np.diff(values, append=values[:, -1:]) / (step / PARTS)
-    kept = np.exp(-step / PARTS / np.maximum(times, 1e-9))
+    whole, values = _finer(constants), _finer(inputs)
+    slopes = np.diff(values, append=values[..., -1:]) / (step / PARTS)
+    return np.stack([_means(_behind(values, slopes, factor * whole, step / PARTS)) for factor in longer])
+
+
+def _behind(values: FloatArray, slopes: FloatArray, times: FloatArray, step: float) -> FloatArray:
+    """Return what lags add to values that are linear between even times."""
+    kept = np.exp(-step / np.maximum(times, 1e-9))
     rest = values - slopes * times
-    steady = (1.0 - kept) * rest + slopes * step / PARTS
-    kept[:, -1], steady[:, -1] = 0.0, np.roll(rest[:, 0], -1)  # one recursion, which begins again in each row
-    result = recursion(rest[0, 0], kept.ravel()[:-1], steady.ravel()[:-1]).reshape(values.shape)
-    return _means(result - values)
+    steady = (1.0 - kept) * rest + slopes * step
+    kept[..., -1], steady[..., -1] = 0.0, np.roll(rest[..., 0], -1)  # one recursion, which begins again in each row
+    return recursion(rest.flat[0], kept.ravel()[:-1], steady.ravel()[:-1]).reshape(values.shape) - values
 
 
 def heaving(rise: FloatArray, period: float, step: float) -> FloatArray:
-    """Return the acceleration of a mass on damped springs whose rest position rises, means over a step, shape (n,).
+    """Return the acceleration of a mass on damped springs whose rest position rises, means over a step.
 
-    `rise`: of the rest position at even times, a spline; the mass begins at rest. `period`: natural, s.
+    `rise`: of the rest position at even times, a spline along the last axis; the mass begins at rest. `period`:
+    natural, s.
     """
     w = 2.0 * np.pi / period
-    at_rest, h = _finer(rise - rise[0]), np.array([step / PARTS])
+    at_rest, h = _finer(rise - rise[..., :1]), np.array([step / PARTS])
     # Position and speed of the mass, rest position and its slope, which is constant between the parts.
     law = np.array([[0.0, 1.0, 0.0, 0.0], [-(w**2), -2.0 * DAMPING * w, w**2, 0.0], [0.0, 0.0, 0.0, 1.0], [0.0] * 4])
     (kept,), _ = held_system(law[None], h)
-    gained = np.stack([at_rest[:-1], np.diff(at_rest) / h], axis=1) @ kept[:2, 2:].T
-    motion = vector_recursion(np.zeros(2), np.broadcast_to(kept[:2, :2], (len(gained), 2, 2)), gained)
-    return _means(w**2 * at_rest + motion @ law[1, :2])
+    slopes = np.diff(at_rest, append=at_rest[..., -1:]) / h
+    gained, matrix = np.stack([at_rest, slopes], axis=-1) @ kept[:2, 2:].T, np.empty((*at_rest.shape, 2, 2))
+    matrix[:] = kept[:2, :2]
+    gained[..., -1, :], matrix[..., -1, :, :] = 0.0, 0.0  # one recursion, which begins again in each row
+    motion = vector_recursion(np.zeros(2), matrix.reshape(-1, 2, 2)[:-1], gained.reshape(-1, 2)[:-1])
+    return _means(w**2 * at_rest + (motion @ law[1, :2]).reshape(at_rest.shape))
 
 
 def _finer(values: FloatArray) -> FloatArray:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import BSpline, make_interp_spline, make_lsq_spline
+from scipy.interpolate import BSpline, make_interp_spline, splrep
 
 from ....boundary.errors import DataError
 from ....measurements.units import GRAVITY
@@ -235,10 +235,9 @@ def _course(t: FloatArray, angle: FloatArray) -> BSpline:
     """
     curves = []
     for every in KNOTS:
-        inner = t[2:-2:every]
-        knots = np.concatenate([np.repeat(t[0], 4), inner, np.repeat(t[-1], 4)])
-        curve = make_lsq_spline(t, angle, knots)
-        excess = np.mean((curve(t) - angle) ** 2) + 2.0 * _scatter(angle) ** 2 * len(curve.c) / len(t)
+        curve = BSpline(*splrep(t, angle, t=t[2:-2:every]))  # FITPACK's time is linear in the samples
+        n = len(curve.t) - curve.k - 1
+        excess = np.mean((curve(t) - angle) ** 2) + 2.0 * _scatter(angle) ** 2 * n / len(t)
         curves.append((excess, curve))
     return min(curves, key=lambda pair: pair[0])[1]
 
