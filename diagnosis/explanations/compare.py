@@ -118,8 +118,8 @@ def _with_rivals(
         if proof <= CERTAIN:
             answer = answer.with_rival(name, rival, better=proof >= -CERTAIN)
         exchanged = tuple(sorted({*leader.explanation.effects, rival}.difference([name])))
-        if proof < -CERTAIN and exchanged in table.refits and rival not in leader.explanation.parts:
-            leader = table.refits[exchanged]
+        if proof < -CERTAIN:
+            leader = table.refits.get(exchanged, leader)
     return answer, leader
 
 
