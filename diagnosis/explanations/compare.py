@@ -119,7 +119,7 @@ def _with_rivals(
             answer = answer.with_rival(name, rival, better=proof >= -CERTAIN)
         exchanged = tuple(sorted({*leader.explanation.effects, rival}.difference([name])))
         if proof < -CERTAIN:
-            leader = table.refits.get(exchanged, leader)
+            leader = table.refits.get(exchanged, pair[1])
     return answer, leader
 
 
