@@ -144,6 +144,26 @@ class Answer:
                 shares[of] = shares.get(of, 0.0) + share * probability
         return _ranked(shares, self.candidates)
 
+    def with_rival(self, effect: str, rival: str, *, better: bool) -> Answer:
+        """Return the answer with odds of two to one between an effect and a rival: for the effect if it is the better.
+
+        Explanations with one of them share their probability with those that have the other in its place. Convention:
+        as for a part that is not proven.
+
+        >>> answer = answer_of({("conicity",): 0.0}, ["conicity", "plysteer"])
+        >>> shared = answer.with_rival("conicity", "plysteer", better=True)
+        >>> [(explanation.effects, round(explanation.probability, 2)) for explanation in shared.explanations]
+        [(('conicity',), 0.67), (('plysteer',), 0.33)]
+        """
+        shares, (first, second) = dict[tuple[str, ...], float](), (effect, rival) if better else (rival, effect)
+        for explanation in self.explanations:
+            parts, probability = explanation.parts, explanation.probability
+            others = {*parts}.difference([effect, rival])
+            for name, share in ((first, 2.0 / 3.0), (second, 1.0 / 3.0)):  # the same if it has both or none
+                of = tuple(sorted({*others, name})) if len(others) == len(parts) - 1 else parts
+                shares[of] = shares.get(of, 0.0) + share * probability
+        return _ranked(shares, self.candidates)
+
     def _exactly_one(self, names: Collection[str]) -> float:
         chosen = set(names)
         return sum(ranked.probability for ranked in self.explanations if len(chosen.intersection(ranked.effects)) == 1)

@@ -108,7 +108,12 @@ def proof_of(after: Screen, coefficients: Collection[str]) -> float:
 
     `after`: of the model with all effects. `coefficients`: free ones of the effect.
     """
-    used, without = after.problem.inverse_noise > 0.0, without_effect(after, coefficients)
+    return proof_over(after, without_effect(after, coefficients))
+
+
+def proof_over(after: Screen, without: Screen) -> float:
+    """Return how well the recording proves one fit over another one: `proof_of` with these two."""
+    used = after.problem.inverse_noise > 0.0
     before, now = without.solution.residual, after.solution.residual
     apart, together = (screen.solution.residual + _change_without_block(screen, used) for screen in (without, after))
     change = after.problem.weighted(before - now)

@@ -33,6 +33,7 @@ from .compare import ComparedExplanations
 from .effect_evidence import CERTAIN, Evidence, effect_evidence, proof_of
 from .explanation import UNKNOWN, Explanation
 from .form import form_of
+from .refit import fitted_as_tire
 
 #: Ratio of root mean square residuals, whitened to equal weights, above which the whitened fit is not used. Convention:
 #: the agreement that is required of reported residuals.
@@ -99,14 +100,7 @@ def final_fits(
     extended, solution = problem, base
     freed = {*base.free, *linear.solution.free, *(name for _, form in refinements for name in form.free)}
     if freed > set(base.free):
-        free, started = _in_order(problem, freed), linear.solution.parameters
-        of_core = [problem.simulator.index[name] for name in base.free]
-        core_alone = started.copy()  # the refit had it beside discrepancies that a tire does not have
-        core_alone[of_core] = base.parameters[of_core]
-        driven = problem.driven(linear.solution)
-        extended, solution = min(
-            (driven.fitted(start, free) for start in (started, core_alone)), key=lambda fit: graded(fit[1].cost)
-        )
+        extended, solution = fitted_as_tire(problem, linear, base, _in_order(problem, freed))
     unknown, change = tuple[Unknown, ...](), None
     if formula and (terms := linear.explanation.terms):
         features = tuple(term.feature for term in terms)

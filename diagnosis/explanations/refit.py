@@ -113,6 +113,20 @@ def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArr
     return best
 
 
+def fitted_as_tire(
+    problem: LeastSquares, linear: Linearization, base: Solution, free: Sequence[str]
+) -> tuple[LeastSquares, Solution]:
+    """Fit what a refit explains without discrepancies, which a tire does not have.
+
+    Begins where the refit ended, with its core and with that of `base`, a fit without them; the better one counts.
+    """
+    started, index = linear.solution.parameters, [problem.simulator.index[name] for name in base.free]
+    core_alone = started.copy()
+    core_alone[index] = base.parameters[index]
+    driven = problem.driven(linear.solution)
+    return min((driven.fitted(start, free) for start in (started, core_alone)), key=lambda fit: graded(fit[1].cost))
+
+
 def _best_of(starts: Sequence[FloatArray], whole: LeastSquares, free: Sequence[str], budget: Budget) -> FloatArray:
     """Return where the best of several initial values leads on some of the rows, of independent noise."""
     every = max(whole.inverse_noise.shape[1] // COARSE_ROWS, 1)
