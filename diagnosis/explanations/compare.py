@@ -17,16 +17,16 @@ from ...numerics.ties import graded
 from ...symbolic.detection import Form
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
-from ..probing.effect_probing import Screen, starts
+from ..probing.effect_probing import starts
 from ..thresholds import CONFOUNDED, EFFECT_ODDS, REFIT_MARGIN, RIVALS
 from .additions import Gain, best_formula, gains, in_place_of, projected, rivals_of
 from .answer import NAMED, UNSURE, Answer, answer_of
 from .budget import Budget, Ended
-from .effect_evidence import CERTAIN, proof_over
+from .effect_evidence import with_rivals
 from .evidence import inflation
 from .explanation import UNKNOWN, Explanation, form_errors
 from .linearization import Addition, Linearization, forget_columns
-from .refit import Refitted, Shared, fitted_as_tire, refitted, shared_problem, some_rows, with_terms
+from .refit import Refitted, Shared, refitted, shared_problem, some_rows, with_terms
 from .table import FAR, Parts, Table, fold_evidences
 
 #: A move: yields the table after each refit, returns the last one.
@@ -92,66 +92,10 @@ def compared(
     answer = answer_of(evidences, candidates)
     leader = _simplest(tables[-1], answer)
     if not stopped:
-        answer, leader = _with_rivals(answer, leader, tables[-1], few, baseline)
+        answer, leader = with_rivals(answer, leader, tables[-1], few, baseline)
     forget_columns()
     with_terms.cache_clear()
     return ComparedExplanations(answer, leader, tables[-1].shared, stopped)
-
-
-def _with_rivals(
-    answer: Answer, leader: Refitted, table: Table, problem: LeastSquares, baseline: Solution
-) -> tuple[Answer, Refitted]:
-    """Return answer and leader in which a tire with an effect predicts better than one with a rival in its place.
-
-    The comparison has one noise and errors of all forms, of which a tire has none: where both decide differently
-    between two effects, the recording does not decide. The tire then has the one that certainly predicts better.
-    """
-    paired = set[str]()
-    for name in [name for name, probability in answer.probabilities.items() if probability >= NAMED]:
-        pair = None if name in paired else _rival_of(name, table, paired)
-        if pair is None:
-            continue
-        (rival,) = set(pair[1].explanation.parts).difference(pair[0].explanation.parts)
-        fits = (fitted_as_tire(problem, refit.linear, baseline, refit.linear.solution.free) for refit in pair)
-        proof = proof_over(*(Screen(*fit) for fit in fits))
-        paired |= {name, rival}
-        if proof <= CERTAIN:
-            answer = answer.with_rival(name, rival, better=proof >= -CERTAIN)
-        exchanged = tuple(sorted({*leader.explanation.effects, rival}.difference([name])))
-        if proof < -CERTAIN:
-            leader = table.refits.get(exchanged, pair[1])
-    return answer, leader
-
-
-def _rival_of(effect: str, table: Table, paired: Collection[str]) -> tuple[Refitted, Refitted] | None:
-    """Return the most probable refit with an effect, and the best one with a confounded effect in its place.
-
-    The other one explains, beside the same others, at least half of what the effect does. Not those `paired` before.
-    None if there is none.
-    """
-    divided, scores = table.divided(), table.scores
-    able = [parts for parts in table.refits if effect in parts]
-    refit = table.refits[max(able, key=lambda parts: graded(divided[parts]))] if able else None
-    if not refit or (rest := refit.explanation.without(effect).parts) not in scores:
-        return None
-    rivals = [
-        other
-        for parts, other in table.refits.items()
-        if len(parts) == len(rest) + 1
-        and set(rest) < set(parts)
-        and not {effect, UNKNOWN, *paired}.difference(rest).intersection(parts)
-        and other.score > 0.5 * (refit.score + scores[rest])
-    ]
-    ordered = sorted(rivals, key=lambda other: -graded(other.score))
-    return next(((refit, other) for other in ordered if _alike(effect, refit, other) > CONFOUNDED), None)
-
-
-def _alike(effect: str, refit: Refitted, other: Refitted) -> float:
-    """Return the correlation of an effect with the one that another refit has in its place."""
-    (rival,) = set(other.explanation.parts).difference(refit.explanation.parts)
-    addition = Addition(rival, other.linear.responses.of(rival)[:, :, None], np.ones(1))
-    columns = in_place_of(effect, refit.linear, [addition])
-    return float(columns.correlations(columns.groups[1])[0])
 
 
 def _with_those_of(table: Table, others: Collection[Table]) -> Table:

@@ -1,4 +1,8 @@
-"""Evidence for an effect in the final fit: the fit with it compared with the fit of the same model without it."""
+"""Evidence for an effect in a tire: the fit with it compared with the fit without it, or with a rival in its place.
+
+The comparison has one noise and errors of all forms, of which a tire has none: where both decide differently between
+two confounded effects, the recording does not decide. The tire then has the one that certainly predicts better.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +15,16 @@ from scipy.special import chdtrc, ndtri
 
 from ...numerics.arrays import BoolArray, FloatArray, IntArray
 from ...numerics.block_regression import error_of_sum
-from ..least_squares import density_gains
+from ...numerics.ties import graded
+from ..least_squares import LeastSquares, Solution, density_gains
 from ..probing.effect_probing import Screen
-from ..thresholds import FINAL_ITERATIONS
+from ..thresholds import CONFOUNDED, FINAL_ITERATIONS
+from .additions import in_place_of
+from .answer import NAMED, Answer
+from .explanation import UNKNOWN
+from .linearization import Addition
+from .refit import Refitted, fitted_as_tire
+from .table import Table
 
 #: Number of long stretches in which an effect is judged. Convention.
 STRETCHES = 8
@@ -121,6 +132,61 @@ def proof_over(after: Screen, without: Screen) -> float:
     gains = np.add.reduceat(density_gains(before, now, used, used).sum(axis=0), begins)
     proven = float(gains.sum()) / max(error_of_sum(gains), 1e-300) if len(gains) > 1 else 0.0
     return proven if density_gains(apart, together, used, used).sum() > 0.0 else min(proven, 0.0)
+
+
+def with_rivals(
+    answer: Answer, leader: Refitted, table: Table, problem: LeastSquares, baseline: Solution
+) -> tuple[Answer, Refitted]:
+    """Return answer and leader in which a tire with an effect predicts better than one with a rival in its place.
+
+    `problem`, `baseline`: of the baseline model, without discrepancies.
+    """
+    paired = set[str]()
+    for name in [name for name, probability in answer.probabilities.items() if probability >= NAMED]:
+        pair = None if name in paired else rival_of(name, table, paired)
+        if pair is None:
+            continue
+        (rival,) = set(pair[1].explanation.parts).difference(pair[0].explanation.parts)
+        fits = (fitted_as_tire(problem, refit.linear, baseline, refit.linear.solution.free) for refit in pair)
+        proof = proof_over(*(Screen(*fit) for fit in fits))
+        paired |= {name, rival}
+        if proof <= CERTAIN:
+            answer = answer.with_rival(name, rival, better=proof >= -CERTAIN)
+        exchanged = tuple(sorted({*leader.explanation.effects, rival}.difference([name])))
+        if proof < -CERTAIN:
+            leader = table.refits.get(exchanged, pair[1])
+    return answer, leader
+
+
+def rival_of(effect: str, table: Table, paired: Collection[str]) -> tuple[Refitted, Refitted] | None:
+    """Return the most probable refit with an effect, and the best one with a confounded effect in its place.
+
+    The other one explains, beside the same others, at least half of what the effect does. Not those `paired` before.
+    None if there is none.
+    """
+    divided, scores = table.divided(), table.scores
+    able = [parts for parts in table.refits if effect in parts]
+    refit = table.refits[max(able, key=lambda parts: graded(divided[parts]))] if able else None
+    if not refit or (rest := refit.explanation.without(effect).parts) not in scores:
+        return None
+    rivals = [
+        other
+        for parts, other in table.refits.items()
+        if len(parts) == len(rest) + 1
+        and set(rest) < set(parts)
+        and not {effect, UNKNOWN, *paired}.difference(rest).intersection(parts)
+        and other.score > 0.5 * (refit.score + scores[rest])
+    ]
+    ordered = sorted(rivals, key=lambda other: -graded(other.score))
+    return next(((refit, other) for other in ordered if alike(effect, refit, other) > CONFOUNDED), None)
+
+
+def alike(effect: str, refit: Refitted, other: Refitted) -> float:
+    """Return the correlation of an effect with the one that another refit has in its place."""
+    (rival,) = set(other.explanation.parts).difference(refit.explanation.parts)
+    addition = Addition(rival, other.linear.responses.of(rival)[:, :, None], np.ones(1))
+    columns = in_place_of(effect, refit.linear, [addition])
+    return float(columns.correlations(columns.groups[1])[0])
 
 
 def _change_without_block(screen: Screen, used: BoolArray) -> FloatArray:

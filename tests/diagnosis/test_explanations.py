@@ -38,6 +38,7 @@ from tirefmu.diagnosis.explanations import (
     without_folds,
 )
 from tirefmu.diagnosis.explanations.compare import _simplest, reduced
+from tirefmu.diagnosis.explanations.effect_evidence import rival_of, with_rivals
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
 from tirefmu.diagnosis.signals import CROSS_TALK, between_rows, signals_of
 from tirefmu.diagnosis.thresholds import DISCREPANCIES, EFFECT_ODDS, INEXACT_SHARE
@@ -229,17 +230,77 @@ def test_what_is_called_missing_is_delivered():
     assert _simplest(table, answer).explanation.effects == ("c",)
 
 
+def test_a_rival_shares_what_exactly_one_of_both_explains_and_nothing_else_changes():
+    """Over random evidences of all explanations with up to three of four effects."""
+    rng, explanations = np.random.default_rng(5), [set_ for k in range(4) for set_ in itertools.combinations("abcd", k)]
+    for better in (True, False):
+        evidences = dict(zip(explanations, rng.normal(0.0, 2.0, len(explanations)), strict=True))
+        before = answer_of(evidences, list("abcd"))
+        after = before.with_rival("a", "b", better=better)
+        assert [after.probabilities[name] for name in "cd"] == pytest.approx([before.probabilities[c] for c in "cd"])
+        alone = [
+            sum(one.probability for one in after.explanations if {*one.effects} & {"a", "b"} == {name}) for name in "ab"
+        ]
+        assert alone[0] / alone[1] == pytest.approx(2.0 if better else 0.5)
+        assert after._exactly_one("ab") == pytest.approx(before._exactly_one("ab"))
+
+
+OF_EVIDENCE = rival_of.__module__
+RIVALS_COMPARED = {
+    ("heat", "lag"): 0.0, ("history", "lag"): -20.0, ("lag", "pressure"): -70.0, ("lag",): -100.0,
+    ("heat",): -30.0, ("history",): -50.0, (): -200.0,
+}  # fmt: skip
+
+
+def test_a_rival_is_confounded_and_explains_half_of_what_an_effect_does(monkeypatch):
+    """Beside the same others, in the most probable explanation with the effect."""
+    alike = {"history": 0.9, "pressure": 0.95, "lag": 0.1}
+
+    def correlation(effect, refit, other):
+        (rival,) = {*other.explanation.effects} - {*refit.explanation.effects}
+        return alike[rival]
+
+    monkeypatch.setattr(f"{OF_EVIDENCE}.alike", correlation)
+    table = compared_table(RIVALS_COMPARED)
+    pair = rival_of("heat", table, ())
+    assert pair is not None
+    assert [of.explanation.effects for of in pair] == [("heat", "lag"), ("history", "lag")]
+    assert rival_of("heat", table, ("history",)) is None  # pressure explains a third of it
+    assert rival_of("lag", table, ()) is None  # history would explain as much, but differently
+    assert rival_of("wear", table, ()) is None
+
+
+@pytest.mark.parametrize(
+    ("proof", "heat", "delivered"),
+    [(5.0, 1.0, "heat"), (0.0, 2.0 / 3.0, "heat"), (-1.9, 2.0 / 3.0, "heat"), (-2.1, 1.0 / 3.0, "history")],
+)
+def test_between_rivals_the_prediction_of_the_tires_has_to_agree(monkeypatch, proof, heat, delivered):
+    monkeypatch.setattr(f"{OF_EVIDENCE}.alike", lambda effect, refit, other: 0.9)
+    monkeypatch.setattr(f"{OF_EVIDENCE}.fitted_as_tire", lambda *of: of)
+    monkeypatch.setattr(f"{OF_EVIDENCE}.Screen", lambda *of: None)
+    monkeypatch.setattr(f"{OF_EVIDENCE}.proof_over", lambda after, without: proof)
+    sets = {parts: RIVALS_COMPARED[parts] for parts in (("heat", "lag"), ("history", "lag"), ("lag",))}
+    table, names = compared_table(sets), ["heat", "history", "lag"]
+    answer, leader = with_rivals(answer_of({("heat", "lag"): 0.0}, names), table.leader, table, None, None)
+    assert answer.probabilities["heat"] == pytest.approx(heat)
+    assert answer.probabilities["history"] == pytest.approx(1.0 - heat)
+    assert answer.probabilities["lag"] == pytest.approx(1.0)
+    assert leader.explanation.effects == tuple(sorted((delivered, "lag")))
+
+
 def compared_table(sets):
     """Of refits by their effects with their scores; the first one leads."""
 
     def refit(effects, score):
         explanation = Explanation(tuple((name, Form((), ())) for name in effects))
-        return SimpleNamespace(explanation=explanation, score=score)
+        linear = SimpleNamespace(solution=SimpleNamespace(free=()))
+        return SimpleNamespace(explanation=explanation, score=score, linear=linear)
 
     refits = {parts: refit(parts, score) for parts, score in sets.items()}
     model = SimpleNamespace(added=[SimpleNamespace(name="history", states=("s",))])
     shared = SimpleNamespace(problem=SimpleNamespace(simulator=SimpleNamespace(symbolic_model=model)))
-    return SimpleNamespace(refits=refits, leader=next(iter(refits.values())), shared=shared)
+    leader = next(iter(refits.values()))
+    return SimpleNamespace(refits=refits, leader=leader, shared=shared, scores=sets, divided=lambda: sets)
 
 
 def test_the_reported_explanations_have_nearly_all_of_the_probability():
