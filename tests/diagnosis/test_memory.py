@@ -151,7 +151,6 @@ def test_a_load_that_leaves_late_is_followed_at_once():
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=True, reason="the errors of the form of a carcass take a part of the skew")
 def test_a_moving_carcass_is_no_skew_and_no_relaxation():
     """A true spring is loaded by a force that saturates; the recording has a skew besides."""
     rng, rate = np.random.default_rng(4), 100.0
