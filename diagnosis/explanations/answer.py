@@ -9,7 +9,7 @@ import numpy as np
 
 from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
-from .explanation import UNKNOWN
+from .explanation import UNKNOWN, in_order
 
 #: Probability below which an effect is excluded, and above one minus which it is certain. Convention.
 UNSURE = 0.1
@@ -160,7 +160,7 @@ class Answer:
             parts, probability = explanation.parts, explanation.probability
             others = {*parts}.difference([effect, rival])
             for name, share in ((first, 2.0 / 3.0), (second, 1.0 / 3.0)):  # the same if it has both or none
-                of = tuple(sorted({*others, name})) if len(others) == len(parts) - 1 else parts
+                of = in_order({*others, name}) if len(others) == len(parts) - 1 else parts
                 shares[of] = shares.get(of, 0.0) + share * probability
         return _ranked(shares, self.candidates)
 

@@ -21,7 +21,7 @@ from ..probing.effect_probing import Screen
 from ..thresholds import CONFOUNDED, FINAL_ITERATIONS
 from .additions import in_place_of
 from .answer import NAMED, Answer
-from .explanation import UNKNOWN
+from .explanation import UNKNOWN, in_order
 from .linearization import Addition
 from .refit import Refitted, fitted_as_tire
 from .table import Table
@@ -152,7 +152,7 @@ def with_rivals(
         paired |= {name, rival}
         if proof <= CERTAIN:
             answer = answer.with_rival(name, rival, better=proof >= -CERTAIN)
-        exchanged = tuple(sorted({*leader.explanation.effects, rival}.difference([name])))
+        exchanged = in_order({*leader.explanation.parts, rival}.difference([name]))
         if proof < -CERTAIN:
             leader = table.refits.get(exchanged, pair[1])
     return answer, leader

@@ -29,6 +29,11 @@ ROLES_ACTED = {
 }  # fmt: skip
 
 
+def in_order(parts: Collection[str]) -> tuple[str, ...]:
+    """Return parts in the order that equal explanations have in common: effects alphabetically, then `UNKNOWN`."""
+    return tuple(sorted(parts, key=lambda part: (part == UNKNOWN, part)))
+
+
 @dataclass(frozen=True, eq=False)
 class Term:
     """A term that no effect of the library explains: a feature at a location of the model.
@@ -69,7 +74,7 @@ class Explanation:
     @property
     def parts(self) -> tuple[str, ...]:
         """The effects, then `UNKNOWN` if it has such terms: equal parts are the same explanation."""
-        return (*self.effects, UNKNOWN) if self.terms else self.effects
+        return in_order([*self.effects, UNKNOWN]) if self.terms else self.effects
 
     @property
     def log_prior(self) -> float:

@@ -231,13 +231,17 @@ def test_what_is_called_missing_is_delivered():
 
 
 def test_a_rival_shares_what_exactly_one_of_both_explains_and_nothing_else_changes():
-    """Over random evidences of all explanations with up to three of four effects."""
-    rng, explanations = np.random.default_rng(5), [set_ for k in range(4) for set_ in itertools.combinations("abcd", k)]
+    """Over random evidences of all explanations with up to three of three effects and an unknown one."""
+    rng, parts = np.random.default_rng(5), ("a", "b", "c", UNKNOWN)
+    explanations = [some for number in range(4) for some in itertools.combinations(parts, number)]
     for better in (True, False):
         evidences = dict(zip(explanations, rng.normal(0.0, 2.0, len(explanations)), strict=True))
-        before = answer_of(evidences, list("abcd"))
+        before = answer_of(evidences, list("abc"))
         after = before.with_rival("a", "b", better=better)
-        assert [after.probabilities[name] for name in "cd"] == pytest.approx([before.probabilities[c] for c in "cd"])
+        assert {one.parts for one in after.explanations} == set(explanations)
+        assert len(after.explanations) == len(explanations)
+        others = [[of.probabilities[name] for name in ("c", UNKNOWN)] for of in (before, after)]
+        assert others[0] == pytest.approx(others[1])
         alone = [
             sum(one.probability for one in after.explanations if {*one.effects} & {"a", "b"} == {name}) for name in "ab"
         ]
@@ -288,11 +292,25 @@ def test_between_rivals_the_prediction_of_the_tires_has_to_agree(monkeypatch, pr
     assert leader.explanation.effects == tuple(sorted((delivered, "lag")))
 
 
+def test_a_rival_takes_the_place_of_an_effect_and_the_rest_of_the_leader_stays(monkeypatch):
+    """Also an unknown component; an explanation with both loses the effect."""
+    monkeypatch.setattr(f"{OF_EVIDENCE}.alike", lambda effect, refit, other: 0.9)
+    monkeypatch.setattr(f"{OF_EVIDENCE}.fitted_as_tire", lambda *of: of)
+    monkeypatch.setattr(f"{OF_EVIDENCE}.Screen", lambda *of: None)
+    monkeypatch.setattr(f"{OF_EVIDENCE}.proof_over", lambda after, without: -3.0)
+    pair = {("heat",): -1.0, ("history",): -2.0, (): -90.0}
+    for leading, left in ((("heat", UNKNOWN), ("history", UNKNOWN)), (("heat", "history", "lag"), ("history", "lag"))):
+        table = compared_table({leading: -3.0, left: -4.0, **pair})
+        _, leader = with_rivals(answer_of({("heat",): 0.0}, ["heat", "history"]), table.leader, table, None, None)
+        assert leader is table.refits[left]
+
+
 def compared_table(sets):
     """Of refits by their effects with their scores; the first one leads."""
 
     def refit(effects, score):
-        explanation = Explanation(tuple((name, Form((), ())) for name in effects))
+        forms = tuple((name, Form((), ())) for name in effects if name != UNKNOWN)
+        explanation = Explanation(forms, ("term",) * (UNKNOWN in effects))
         linear = SimpleNamespace(solution=SimpleNamespace(free=()))
         return SimpleNamespace(explanation=explanation, score=score, linear=linear)
 
