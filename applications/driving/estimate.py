@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -28,7 +27,8 @@ from .inputs.grid import Grid, with_delays
 from .inputs.log import Log
 from .inputs.unknowns import Unknowns
 from .interval import BALANCE, MOTION, AddedForces, Interval, Linear
-from .linear_solution import LARGEST, LEAST_DAMPING, LONGEST_STEP, Factor, Posterior, posterior_of
+from .linear_solution import LARGEST, LONGEST_STEP, Factor, posterior_of
+from .motion import MotionProblem
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -44,12 +44,8 @@ LARGEST_NOISE, SLOWER = 1.5, ("x", "y", "heading", "speed_rate")
 #: Degrees of freedom of Student's distribution of the residuals: what a model does not resolve, the release of a brake
 #: or a wheel that is about to lock, comes in bursts.
 FREEDOM = 4.0
-#: Most steps of the unknowns, and from an estimate that is near; most steps of the states for given unknowns, predicted
-#: decrease of the cost that ends the latter (a tenth of `FLAT`), smallest part of a step that is tried.
-ROUNDS, NEAR_ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 60, 20, 25, 5e-3, 1e-2
-#: Steps of the states end at this part of the largest predicted decrease, too; part of a predicted decrease from which
-#: the next step is damped less (Marquardt).
-INEXACT, RELIABLE = 1e-3, 0.75
+#: Most steps of the unknowns, and from an estimate that is near; smallest part of a step that is tried.
+ROUNDS, NEAR_ROUNDS, SHORTEST = 60, 20, 1e-2
 #: Least part of a step of the unknowns that is taken after one that it reverses. Convention: computing time.
 LEAST = 0.3
 #: Rounds for which the slope of the volume is kept, but for steps shorter than this, and forces that are added, but for
@@ -58,8 +54,6 @@ SLOPE_ROUNDS, NEAR = 3, 1.0
 #: The estimate ends at a step of an unknown in its standard deviations and of the logarithm of a deviation below the
 #: first number, or at a step below 1 that gains less than the second one in the logarithm of the posterior.
 SETTLED, FLAT = 0.1, 0.05
-
-
 #: Intervals in a piece of a drive, number of pieces that are estimated first, and how many times as many next, up to
 #: half the drive. Convention: computing time.
 PIECE, PIECES, GROWTH = 100, 4, 5
@@ -211,10 +205,10 @@ def _estimated(
     equal = np.ones((len(grid.t), len(floor)))
     for wide in () if near else WIDE:  # what lags follows from the motion
         deviations[-n_balance:] = wide
-        start = _Problem(grid, interval, added, z, deviations.copy(), equal).solved(start).states
+        start = MotionProblem(grid, interval, added, z, deviations.copy(), equal).solved(start).states
         grid = _moved(grid, interval, start, log, car, unknowns.car_values(car, z))
         added = acting(grid, start, z, held)
-    at = _Problem(grid, interval, added, z, deviations.copy(), equal).solved(start)
+    at = MotionProblem(grid, interval, added, z, deviations.copy(), equal).solved(start)
     converged, arrived, length, last, resized = False, bool(near or part), 1.0, np.zeros(len(z)), 0.0
     radius = LONGEST_STEP
     limits = np.full((2, len(z)), LARGEST) * [[-1.0], [1.0]]
@@ -224,7 +218,7 @@ def _estimated(
     for round_ in range(NEAR_ROUNDS if near else ROUNDS):
         fresh = stalled or longest < NEAR or round_ % SLOPE_ROUNDS == 0
         if fresh:  # it changes slowly
-            slope = _volume_slope(at)
+            slope = at.volume_slope()
         change, change_z = at.factor.step(z + slope, z, of_tires | arrived | together, radius, limits)
         widening = at.widening(floor, ceiling)
         arrived = arrived or bool(np.abs(change_z).max() < (1.0 - 1e-9) * LONGEST_STEP)
@@ -239,7 +233,7 @@ def _estimated(
         while not gain > 0.0 and share > SHORTEST:
             share /= 3.0
             to = at.problem.deviations * np.exp(share * widening)
-            problem = _Problem(grid, interval, added, z + share * change_z, to, at.problem.weights)
+            problem = MotionProblem(grid, interval, added, z + share * change_z, to, at.problem.weights)
             try:
                 tried = problem.solved(at.states + share * change)
             except np.linalg.LinAlgError:  # a motion that the model does not have
@@ -266,7 +260,7 @@ def _estimated(
         if longest > NEAR or round_ % SLOPE_ROUNDS == 0:
             held = forces(grid, states, z)
         added = curved(grid, interval, acting(grid, states, z, held), states, z)
-        at = _Problem(grid, interval, added, z, deviations, weights).solved(states)
+        at = MotionProblem(grid, interval, added, z, deviations, weights).solved(states)
     given = at.problem, at.states, at.linear, at.evidence
     del at  # a long log has large arrays
     return grid, _estimate(*given, size, converged)
@@ -289,7 +283,7 @@ def _moved(
 
 
 def _estimate(
-    problem: _Problem, states: FloatArray, linear: Linear, evidence: float, size: float, converged: bool
+    problem: MotionProblem, states: FloatArray, linear: Linear, evidence: float, size: float, converged: bool
 ) -> Estimate:  # fmt: skip
     """Return the estimate of a problem, solved by states; this uses up the residuals there, `linear`.
 
@@ -326,133 +320,3 @@ def _weights(residual: FloatArray) -> FloatArray:
     Those of the expectation-maximization of Student's distribution (Lange, Little, Taylor, JASA 84, 1989).
     """
     return np.asarray(np.sqrt((FREEDOM + 1.0) / (FREEDOM + residual**2)))
-
-
-@dataclass(frozen=True)
-class _Problem:
-    """The motion for given unknowns, deviations and weights of the residuals, on a grid with added forces."""
-
-    grid: Grid
-    interval: Interval
-    added: AddedForces
-    z: FloatArray
-    deviations: FloatArray
-    weights: FloatArray
-
-    @cached_property
-    def data(self) -> FloatArray:
-        """The data of the intervals."""
-        return interval_data(self.grid)
-
-    def linear(self, states: FloatArray, *, whole: bool = False) -> Linear:
-        """Return the weighted residuals and their derivatives by the nodes, and as a whole also by the unknowns."""
-        function = self.interval.residual_chunk if whole else self.interval.node_chunk
-        further, of_tires = self.added.further if whole else None, self.added.tires(self.z)
-        linear = evaluated(function, self.grid, states, of_tires, self.data, further=further)
-        self.added.act(linear.values, self.z, states[self.grid.left], states[self.grid.right])
-        self.added.slant(linear, states.shape[1])
-        linear.weigh(self.weights / self.deviations)
-        return linear
-
-    def solved(self, states: FloatArray) -> _Point:
-        """Return the best states from initial ones (Gauss-Newton steps, damped as Levenberg's)."""
-        n, linear, damping, tolerance = states.shape[1], self.linear(states), LEAST_DAMPING, TOLERANCE
-        for _ in range(MAX_STEPS):
-            try:
-                factor = Factor(self.grid, linear, damping)
-            except np.linalg.LinAlgError:  # rounding made the matrix indefinite
-                damping = 100.0 * damping
-                continue
-            predicted = float(factor.gradient @ factor.solved_gradient) / 2.0
-            tolerance = max(tolerance, INEXACT * predicted)
-            if predicted < tolerance:
-                break
-            moved = states - factor.solved_gradient.reshape(states.shape)
-            tried = self.linear(moved)
-            gain = linear.cost(self.z) - tried.cost(self.z)
-            if gain < 0.0:
-                damping = max(damping, 1e-5) * 30.0
-            elif gain > RELIABLE * predicted:
-                damping = max(damping / 10.0, LEAST_DAMPING)
-            if gain >= 0.0:
-                states, linear = moved, tried
-        else:
-            damping = np.inf
-        if damping > LEAST_DAMPING:  # of another point or damped, the determinant is not the posterior's
-            factor = Factor(self.grid, linear)
-        # The density of the next motion that the balance gives and those of sensors have the deviations as scales.
-        density = np.log(np.abs(np.linalg.det(linear.by_nodes[:, -len(BALANCE) :, n + 1 : n + 3]))).sum()
-        density -= np.sum((linear.values != 0.0) * np.log(self.deviations), axis=0)[: -len(BALANCE)].sum()
-        criterion = linear.cost(self.z) + float(np.log(factor.band[0]).sum() - density)
-        return _Point(self, states, linear.values, criterion)
-
-
-@dataclass(frozen=True)
-class _Point:
-    """States that explain the log best, and the weighted residuals there.
-
-    `criterion`: minus the logarithm of the posterior, integrated over the states.
-    """
-
-    problem: _Problem
-    states: FloatArray
-    values: FloatArray
-    criterion: float
-
-    @cached_property
-    def linear(self) -> Linear:
-        """The residuals with all derivatives."""
-        return self.problem.linear(self.states, whole=True)
-
-    @cached_property
-    def factor(self) -> Factor:
-        """The factored problem."""
-        return Factor(self.problem.grid, self.linear)
-
-    @property
-    def evidence(self) -> float:
-        """Logarithm of the probability of the log, integrated over states and unknowns."""
-        return float(-self.criterion - np.linalg.slogdet(self.factor.schur)[1] / 2)
-
-    @cached_property
-    def posterior(self) -> Posterior:
-        """The linearized posterior."""
-        return posterior_of(self.problem.grid, self.factor)
-
-    def widening(self, floor: FloatArray, ceiling: FloatArray) -> FloatArray:
-        """Return the steps of the logarithms of deviations, within limits: 0 at MacKay's fixed point.
-
-        Where the motion follows the residuals, their excess over a deviation changes by a part of a step only: by the
-        average information of the data on the deviations (Gilmour, Thompson, Cullis, Biometrics 51, 1995).
-        """
-        values, deviations = self.linear.values, self.problem.deviations
-        squares = np.sum(values**2, axis=0)
-        sampled = np.sum(values != 0.0, axis=0)
-        determined = np.maximum(sampled - self.posterior.variances(self.linear).sum(axis=0), 1.0)
-        excess = (squares - determined) / 2
-        lowest, highest = np.log(floor / deviations), np.log(ceiling / deviations)
-        free = np.flatnonzero((excess > 0.0) & (highest > 0.0) | (excess < 0.0) & (lowest < 0.0))
-        result = np.zeros(len(excess))
-        if len(free):
-            result[free] = np.linalg.solve(self.factor.unexplained(values, free), excess[free])
-        result *= min(1.0, LONGEST_STEP / max(float(np.abs(result).max()), 1e-12))
-        return np.clip(result, lowest, highest)
-
-
-def _volume_slope(at: _Point) -> FloatArray:
-    """Return the derivatives by all unknowns of what the integral over the states adds to the cost (Laplace).
-
-    Without it, forces that depend on estimated slip angles have too low a stiffness. It counts for every unknown in
-    proportion to which they change: for the factors alone, these would grow, and the discrepancy would fall.
-    """
-    pairs, grid, added, z = at.posterior.pairs, at.problem.grid, at.problem.added, at.problem.z
-    of_tires, last = added.tires(z), len(added.tires(z))
-    shares = (at.linear.by_nodes @ pairs) * (at.problem.weights / at.problem.deviations)[:, :, None]
-    more = shares.transpose(0, 2, 1).reshape(len(shares), -1)
-    volume = evaluated(at.problem.interval.volume_chunk, grid, at.states, of_tires, at.problem.data, more)
-    slopes = volume.by_all(slice(None), last + len(BALANCE))[:, 0]
-    result = at.factor.at_nodes(volume.by_nodes.transpose(0, 2, 1))[:, 0] @ at.factor.slopes
-    result[:last] += slopes[:, :last].sum(axis=0)
-    by_relative = np.einsum("ki,kij->j", slopes[:, last:], added.relative)
-    result[len(z) - len(by_relative) :] += by_relative
-    return np.asarray(result)

@@ -91,8 +91,8 @@ def test_the_discrepancy_has_the_same_part_of_the_integral_as_the_factors(at_the
     columns = discrepancy_columns(grid, final.states, entries, values[:, -len(BALANCE) :], final.size)
     added = estimate.no_forces(grid, final.states, final.z).and_columns(*columns)
     weights = np.ones((len(grid.t), len(interval.residuals)))
-    problem = estimate._Problem(grid, interval, added, final.z, final.deviations, weights)
-    slope = estimate._volume_slope(problem.solved(final.states))
+    problem = estimate.MotionProblem(grid, interval, added, final.z, final.deviations, weights)
+    slope = problem.solved(final.states).volume_slope()
     for first, axle in zip((n, n + N_COLUMNS), AXLES, strict=True):
         places = [unknowns.factor(axle, name) for name in ("LMUY", "LKY")]
         assert slope[first] / FORM == pytest.approx(np.sum(slope[places] / unknowns.spread[places]), rel=0.3)
