@@ -157,7 +157,7 @@ class LeastSquares:
             projected, first, lower, upper, lambda _, cost: tolerance * (cost - above), DAMPING, steps=iterations,
             stop=self.stop,
         )  # fmt: skip
-        return projected.solution(end.x)
+        return self._solution(projected.point(end.x), free)
 
     def driven(self, solution: Solution) -> LeastSquares:
         """Return the problem whose states are driven by the forces of a solution."""
@@ -171,15 +171,23 @@ class LeastSquares:
 
     def at(self, parameters: FloatArray, free: Sequence[str]) -> Solution:
         """Return the solution at given parameters, with the best-fitting disturbances."""
-        misfit, prior, mean = self.misfit(parameters), self.disturbances.deviation, self.disturbances.center
-        target = self.disturbance_products[0].along(self.weighted(misfit)) + mean / prior**2
-        disturbance = np.asarray(cho_solve(self._disturbance_factor, target, check_finite=False))
-        residual = misfit - self.disturbances.columns @ disturbance
         center, deviation = self.prior(free)
         values = parameters[[self.simulator.index[name] for name in free]]
-        penalty = np.sum(((values - center) / deviation) ** 2) + np.sum(((disturbance - mean) / prior) ** 2)
-        cost = 0.5 * float(np.sum(self.weighted(residual) ** 2) + penalty)
-        return Solution(parameters, tuple(free), disturbance, cost, residual)
+        return self._solution(self._point(parameters, (values - center) / deviation), free)
+
+    def _point(self, parameters: FloatArray, distance: FloatArray) -> _Point:
+        """Return parameters, at a distance from their prior means, with the best-fitting disturbances."""
+        misfit, errors = self.misfit(parameters), self.disturbances
+        weighted = self.weighted(misfit)
+        target = self.disturbance_products[0].along(weighted) + errors.center / errors.deviation**2
+        disturbance = np.asarray(cho_solve(self._disturbance_factor, target, check_finite=False))
+        power = sum(float(np.sum(part**2)) for part in (weighted, distance, errors.center / errors.deviation))
+        cost = 0.5 * max(power - float(target @ disturbance), 0.0)
+        return _Point(parameters, distance, misfit, weighted, disturbance, cost)
+
+    def _solution(self, point: _Point, free: Sequence[str]) -> Solution:
+        residual = point.misfit - self.disturbances.columns @ point.disturbance
+        return Solution(point.parameters, tuple(free), point.disturbance, point.cost, residual)
 
     def holdout_gains(self, before: Solution, after: Solution) -> FloatArray:
         """Return by how much a solution is better than another one in each block of the hold-out set, (n_blocks,).
@@ -248,20 +256,13 @@ class LeastSquares:
         """The Cholesky factor of the disturbances' Gauss-Newton matrix."""
         return cho_factor(self.disturbance_products[1] + np.diag(self.disturbances.deviation**-2))
 
-    def _normal(self, solution: Solution) -> tuple[FloatArray, FloatArray]:
-        """Return Gauss-Newton matrix and descent direction in the coefficients, the disturbances eliminated."""
-        jacobian = self.weighted_columns([self.simulator.jacobian(solution.parameters, solution.free)])
-        columns, factor = self.disturbance_products[0], self._disturbance_factor
-        residual = self.weighted(solution.residual)
-        center, deviation = self.prior(solution.free)
-        values = solution.parameters[[self.simulator.index[name] for name in solution.free]]
-        slope = jacobian.along(residual) - (values - center) / deviation**2
-        disturbances = self.disturbances
-        along = columns.along(residual) - (solution.disturbance - disturbances.center) / disturbances.deviation**2
-        cross = columns.times(jacobian)
-        inner = cho_solve(factor, np.column_stack([cross, along]), check_finite=False)
+    def _normal(self, point: _Point, free: Sequence[str], deviation: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return gradient and Gauss-Newton matrix in the coefficients, the disturbances eliminated."""
+        jacobian = self.weighted_columns([self.simulator.jacobian(point.parameters, free)])
+        cross = self.disturbance_products[0].times(jacobian)
+        gradient = point.distance / deviation + cross.T @ point.disturbance - jacobian.along(point.weighted)
         matrix = jacobian.times(jacobian) + np.diag(deviation**-2.0)
-        return matrix - cross.T @ inner[:, :-1], slope - cross.T @ inner[:, -1]
+        return gradient, matrix - cross.T @ cho_solve(self._disturbance_factor, cross, check_finite=False)
 
     def subsampled(self, rows: slice) -> LeastSquares:
         """Return the problem over some of the compared rows, which are then independent."""
@@ -295,6 +296,23 @@ def density_gains(before: FloatArray, after: FloatArray, fitted: BoolArray, judg
     return density(after) - density(before)
 
 
+@dataclass(frozen=True, eq=False)
+class _Point:
+    """Parameters with the best-fitting disturbances.
+
+    - `distance`, shape (n_free,): of the free coefficients from their prior means, in standard deviations.
+    - `misfit`, `weighted`, shape (n_channels, n): without disturbances, and divided by the noise.
+    - `disturbance` and `cost`: as of `Solution`.
+    """
+
+    parameters: FloatArray
+    distance: FloatArray
+    misfit: FloatArray
+    weighted: FloatArray
+    disturbance: FloatArray
+    cost: float
+
+
 class _Projected:
     """The cost as a function of the free coefficients, minimized over the disturbances (variable projection).
 
@@ -304,24 +322,24 @@ class _Projected:
     def __init__(self, problem: LeastSquares, start: FloatArray, free: Sequence[str]) -> None:
         self._problem, self._start, self._free = problem, start, free
         self.indices = [problem.simulator.index[name] for name in free]
-        self._latest: tuple[FloatArray, Solution] | None = None
+        self._center, self._deviation = problem.prior(free)
+        self._latest: tuple[FloatArray, _Point] | None = None
 
-    def solution(self, x: FloatArray) -> Solution:
-        """Return the solution at the free coefficients x, shape (n_free,).
+    def point(self, x: FloatArray) -> _Point:
+        """Return the point at the free coefficients x, shape (n_free,).
 
         The latest one is stored, as the derivatives of an accepted step are evaluated next.
         """
         if self._latest is None or not np.array_equal(self._latest[0], x):
             parameters = self._start.copy()
             parameters[self.indices] = x
-            self._latest = x.copy(), self._problem.at(parameters, self._free)
+            self._latest = x.copy(), self._problem._point(parameters, (x - self._center) / self._deviation)
         return self._latest[1]
 
     def cost(self, x: FloatArray) -> float:
         """Return the cost at the free coefficients."""
-        return self.solution(x).cost
+        return self.point(x).cost
 
     def derivatives(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
         """Return cost, gradient (n_free,) and Gauss-Newton matrix (n_free, n_free)."""
-        matrix, descent = self._problem._normal(self.solution(x))
-        return self.cost(x), -descent, matrix
+        return self.cost(x), *self._problem._normal(self.point(x), self._free, self._deviation)

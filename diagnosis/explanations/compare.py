@@ -236,7 +236,7 @@ def _climbed(table: Table, linear: Linearization) -> Move:
     before = None
     while before is not table.leader and _growth(table) <= GROWTH:
         before = table.leader
-        table = yield from extended(table, before)
+        table = yield from extended(*_gained(table, before), before)
     return table
 
 
@@ -252,19 +252,27 @@ def _settled(table: Table) -> Move:
             break
         refit = table.refits[remaining[0]]
         settled.add(remaining[0])
+        table, exactly = _gained(table, refit, exactly=True)  # before refits, which free the columns of this one
+        table, scored = _gained(table, refit)
         table = yield from reduced(table, refit)
         if remaining[0] in (*table.roots, *table.doubts):
             table = yield from exchanged(table, refit)
-            table = yield from extended_boldly(table, refit)
-        table = yield from extended(table, refit)
+            table = yield from extended_boldly(table, exactly, refit)
+        table = yield from extended(table, scored, refit)
     return table
+
+
+def _gained(table: Table, refit: Refitted, *, exactly: bool = False) -> tuple[Table, dict[str, list[Gain]]]:
+    """Return the table with what could be added to a refit, and the gains (`exactly` as of `projected`)."""
+    table, possible = table.possible(refit.linear)
+    return table, gains(projected(refit.linear, possible, exactly=exactly), possible) if possible else {}
 
 
 def reduced(table: Table, refit: Refitted) -> Move:
     """Compare an explanation with those that lack one of its parts; those that may lead are refitted."""
     fewer = {part: refit.explanation.without(part) for part in refit.explanation.parts}
     fewer = {part: less for part, less in fewer.items() if less.parts not in table.refits}
-    for part, less in fewer.items():  # before refits, which free the columns of this one
+    for part, less in fewer.items():
         if part != UNKNOWN:
             table = table.with_linear(less.parts, refit.linear.evidence_without(part), less.log_prior)
     for part, less in fewer.items():
@@ -277,11 +285,12 @@ def reduced(table: Table, refit: Refitted) -> Move:
     return table
 
 
-def extended(table: Table, refit: Refitted) -> Move:
-    """Compare an explanation with those that have one effect more; from `REFIT_MARGIN` on they are refitted."""
+def extended(table: Table, scored: Mapping[str, Collection[Gain]], refit: Refitted) -> Move:
+    """Compare an explanation with those that have one effect more; from `REFIT_MARGIN` on they are refitted.
+
+    `scored`: gains of what could be added.
+    """
     table.report(f"adding an effect to {', '.join(refit.explanation.parts) or 'the baseline model'}")
-    table, possible = table.possible(refit.linear)
-    scored = gains(projected(refit.linear, possible), possible) if possible else {}
     totals = {name: float(np.logaddexp.reduce([form.gain for form in forms])) for name, forms in scored.items()}
     before = refit.evidence - float(np.log(EFFECT_ODDS))
     for name in sorted(totals, key=lambda part: -graded(totals[part])):
@@ -298,17 +307,15 @@ def extended(table: Table, refit: Refitted) -> Move:
     return table
 
 
-def extended_boldly(table: Table, refit: Refitted) -> Move:
+def extended_boldly(table: Table, scored: Mapping[str, Collection[Gain]], refit: Refitted) -> Move:
     """Refit an explanation with each of the `RIVALS` effects that would gain most if its effects had an exact form.
 
     The errors of the form of an effect contain much of what a similar effect does. In the linear problem it gains
     little beside them, in a refit it may make the other one, and thus its errors, small.
+
+    `scored`: these gains.
     """
-    table, possible = table.possible(refit.linear)
-    if not possible or not refit.explanation.effects:
-        return table
-    scored = gains(projected(refit.linear, possible, exactly=True), possible)
-    best = {name: _best(forms) for name, forms in scored.items()}
+    best = {name: _best(forms) for name, forms in scored.items()} if refit.explanation.effects else {}
     for name in sorted(best, key=lambda part: -graded(best[part].gain))[:RIVALS]:
         more = _with_gain(table, refit.explanation, best[name])
         if best[name].gain > 0.0 and not table.compared(more):

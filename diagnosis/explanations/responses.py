@@ -76,14 +76,14 @@ class Responses:
             inputs |= {f"lagged {name}": np.abs(acting[name]) for name in ("alpha", "kappa") if name in acting}
         if any(state.follows_a_path for state in states):
             response = envelope(response, simulator.signals)
-        smooth = effect_discrepancy(response, inputs)
         # The contact moves on one carcass, as in a relaxation; a tire has several memories.
         size = PAST_ERROR if candidate.has_states and not any(state.oscillates for state in states) else FORM_ERROR
-        return size * np.concatenate([smooth, self._other_pasts(effect)], axis=-1)
+        smooth = effect_discrepancy(size * response, inputs)
+        return np.concatenate([smooth, size * self._other_pasts(effect)], axis=-1)
 
     def errors_at_once(self, response: FloatArray, depends_on: Collection[str]) -> FloatArray:
         """Return errors of a form that follows the inputs of the core and others at once, N and N m, of deviation 1."""
-        return FORM_ERROR * effect_discrepancy(response, self._inputs(depends_on))
+        return effect_discrepancy(FORM_ERROR * response, self._inputs(depends_on))
 
     def errors_of_baseline(self) -> FloatArray:
         """Return errors of the forms of the baseline model's effects, N and N m, shape (n_channels, n, k).

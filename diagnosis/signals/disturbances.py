@@ -240,14 +240,10 @@ def load_error_responses(simulator: Simulator, parameters: FloatArray) -> FloatA
 
     `simulator`: of a recording with time. `parameters`, shape (n_parameters,).
     """
-    signals, at, step, responses = simulator.signals, simulator.forces(parameters), 0.01, []
+    signals = simulator.signals
     named = dict(zip(signals.names, signals.inputs, strict=True))
     rate = rate_of(np.hypot(np.tan(named["alpha"]), named["kappa"]), signals.t)
     direction = np.tanh(rate / (TURNING * float(np.sqrt(np.mean(rate**2))) + 1e-12))
-    for seconds in LAGS:
-        rates = np.full(len(direction), 1.0 / seconds if seconds else np.inf)
-        error = followed(signals.t, direction, rates, direction, hold=False).value
-        inputs = signals.inputs.copy()
-        inputs[signals.names.index("Fz")] *= 1.0 + step * error
-        responses.append((simulator.with_signals(replace(signals, inputs=inputs)).forces(parameters) - at) / step)
-    return np.stack(responses, axis=-1)
+    rates = [np.full(len(direction), 1.0 / seconds if seconds else np.inf) for seconds in LAGS]
+    errors = [followed(signals.t, direction, of_lag, direction, hold=False).value[signals.rows] for of_lag in rates]
+    return simulator.growth("Fz", parameters)[:, :, None] * np.stack(errors, axis=-1)

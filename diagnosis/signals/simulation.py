@@ -307,6 +307,12 @@ class Simulator:
         forces.flags.writeable = False  # shared by all callers
         return forces
 
+    def growth(self, name: str, parameters: FloatArray) -> FloatArray:
+        """Return the change of the forces per relative change of an input beside equal slips and states, as forces."""
+        rows, step = self.effective_inputs(parameters).copy(), 0.01
+        rows[self.signals.names.index(name)] *= 1.0 + step
+        return (self._code.forces(rows, parameters)[self._outputs] - self.forces(parameters)) / step
+
     def at_nominal(self, role: str, parameters: FloatArray) -> float:
         """Return the quantity of a role at nominal inputs."""
         point = np.array([[self.tire.nominal(name)] for name in self.tire.inputs])
