@@ -9,7 +9,7 @@ from .diagnose import diagnose
 from .verdict.result import Diagnosis
 
 if TYPE_CHECKING:
-    from .least_squares import LeastSquares
+    from .least_squares import LeastSquares, Projected
     from .reporting.fmu_comparison import export_and_simulate
     from .reporting.report import write_report
 

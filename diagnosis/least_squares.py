@@ -151,7 +151,7 @@ class LeastSquares:
         what the cost is above a given one.
         """
         lower, upper = self.bounds(free)
-        projected = _Projected(self, start, free)
+        projected = Projected(self, start, free)
         first = np.clip(start[projected.indices], lower, upper)
         end = minimize(
             projected, first, lower, upper, lambda _, cost: tolerance * (cost - above), DAMPING, steps=iterations,
@@ -313,7 +313,7 @@ class _Point:
     cost: float
 
 
-class _Projected:
+class Projected:
     """The cost as a function of the free coefficients, minimized over the disturbances (variable projection).
 
     - `indices`: index of each free coefficient among the parameters.

@@ -524,7 +524,7 @@ def test_an_effect_takes_the_place_of_its_special_case():
     assert Linearization(more, problem, None, candidates).lacking == []
 
 
-def test_what_a_formula_explains_is_no_evidence_of_an_effect_in_its_place(monkeypatch):
+def test_what_a_formula_explains_is_no_evidence_of_an_effect_in_its_place():
     """An effect of which the formula is an error of form takes its place: its own evidence comes from other tables."""
     place = Location("friction", "factor", ("mu_y",), ("PDY1",))
     term = Term(place, Feature("p", frozenset({"p"}), np.ones(1)), np.ones((1, 1)), 1.0)
@@ -534,13 +534,11 @@ def test_what_a_formula_explains_is_no_evidence_of_an_effect_in_its_place(monkey
     recorded = []
     table = SimpleNamespace(
         shared=SimpleNamespace(candidates=candidates, problem=problem), scores={(UNKNOWN,): 100.0}, refits={},
-        report=lambda sentence: None, possible=lambda linear: (table, [None]),
+        report=lambda sentence: None,
         with_linear=lambda parts, evidence, prior: recorded.append(parts) or table,
     )  # fmt: skip
     added = {name: [Gain(1.0, Addition(name, np.zeros((1, 1, 1)), np.ones(1)), np.zeros(1))] for name in candidates}
-    monkeypatch.setattr(compare, "projected", lambda linear, additions: None)
-    monkeypatch.setattr(compare, "gains", lambda columns, additions: added)
-    list(compare.extended(table, refit))
+    list(compare.extended(table, added, refit))
     assert recorded == [("T", UNKNOWN)]
 
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tirefmu.diagnosis import LeastSquares
+from tirefmu.diagnosis import LeastSquares, Projected
 from tirefmu.diagnosis.explanations import balanced
 from tirefmu.diagnosis.probing import fit_baseline
 from tirefmu.diagnosis.signals import reported_disturbances, signals_of, simulation
@@ -28,7 +28,8 @@ def test_a_tire_is_recovered_from_other_initial_values(problem, tire):
     truth = start[indices].copy()
     start[indices] *= 0.8
     solution = problem.solve(start, FREE)
-    deviation = np.sqrt(np.diag(np.linalg.inv(problem._normal(solution)[0])))
+    _, _, matrix = Projected(problem, start, FREE).derivatives(solution.parameters[indices])
+    deviation = np.sqrt(np.diag(np.linalg.inv(matrix)))
     assert np.max(np.abs(solution.parameters[indices] - truth) / deviation) < 4.0
     assert solution.cost < 0.5 * problem.inverse_noise.size
     np.testing.assert_array_equal(np.delete(solution.parameters, indices), np.delete(start, indices))
@@ -47,8 +48,14 @@ def test_the_gradient_equals_finite_differences_of_the_cost(problem, tire):
     # The data have little weight: otherwise the gradient hardly changes with the sign of the priors' part.
     center = {**problem.center, "PDY1": 1.2, "PKY1": 60.0}
     held = replace(problem, center=center, inverse_noise=1e-2 * problem.inverse_noise)
-    parameters = tire.parameters()
-    _, descent = held._normal(held.at(parameters, FREE))
+    parameters, index = tire.parameters(), [held.simulator.index[name] for name in FREE]
+    cost, gradient, _ = Projected(held, parameters, FREE).derivatives(parameters[index])
+    solution = held.at(parameters, FREE)
+    center, deviation = held.prior(FREE)
+    errors = held.disturbances
+    parts = [held.weighted(solution.residual), (parameters[index] - center) / deviation]
+    parts += [(solution.disturbance - errors.center) / errors.deviation]
+    assert cost == solution.cost == pytest.approx(0.5 * sum(float(np.sum(part**2)) for part in parts))
     for i, name in enumerate(FREE):
         costs = []
         for sign in (1.0, -1.0):
@@ -56,7 +63,7 @@ def test_the_gradient_equals_finite_differences_of_the_cost(problem, tire):
             step = 1e-5 * abs(moved[held.simulator.index[name]])
             moved[held.simulator.index[name]] += sign * step
             costs.append(held.at(moved, FREE).cost)
-        assert (costs[1] - costs[0]) / (2.0 * step) == pytest.approx(descent[i], rel=1e-4)
+        assert (costs[0] - costs[1]) / (2.0 * step) == pytest.approx(gradient[i], rel=1e-4)
 
 
 class BoundFriction(LeastSquares):
@@ -75,8 +82,9 @@ def test_a_coefficient_beyond_its_bound_ends_at_the_bound(problem, tire):
     assert solution.parameters[index] == 1.5
     assert bound.at_bounds(solution.parameters, FREE) == ("PDY1",)
     assert bound.at_bounds(tire.parameters(), ("PKY1", "PHY1")) == ()
-    _, descent = bound._normal(solution)
-    assert descent[FREE.index("PDY1")] > 0.0  # a larger value would decrease the cost
+    values = solution.parameters[[problem.simulator.index[name] for name in FREE]]
+    _, gradient, _ = Projected(bound, solution.parameters, FREE).derivatives(values)
+    assert gradient[FREE.index("PDY1")] < 0.0  # a larger value would decrease the cost
 
 
 def test_a_coefficient_that_is_neutral_at_its_bound_is_absent_not_limited():
