@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.special import chdtrc, ndtri
 
-from ...numerics.arrays import BoolArray, FloatArray, IntArray
+from ...numerics.arrays import FloatArray, IntArray
 from ...numerics.block_regression import error_of_sum
 from ...numerics.ties import graded
 from ..least_squares import LeastSquares, Solution, density_gains
@@ -31,8 +31,6 @@ STRETCHES = 8
 #: Gain of the stretches, in standard errors, above which an effect is in the tire and may be called missing.
 #: Convention, as of the correction of the form.
 CERTAIN = 2.0
-#: Largest change of the residual of a block that is not used, in root mean squares of the channel. Convention.
-LARGEST_CHANGE = 3.0
 #: Share of what an effect explains by which the fit without it may still fall. Convention: a tenth of a standard error
 #: of a gain of ten of them.
 EXACT = 0.01
@@ -114,8 +112,7 @@ def proof_of(after: Screen, coefficients: Collection[str]) -> float:
 
     Compared with the optimum without the effect. The result is the gain over `STRETCHES` parts of the recording, each
     with an equal share of the effect, in its standard errors; 0 at most if left-out blocks, predicted from the others,
-    are not better with the effect. There, all coefficients follow linearly, and those that one block alone determines
-    would follow too far: the prediction of a block differs from the fit by `LARGEST_CHANGE` of its misfit at most.
+    are not better with the effect.
 
     `after`: of the model with all effects. `coefficients`: free ones of the effect.
     """
@@ -126,7 +123,7 @@ def proof_over(after: Screen, without: Screen) -> float:
     """Return how well the recording proves one fit over another one: `proof_of` with these two."""
     used = after.problem.inverse_noise > 0.0
     before, now = without.solution.residual, after.solution.residual
-    apart, together = (screen.solution.residual + _change_without_block(screen, used) for screen in (without, after))
+    apart, together = (screen.solution.residual + screen.change_without_block for screen in (without, after))
     change = after.problem.weighted(before - now)
     begins = _equal_shares(np.cumsum(np.sum(change**2, axis=0)))[:-1]
     gains = np.add.reduceat(density_gains(before, now, used, used).sum(axis=0), begins)
@@ -187,14 +184,6 @@ def alike(effect: str, refit: Refitted, other: Refitted) -> float:
     addition = Addition(rival, other.linear.responses.of(rival)[:, :, None], np.ones(1))
     columns = in_place_of(effect, refit.linear, [addition])
     return float(columns.correlations(columns.groups[1])[0])
-
-
-def _change_without_block(screen: Screen, used: BoolArray) -> FloatArray:
-    """Return the limited change of the residuals of each block that is not used, shape (n_channels, n)."""
-    squares = np.sum(screen.solution.residual**2, axis=1, where=used, keepdims=True)
-    misfit = np.sqrt(squares / np.maximum(used.sum(axis=1, keepdims=True), 1))
-    limit = LARGEST_CHANGE * misfit
-    return np.clip(screen.change_without_block, -limit, limit)
 
 
 def without_effect(after: Screen, coefficients: Collection[str]) -> Screen:

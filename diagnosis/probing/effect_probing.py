@@ -27,6 +27,8 @@ from .candidates import Candidate, counts_from_neutral, is_testable
 
 #: Longest lag of the noise covariance in the test, s; the block jackknife covers longer correlations. Convention.
 MAX_CORRELATION_TIME = 1.0
+#: Largest change of the residual of a block that is not used, in root mean squares of the channel. Convention.
+LARGEST_CHANGE = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,12 +85,20 @@ class Screen:
 
     @cached_property
     def change_without_block(self) -> FloatArray:
-        """The change of the residuals of each block if it is not used for the estimate, N and N m."""
+        """The change of the residuals of each block if it is not used for the estimate, N and N m.
+
+        All coefficients follow linearly, and those that one block alone determines would follow too far: it is at most
+        `LARGEST_CHANGE` root mean squares of the channel's residual.
+        """
         change, inverse_noise = np.zeros_like(self.residual), self.problem.inverse_noise
         for g, (first, last) in enumerate(pairwise(self.edges.tolist())):
             shift = self.baseline.others[g] - self.baseline.estimate
             change[:, first:last] -= self.tangent[:, first:last] @ shift
-        return np.divide(change, inverse_noise, out=np.zeros_like(change), where=inverse_noise > 0.0)
+        used = inverse_noise > 0.0
+        change = np.divide(change, inverse_noise, out=np.zeros_like(change), where=used)
+        squares = np.sum(self.solution.residual**2, axis=1, where=used, keepdims=True)
+        limit = LARGEST_CHANGE * np.sqrt(squares / np.maximum(used.sum(axis=1, keepdims=True), 1))
+        return np.clip(change, -limit, limit)
 
     def losses(self, edges: IntArray) -> FloatArray:
         """Return the squared misfit of each part between edges with the estimate from the others."""

@@ -1,9 +1,12 @@
 """Effect screening: detection of missing effects, no false detection, and projection of the baseline model."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tirefmu.diagnosis.probing import alias_columns, correlations, separating_measurement
+from tirefmu.diagnosis.probing.effect_probing import LARGEST_CHANGE, Screen
 from tirefmu.diagnosis.thresholds import CONFOUNDED
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.detection import Form
@@ -45,6 +48,20 @@ def test_a_projection_is_orthogonal_to_the_tangent_space_and_idempotent(without_
     assert firm.any()
     assert np.max(np.abs(cosines[firm])) < 0.02
     np.testing.assert_allclose(without_camber.project(free), free, atol=0.02 * np.abs(free).max())
+
+
+def test_a_block_that_alone_determines_a_coefficient_is_predicted_within_limits(problem, tire):
+    """Without it the coefficient is at its prior mean, and the linear prediction of the block far off."""
+    fx = problem.simulator.signals.channels.index("Fx")
+    only = problem.simulator.signals.block == problem.simulator.signals.block[len(problem.simulator.signals.block) // 2]
+    inverse_noise = problem.inverse_noise.copy()
+    inverse_noise[fx, ~only] = 0.0
+    alone = replace(problem, inverse_noise=inverse_noise, center={**problem.center, "PDX1": 3.0})
+    free = ("PDX1", "PDY1", "PKY1")
+    change, others = (Screen(of, of.at(tire.parameters(), free)).change_without_block for of in (alone, problem))
+    rms = np.sqrt(np.mean(alone.at(tire.parameters(), free).residual[fx, inverse_noise[fx] > 0.0] ** 2))
+    assert np.abs(change[fx]).max() == pytest.approx(LARGEST_CHANGE * rms)
+    assert np.abs(others[fx]).max() < rms
 
 
 # ------------------------------------------------------------------ other explanations
