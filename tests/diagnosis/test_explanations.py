@@ -27,9 +27,11 @@ from tirefmu.diagnosis.explanations import (
     compare,
     compared,
     effect_discrepancy,
+    formulas_of_form,
     grip_drift,
     model_discrepancy,
     percent,
+    projected,
     refitted,
     rivals_of,
     shared_problem,
@@ -41,7 +43,7 @@ from tirefmu.diagnosis.explanations.compare import _simplest, reduced
 from tirefmu.diagnosis.explanations.effect_evidence import rival_of, with_rivals
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
 from tirefmu.diagnosis.signals import CROSS_TALK, between_rows, signals_of
-from tirefmu.diagnosis.thresholds import DISCREPANCIES, EFFECT_ODDS, INEXACT_SHARE
+from tirefmu.diagnosis.thresholds import CONFOUNDED, DISCREPANCIES, EFFECT_ODDS, INEXACT_SHARE
 from tirefmu.diagnosis.unexplained.features import Feature, Location, directions
 from tirefmu.measurements import recording_from
 from tirefmu.symbolic.detection import Form
@@ -694,11 +696,36 @@ def test_formulas_of_slips_and_load_are_errors_of_form_where_no_effect_is_in_the
         other = problem.over(problem.simulator.with_signals(recorded))
         linear = Linearization(Explanation(), other, other.at(solution.parameters, solution.free), candidates)
         additions = [addition for name in linear.lacking for addition in linear.of_effect(name)]
-        disturbances = shared_problem(linear, linear.solution, additions, 0.0, unlimited()).problem.disturbances
+        disturbances = shared_problem(
+            linear, linear.solution, additions, formulas_of_form(linear), 0.0, unlimited()
+        ).problem.disturbances
         named = zip(disturbances.names, disturbances.deviation, strict=True)
         deviations.append({float(size) for name, size in named if name.startswith("discrepancy_formulas")})
     assert [len(sizes) for sizes in deviations] == [1, 1]
     assert min(deviations[0]) >= min(DISCREPANCIES) > 100.0 * max(deviations[1])
+
+
+def test_what_an_effect_of_slips_and_load_reproduces_is_no_error_of_form():
+    """In a baseline model without load_stiffness, slip stiffness that follows the load is this effect."""
+    case = make_case(13, ())
+    recording = recording_from(case.table, signs=case.signs)
+    effects = [name for name in case.effects if name != "load_stiffness"]
+    start = with_library(_start_model(recording, "mf96", effects, case.nominal))
+    problem, solution = fit_baseline(start, signals_of(case.table, start, case.signs), fitted=False)
+    every = candidates_for(start)
+    others = {name: candidate for name, candidate in every.items() if name != "load_stiffness"}
+    linear = Linearization(Explanation(), problem, solution, every)
+    columns = [formulas_of_form(replace(linear, candidates=known)) for known in (every, others)]
+    remaining = [
+        column for column in np.moveaxis(columns[1], -1, 0)
+        if not np.isclose(column[:, :, None], columns[0]).all(axis=(0, 1)).any()
+    ]  # fmt: skip
+    assert columns[0].shape[-1] > 0
+    assert remaining
+    alone = [Addition("", column[:, :, None], np.ones(1)) for column in remaining]
+    columns = projected(linear, [*alone, *linear.of_effect("load_stiffness")])
+    alike = [columns.correlations(group)[: len(alone)] for group in columns.groups[len(alone) :]]
+    assert np.max(alike, axis=0).min() > CONFOUNDED
 
 
 def test_a_formula_gains_beside_all_formulas_of_slips_and_load(complete):
@@ -713,7 +740,7 @@ def test_a_formula_gains_beside_all_formulas_of_slips_and_load(complete):
         other = problem.over(simulator.with_signals(recorded))
         linear = Linearization(Explanation(), other, other.at(solution.parameters, solution.free), candidates)
         additions = [addition for name in linear.lacking for addition in linear.of_effect(name)]
-        shared = shared_problem(linear, linear.solution, additions, 0.0, unlimited())
+        shared = shared_problem(linear, linear.solution, additions, formulas_of_form(linear), 0.0, unlimited())
         formulas.append(best_formula(shared, refitted(shared, Explanation(), [solution.parameters], other.simulator)))
     assert formulas[0] is None
     assert frozenset({"T"}) in {term.depends_on for term in formulas[1].explanation.terms}
@@ -726,7 +753,7 @@ def test_a_misfit_counts_less_where_more_is_explained(sideways):
     misfit = problem.misfit(solution.parameters)[:, :, None]
     squares = []
     for explained in (0.0, 1.0 / INEXACT_SHARE, 9.0 / INEXACT_SHARE):
-        shared = shared_problem(linear, solution, additions, explained, unlimited())
+        shared = shared_problem(linear, solution, additions, formulas_of_form(linear), explained, unlimited())
         squares.append(float(np.sum(shared.problem.weighted(misfit) ** 2)))
     assert squares == pytest.approx([squares[0], squares[0] / 2.0, squares[0] / 10.0], rel=1e-6)
 
@@ -735,7 +762,7 @@ def test_a_refit_that_begins_at_an_optimum_stays_there(sideways):
     problem, solution, candidates = sideways
     linear = Linearization(Explanation(), problem, solution, candidates)
     additions = [addition for name in linear.lacking for addition in linear.of_effect(name)]
-    shared = shared_problem(linear, solution, additions, 0.0, unlimited())
+    shared = shared_problem(linear, solution, additions, formulas_of_form(linear), 0.0, unlimited())
     first = refitted(shared, Explanation(), [solution.parameters], problem.simulator)
     again = refitted(shared, Explanation(), [first.linear.solution.parameters], first.linear.simulator)
     assert again.linear.solution.cost <= first.linear.solution.cost
