@@ -323,3 +323,40 @@ def test_a_column_that_a_log_lacks_is_named(tmp_path, monkeypatch, capsys):
     error = capsys.readouterr().err
     assert "no column 'Gyro Y' (yaw_rate): did you mean Gyro Z" in error
     assert "unknown channel 'yawrate': did you mean yaw_rate" in error
+
+
+@pytest.mark.parametrize("speed", [54.0, None])
+@pytest.mark.parametrize("spelling", ["{}_rps", "{} [rps]", "{} (RPS)", "imu/{}.rps"])
+@pytest.mark.parametrize(("unit", "factor"), [("rad/s", 1.0), ("rev/s", 2.0 * np.pi)])
+def test_a_unit_of_two_meanings_is_proposed_with_its_reason(
+    tmp_path, monkeypatch, capsys, spelling, unit, factor, speed
+):
+    """rps: a gyroscope has radians, a wheel what makes a wheel of its speed; both are stated."""
+    monkeypatch.chdir(tmp_path)
+    rows = LOG.drop(columns=["speed", "yaw_rate"]).assign(
+        **{spelling.format("yaw_rate"): LOG["yaw_rate"], spelling.format("wheel_speed_rl"): 50.0 / factor}
+    )
+    (rows if speed is None else rows.assign(**{"speed [km/h]": speed})).to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv", "-o", "car.toml"]) == 0
+    assert capsys.readouterr().out.count("is rad/s or rev/s: ") == 2
+    columns = toml_file(tmp_path / "car.toml", TirefmuError)["columns"]
+    assert columns["yaw_rate"].endswith("[rad/s]")
+    assert columns["omega_rl"].endswith(f"[{unit if speed else 'rad/s'}]")
+    if speed:
+        log = read_log("log.csv", columns)
+        np.testing.assert_allclose(log.values("yaw_rate"), LOG["yaw_rate"], atol=1e-12)
+        np.testing.assert_allclose(log.values("omega_rl"), 50.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("columns", [{}, {"yaw_rate": "yaw_rate"}, {"yaw_rate": "yaw_rate [rps]"}])
+@pytest.mark.parametrize("name", ["yaw_rate [rps]", "yaw_rate_rps"])
+def test_a_unit_of_two_meanings_is_refused(name, columns):
+    named = {channel: text.replace("yaw_rate", name.split(" ")[0]) for channel, text in columns.items()}
+    with pytest.raises(DataError, match="yaw_rate.*rad/s.* or .*rev/s|no channel yaw_rate"):
+        read_log(LOG.rename(columns={"yaw_rate": name}), named)
+    np.testing.assert_allclose(
+        read_log(LOG.rename(columns={"yaw_rate": name}), {"yaw_rate": f"{name.split(' ')[0]} [rad/s]"}).values(
+            "yaw_rate"
+        ),
+        LOG["yaw_rate"],
+    )

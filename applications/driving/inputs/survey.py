@@ -19,7 +19,7 @@ from ....measurements.files.columns.content import Column, Content, is_unit, nam
 from ....measurements.files.columns.resolution import choices, unit_at_end
 from ....measurements.interpretation import NOT_READ
 from ....measurements.terms import words_of
-from ....measurements.units import GRAVITY, to_si, unit_named
+from ....measurements.units import GRAVITY, meanings, quantity_of, to_si
 from ....symbolic.channels import CHANNELS, OUTPUTS
 from .car_entries import example_text
 from .clock import TRIED, clock_problem
@@ -36,6 +36,8 @@ SHORTEST_CONTAINED = 8
 SHORTEST_END, SHORTEST_JOINED, SHORTEST_OWNED = 5, 4, 2
 #: Gravity by the unit that a file does not state: SI, g, mg.
 GRAVITIES = {"": GRAVITY, "g": 1.0, "mg": 1000.0}
+#: m: radius of a wheel of a car.
+RADIUS = 0.3
 #: Share by which a mean may differ from gravity, correlations that show a sign and a cause.
 GRAVITY_SHARE, CLEAR, STRONG = 0.2, 0.3, 0.7
 #: Words of a name that name the car, a sensor in it or a filter; those that make another quantity of it, in the words
@@ -149,7 +151,7 @@ class _Nearest:
 
 def _nearest(column: Column) -> _Nearest:
     name, unit = name_and_unit(column.header)[0], column.declared_unit
-    quantity = unit_named(unit).quantity if is_unit(unit) else ""
+    quantity = quantity_of(unit) if is_unit(unit) else ""
     candidates = []
     wheel = WHEELS & set(words_of(name))
     for channel, declared in LOG_CHANNELS.items():
@@ -239,7 +241,12 @@ def survey(content: Content, source: str, columns: Mapping[str, str] | None = No
         if name in values:
             column, data, _ = values[name]
             sign = "-" if down and name in TURNED else ""
-            proposal[name] = columns.get(name) or f"{sign}{_text(column, name, data, gravity)}"
+            text = _text(column, name, data, gravity)
+            if name not in columns and (units := meanings(name_and_unit(text)[1] or column.declared_unit)):
+                unit, why = _meant_unit(name, units, proposal.get("speed", ""), values)
+                text = f"{name_and_unit(text)[0]} [{unit}]"
+                notes.append(f"{name}: the unit of {column.header.strip()} is {' or '.join(units)}: {why}")
+            proposal[name] = columns.get(name) or f"{sign}{text}"
     notes += _agreed(proposal, values, columns)
     notes += [content.about["decimals"]] if "decimals" in content.about else []
     if lacks := [channel.name for channel in lacking(proposal)]:
@@ -344,6 +351,24 @@ def _text(column: Column, name: str, values: FloatArray, gravity: _Gravity) -> s
     degrees = {"angle": ("deg", 3.5 if name == "steer" else 1.6), "rotation": ("deg/s", LOG_CHANNELS[name].limit)}
     unit, most = degrees.get(LOG_CHANNELS[name].quantity, ("", np.inf))
     return f"{header} [{unit}]" if size > most and name != "heading" else header
+
+
+def _meant_unit(
+    name: str, units: Sequence[str], speed: str, values: Mapping[str, tuple[Column, FloatArray, Any]]
+) -> tuple[str, str]:
+    """Return which of the units of an ambiguous spelling a rotation has, and why.
+
+    The first one, but for a wheel whose radius follows from the speed. `speed`: how the car file names its column.
+    """
+    if name not in OF_A_CAR - {"yaw_rate"} or not speed:
+        return units[0], f"{units[0]} in most logs, which its numbers do not show"
+    column, data, _ = values["speed"]
+    unit = name_and_unit(speed)[1] or column.declared_unit
+    forward = float(np.nanmedian(np.abs(to_si(data, unit) if is_unit(unit) else data)))
+    spin = float(np.nanmedian(np.abs(values[name][1])))
+    radii = {unit: forward / float(to_si(spin, unit)) if spin else np.inf for unit in units}
+    nearest = min(units, key=lambda unit: abs(np.log(radii[unit] / RADIUS)))
+    return nearest, "wheels of " + " or ".join(f"{radius:.2g} m ({unit})" for unit, radius in radii.items())
 
 
 def _agreed(
