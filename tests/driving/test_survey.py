@@ -352,7 +352,7 @@ def test_a_unit_of_two_meanings_is_proposed_with_its_reason(
 @pytest.mark.parametrize("name", ["yaw_rate [rps]", "yaw_rate_rps"])
 def test_a_unit_of_two_meanings_is_refused(name, columns):
     named = {channel: text.replace("yaw_rate", name.split(" ")[0]) for channel, text in columns.items()}
-    with pytest.raises(DataError, match="yaw_rate.*rad/s.* or .*rev/s|no channel yaw_rate"):
+    with pytest.raises(DataError, match=r"yaw_rate.*rad/s.* or .*rev/s|no channel yaw_rate"):
         read_log(LOG.rename(columns={"yaw_rate": name}), named)
     np.testing.assert_allclose(
         read_log(LOG.rename(columns={"yaw_rate": name}), {"yaw_rate": f"{name.split(' ')[0]} [rad/s]"}).values(

@@ -24,6 +24,7 @@ from ....symbolic.channels import CHANNELS, OUTPUTS
 from .car_entries import example_text
 from .clock import TRIED, clock_problem
 from .log_channels import LOG_CHANNELS, POSITIONS, SHORT, TURNED, VERTICAL, lacking
+from .several import several_cars
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -247,6 +248,9 @@ def survey(content: Content, source: str, columns: Mapping[str, str] | None = No
                 text = f"{name_and_unit(text)[0]} [{unit}]"
                 notes.append(f"{name}: the unit of {column.header.strip()} is {' or '.join(units)}: {why}")
             proposal[name] = columns.get(name) or f"{sign}{text}"
+    read = [(column, data) for column, data, _ in values.values()]
+    if clock is not None and (several := several_cars(content, clock, read)):
+        notes.append(several)
     notes += _agreed(proposal, values, columns)
     notes += [content.about["decimals"]] if "decimals" in content.about else []
     if lacks := [channel.name for channel in lacking(proposal)]:
