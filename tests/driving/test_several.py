@@ -32,7 +32,7 @@ ARRANGED = {
     "at equal times": by_time,
     "with a clock each": lambda cars: by_time([rows.assign(t=rows["t"] + 0.013 * i) for i, rows in enumerate(cars)]),
     "with lost packets": lambda cars: by_time([rows[RANDOM.random(len(rows)) > 0.1] for rows in cars]),
-    "one for a while": lambda cars: by_time([cars[0], *(rows[(rows["t"] > 5.0) & (rows["t"] < 9.0)] for rows in cars[1:])]),
+    "one for a while": lambda cars: by_time([cars[0], *(rows[rows["t"].between(5.0, 9.0)] for rows in cars[1:])]),
 }  # fmt: skip
 
 

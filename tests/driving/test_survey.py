@@ -360,3 +360,28 @@ def test_a_unit_of_two_meanings_is_refused(name, columns):
         ),
         LOG["yaw_rate"],
     )
+
+
+@pytest.mark.parametrize(
+    ("change", "note"),
+    [
+        ({"t": T[::-1]}, "time decreases at sample 2"),
+        ({"t": np.where(T < 5.0, T, T - 3.0)}, "time decreases at sample 101"),
+        (
+            {"steer": np.clip(3.0 * STEER, -1.0, 1.0)},
+            "steer ends at exactly -1 and 1, as a share of the lock does: state",
+        ),
+        (
+            {"steer": np.clip(300.0 * STEER, -100.0, 100.0)},
+            "as a share of the lock does: divide it by 100 and state map",
+        ),
+        ({"t": None}, "not there, and needed for an estimate of the tires: t"),
+        ({"t": None, "ay": None}, "not there, and needed for an estimate of the tires: t, ay"),
+    ],
+)
+def test_inspect_states_what_an_estimate_would_refuse(tmp_path, monkeypatch, capsys, change, note):
+    monkeypatch.chdir(tmp_path)
+    for rows, stated in ((LOG, False), (LOG.assign(**change).dropna(axis=1), True)):
+        rows.to_csv("log.csv", index=False)
+        assert main(["inspect", "log.csv"]) == 0
+        assert (note in " ".join(capsys.readouterr().out.split())) == stated

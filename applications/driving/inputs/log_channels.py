@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 
+import numpy as np
+import numpy.typing as npt
+
 
 @dataclass(frozen=True)
 class LogChannel:
@@ -87,6 +90,8 @@ TURNED = ("steer", "yaw_rate", "ay", "beta", "vy", "y", "heading")
 LOG_CHANNELS: dict[str, LogChannel] = {declared.name: declared for declared in _CHANNELS}
 #: Channels that an estimate needs.
 NEEDED = ("steer", "yaw_rate", "ay", "speed")
+#: Where numbers of a steering end that are shares of the lock.
+FULL_LOCK = (1.0, 100.0)
 WHEEL_SPEEDS = {"front": ("omega_fl", "omega_fr"), "rear": ("omega_rl", "omega_rr")}
 
 
@@ -98,3 +103,20 @@ def lacking(names: Collection[str]) -> list[LogChannel]:
     """
     needed = [LOG_CHANNELS[name] for name in NEEDED if name not in names]
     return [channel for channel in needed if not any(set(group) <= set(names) for group in channel.instead)]
+
+
+def share_of_lock(steer: npt.NDArray[np.float64]) -> str:
+    """Return that numbers of a steering without a unit end where those of a joystick do; empty if they do not.
+
+    >>> share_of_lock(np.array([0.0, -1.0, 1.0])).partition(":")[0], share_of_lock(np.array([0.0, -1.0, 1.1]))
+    ('steer ends at exactly -1 and 1', '')
+    """
+    finite = steer[np.isfinite(steer)]
+    low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
+    if high not in FULL_LOCK or low != -high:
+        return ""
+    divided = "" if high == 1.0 else f"divide it by {high:g} and "
+    return (
+        f"steer ends at exactly {low:g} and {high:g}, as a share of the lock does: {divided}state map = [[-1, -LOCK], "
+        "[1, LOCK]] in [steering] of the car, with the lock of the front wheels in rad"
+    )

@@ -23,7 +23,7 @@ from ....measurements.units import GRAVITY, meanings, quantity_of, to_si
 from ....symbolic.channels import CHANNELS, OUTPUTS
 from .car_entries import example_text
 from .clock import TRIED, clock_problem
-from .log_channels import LOG_CHANNELS, POSITIONS, SHORT, TURNED, VERTICAL, lacking
+from .log_channels import LOG_CHANNELS, POSITIONS, SHORT, TURNED, VERTICAL, lacking, share_of_lock
 from .several import several_cars
 
 FloatArray = npt.NDArray[np.float64]
@@ -249,11 +249,15 @@ def survey(content: Content, source: str, columns: Mapping[str, str] | None = No
                 notes.append(f"{name}: the unit of {column.header.strip()} is {' or '.join(units)}: {why}")
             proposal[name] = columns.get(name) or f"{sign}{text}"
     read = [(column, data) for column, data, _ in values.values()]
-    if clock is not None and (several := several_cars(content, clock, read)):
-        notes.append(several)
+    if clock is not None:
+        finite = clock[np.isfinite(clock)]
+        notes += filter(None, [several_cars(content, clock, read) or clock_problem(finite, clock_text)])
+    if "steer" in values and "steer" not in columns and not is_unit(values["steer"][0].declared_unit):
+        notes += filter(None, [share_of_lock(values["steer"][1])])
     notes += _agreed(proposal, values, columns)
     notes += [content.about["decimals"]] if "decimals" in content.about else []
-    if lacks := [channel.name for channel in lacking(proposal)]:
+    clocks = clock is not None or any(column.times is not None for column in content.columns)
+    if lacks := [*([] if clocks else ["t"]), *(channel.name for channel in lacking(proposal))]:
         notes.append(f"not there, and needed for an estimate of the tires: {', '.join(lacks)}")
     changed = {name: text for name, text in proposal.items() if text != name}
     return Survey(tuple(rows), changed, tuple(notes))
