@@ -68,6 +68,8 @@ SPELLED = {
     "path": lambda words, unit: f"/car/state/{'/'.join(words)} [{unit}]",
     "dots": lambda words, unit: f"field.car.{'.'.join(words)}_{unit}",
     "exchanged": lambda words, unit: f"{'_'.join(words[::-1])}_{unit}",
+    "behind": lambda words, unit: f"{'_'.join(words)}_{unit.replace('/', '_')}_filtered",
+    "of a sensor": lambda words, unit: f"{''.join(map(str.title, words))}_{unit.replace('/', 'p')}_gps.raw",
     "longer": lambda words, unit: f"{'_'.join(words)}_sensors [{unit}]",
 }
 
@@ -375,6 +377,7 @@ def test_a_unit_of_two_meanings_is_refused(name, columns):
             {"steer": np.clip(300.0 * STEER, -100.0, 100.0)},
             "as a share of the lock does: divide it by 100 and state map",
         ),
+        ({"ax": LOG["ay"]}, "ax, ay have the same numbers: copies of one"),
         ({"t": None}, "not there, and needed for an estimate of the tires: t"),
         ({"t": None, "ay": None}, "not there, and needed for an estimate of the tires: t, ay"),
     ],

@@ -18,7 +18,7 @@ from ....measurements.files.columns.cells import numbers
 from ....measurements.files.columns.content import Column, Content, is_unit, name_and_unit
 from ....measurements.files.columns.resolution import choices, unit_at_end
 from ....measurements.interpretation import NOT_READ
-from ....measurements.terms import words_of
+from ....measurements.terms import OWNERS, words_of
 from ....measurements.units import GRAVITY, meanings, quantity_of, to_si
 from ....symbolic.channels import CHANNELS, OUTPUTS
 from .car_entries import example_text
@@ -41,12 +41,7 @@ GRAVITIES = {"": GRAVITY, "g": 1.0, "mg": 1000.0}
 RADIUS = 0.3
 #: Share by which a mean may differ from gravity, correlations that show a sign and a cause.
 GRAVITY_SHARE, CLEAR, STRONG = 0.2, 0.3, 0.7
-#: Words of a name that name the car, a sensor in it or a filter; those that make another quantity of it, in the words
-#: of `SHORT`; those of a wheel.
-OWNERS = frozenset((
-    "car", "vehicle", "vhcl", "ego", "chassis", "body", "imu", "ins", "gnss", "can", "ecu", "sensor",
-    "raw", "filtered", "filt", "measured", "meas", "corrected", "corr",
-))  # fmt: skip
+#: Words of a name that make another quantity of it, in the words of `SHORT`; those of a wheel.
 OTHERS = frozenset((
     "angular", "vert", "wind", "air", "motor", "engine", "target", "desired", "command", "cmd", "reference",
     "limit", "max", "min", "error", "accuracy", "variance", "covariance", "std", "torque", "moment",
@@ -252,6 +247,12 @@ def survey(content: Content, source: str, columns: Mapping[str, str] | None = No
     if clock is not None:
         finite = clock[np.isfinite(clock)]
         notes += filter(None, [several_cars(content, clock, read) or clock_problem(finite, clock_text)])
+    copies: dict[bytes, list[str]] = {}
+    for name, (_, data, _) in values.items():
+        copies.setdefault(data.tobytes() if len(np.unique(data[np.isfinite(data)])) > 1 else name.encode(), []).append(
+            name
+        )
+    notes += [f"{', '.join(names)} have the same numbers: copies of one" for names in copies.values() if len(names) > 1]
     if "steer" in values and "steer" not in columns and not is_unit(values["steer"][0].declared_unit):
         notes += filter(None, [share_of_lock(values["steer"][1])])
     notes += _agreed(proposal, values, columns)

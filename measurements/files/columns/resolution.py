@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -12,6 +13,7 @@ from ....boundary.errors import DataError, TirefmuError, UnknownName, nearest
 from ....boundary.escaping import quoted
 from ....numerics.arrays import FloatArray
 from ...interpretation import NOT_READ
+from ...terms import BEHIND_UNITS
 from ...units import meanings, quantity_of, to_si, unit_named
 from .cells import numbers
 from .content import LONGEST_HEADER, MAX_COLUMNS, WORD_BEGINS, Column, Content, is_unit, listed, name_and_unit
@@ -20,6 +22,10 @@ from .content import LONGEST_HEADER, MAX_COLUMNS, WORD_BEGINS, Column, Content, 
 DEFINED = ("ttc", "tydex")
 #: Quantities that benches do not measure in SI units: without a declared unit a name of theirs may be meant either way.
 _BENCH_UNITS = ("angle", "pressure", "speed")
+#: Words behind the unit of a name: "ay_g_filtered", "SpeedKmhRaw".
+_BEHIND_UNIT = re.compile(
+    rf"(?:(?:[\s_.]+|(?-i:(?<=[a-z0-9])(?=[A-Z])))(?:{'|'.join(sorted(BEHIND_UNITS))}))+$", re.IGNORECASE
+)
 
 
 class Declared(Protocol):
@@ -128,14 +134,17 @@ def choices(
 def unit_at_end(header: str, quantity: str) -> tuple[str, str]:
     """Return name and unit of a header that ends in a unit of a quantity without brackets; otherwise the header and "".
 
-    >>> unit_at_end("wheel_deg", "angle"), unit_at_end("ay_m_s2", "acceleration"), unit_at_end("steer_in", "angle")
+    Words of a sensor or of a filter may be behind the unit.
+
+    >>> unit_at_end("wheel_deg", "angle"), unit_at_end("ay_m_s2_raw", "acceleration"), unit_at_end("steer_in", "angle")
     (('wheel', 'deg'), ('ay', 'm_s2'), ('steer_in', ''))
     """
-    for begin in WORD_BEGINS.finditer(header[:LONGEST_HEADER]):
-        written = header[begin.start() :]
+    core = _BEHIND_UNIT.sub("", header[:LONGEST_HEADER])
+    for begin in WORD_BEGINS.finditer(core):
+        written = core[begin.start() :]
         for unit in (written, written.replace("_", "/")):
             if quantity_of(unit) == quantity:
-                return header[: begin.start()].rstrip(" _.,:;"), unit
+                return core[: begin.start()].rstrip(" _.,:;"), unit
     return header, ""
 
 
