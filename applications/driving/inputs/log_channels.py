@@ -52,7 +52,7 @@ _CHANNELS = (
         for corner, side in (("fl", "front_left"), ("fr", "front_right"), ("rl", "rear_left"), ("rr", "rear_right"))
     ),
     LogChannel("yaw_rate", "yaw rate, positive to the left", "rad/s", "rotation", ("r", "yawrate", "psi_dot",
-               "gyro_z", "gz", "omega_z", "angular_velocity_z", "angular_z", "gyro_rad_2", "gyro_yaw_velocity",
+               "gyro_z", "gz", "wz", "omega_z", "angular_velocity_z", "angular_z", "gyro_rad_2", "gyro_yaw_velocity",
                "yaw_velocity", "gyro_yaw", "yaw", "rotation_rate_z",
                "rate_of_rotation_z", "angle_rate_z", "angular_rate_z", "AVz"),
                12.0, 2e-4, (POSE,), "a gyroscope, which phones have (ay/speed and the rate of a GPS course are the "

@@ -486,6 +486,7 @@ def as_struct(fields):
         ("header.stamp.secs", "header.stamp.nsecs", 1e9, "header.stamp"), ("sec", "nanosec", 1e9, "time"),
         ("imu/stamp_sec", "imu/stamp_nsec", 1e9, "imu/stamp"), ("Seconds", "MicroSeconds", 1e6, "time"),
         ("tv_sec", "tv_usec", 1e6, "tv"), ("stamp sec", "stamp msec", 1e3, "stamp"),
+        ("S", "ns", 1e9, "time"), ("gps_s", "gps_ms", 1e3, "gps"), ("Stamp (s)", "Stamp (us)", 1e6, "Stamp"),
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("begin", [0.0, 1764000000.85])
@@ -497,10 +498,11 @@ def test_seconds_and_their_fractions_are_one_time(tmp_path, whole, part, size, n
     np.testing.assert_allclose(log.channels["ay"][0], T, atol=1e-9)
 
 
-@pytest.mark.parametrize("names", [("secs", "nsecs"), ("secs", "laps"), ("time", "secs", "nsecs")])
+@pytest.mark.parametrize("names", [("secs", "nsecs"), ("secs", "laps"), ("time", "secs", "nsecs"), ("s", "ns")])
 def test_columns_that_are_no_pair_stay_as_they_are(tmp_path, names):
     """Nanoseconds since the begin are no fractions; a column of times beside a pair is the time."""
-    cells = {"secs": np.floor(T), "nsecs": 1e9 * (T % 1.0 if "time" in names else T), "laps": 1.0, "time": T}
+    whole, part = np.floor(T), 1e9 * (T % 1.0 if "time" in names else T)
+    cells = {"s": whole, "ns": part, "secs": whole, "nsecs": part, "laps": 1.0, "time": T}
     LOG.drop(columns="t").assign(**{name: cells[name] for name in names}).to_csv(tmp_path / "a.csv", index=False)
     headers = [column.header for column in read_content(tmp_path / "a.csv").columns]
     assert headers == [*LOG.columns[1:], *names]
