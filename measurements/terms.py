@@ -94,8 +94,8 @@ _ENGLISH = {
 }
 #: Words of a name that name the car, a sensor in it or a filter, and do not change its meaning; those behind a unit.
 OWNERS = frozenset((
-    "car", "vehicle", "vhcl", "ego", "chassis", "body", "imu", "ins", "gnss", "can", "ecu", "sensor",
-    "raw", "filtered", "filt", "measured", "meas", "corrected", "corr",
+    "car", "vehicle", "veh", "vhcl", "ego", "cg", "cog", "chassis", "body", "imu", "ins", "gnss", "can", "ecu",
+    "sensor", "raw", "filtered", "filt", "measured", "meas", "corrected", "corr",
 ))  # fmt: skip
 BEHIND_UNITS = OWNERS | {"gps", "obd", "true", "truth", "est", "estimated", "mean", "avg", "average", "smoothed"}
 #: Words of the longest term, with connecting ones.

@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.applications.driving.inputs.log import read_log
+from tirefmu.applications.driving.inputs.log_channels import LOG_CHANNELS
 from tirefmu.applications.driving.inputs.survey import nearest_channel
 from tirefmu.boundary.bounded_file import toml_file
 from tirefmu.boundary.errors import DataError, TirefmuError
@@ -112,6 +113,12 @@ def test_a_name_counts_in_any_spelling_and_with_its_unit(tmp_path, monkeypatch, 
         ("Car.vx", "speed"),
         ("imu_gz", "yaw_rate"),
         ("wz", "yaw_rate"),
+        ("mpu_ang_vel_z", "yaw_rate"),
+        ("AngVel_Z", "yaw_rate"),
+        ("Gyr_Z", "yaw_rate"),
+        ("VehSpd", "speed"),
+        ("ay_cg", "ay"),
+        ("HandWheelAngle", "steer"),
         ("ay_filtered", "ay"),
         ("a_y_IMU", "ay"),
         ("accx_can", "ax"),
@@ -130,10 +137,20 @@ def test_a_name_counts_joined_separated_and_in_another_order(name, channel):
     "G(z)", "imu/orientation/x", "imu/x", "Car.x", "air_speed_x/y", "Steering Torque [Nm]", "yaw_moment",
     "Vhcl.FL.SideSlip", "RR_ay", "Car.CFL.vx", "Trailer.ay", "AngularVelocityY", "imu/angular_velocity/x",
     "Vertical Velocity", "wind_velocity", "steering_angle_target", "cmd_steering_angle", "vehicle_speed_limit",
-    "GPS Speed Accuracy", "lateral_acceleration_variance",
+    "GPS Speed Accuracy", "lateral_acceleration_variance", "ang_vel_x", "steering_velocity", "SteeringWheelSpeed",
+    "steeringRateDeg", "steering_angle_velocity", "yaw_acceleration", "COG",
 ])  # fmt: skip
 def test_a_name_of_something_else_is_no_channel(name):
     assert nearest_channel(Column(name, [])) == ""
+
+
+@pytest.mark.parametrize("change", ["{}_derivative", "{} Jerk", "d/dt {}_dot", "{}_power"])
+def test_the_change_of_a_channel_is_none(change):
+    """In the name of any alias, but of a heading, whose change is the yaw rate."""
+    for channel in LOG_CHANNELS.values():
+        for alias in (channel.name, *channel.aliases):
+            other = nearest_channel(Column(change.format(alias), []))
+            assert other in {"", "yaw_rate"} - {channel.name}
 
 
 @pytest.mark.parametrize(

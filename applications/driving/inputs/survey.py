@@ -44,7 +44,8 @@ GRAVITY_SHARE, CLEAR, STRONG = 0.2, 0.3, 0.7
 #: Words of a name that make another quantity of it, in the words of `SHORT`; those of a wheel.
 OTHERS = frozenset((
     "angular", "vert", "wind", "air", "motor", "engine", "target", "desired", "command", "cmd", "reference",
-    "limit", "max", "min", "error", "accuracy", "variance", "covariance", "std", "torque", "moment",
+    "limit", "max", "min", "error", "accuracy", "variance", "covariance", "std", "torque", "moment", "power",
+    "rate", "velocity", "speed", "acc", "jerk", "dot", "derivative", "steer",
 ))  # fmt: skip
 WHEELS = frozenset({"fl", "fr", "rl", "rr"})
 #: Channels that a bench has not.
@@ -426,4 +427,5 @@ def _correlation(
 
 @lru_cache(maxsize=8192)
 def _words(name: str) -> str:
-    return "_".join(SHORT.get(word, word) for word in words_of(name))
+    words = "_".join(SHORT.get(word, word) for word in words_of(name))
+    return words.replace("angle_velocity", "angular_velocity").replace("angle_speed", "angular_speed")
