@@ -8,8 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.applications.driving.inputs.log import read_log
-from tirefmu.applications.driving.inputs.log_channels import LOG_CHANNELS
+from tirefmu.applications.driving.inputs.log import LOG_CHANNELS, read_log
 from tirefmu.applications.driving.inputs.survey import nearest_channel
 from tirefmu.boundary.bounded_file import toml_file
 from tirefmu.boundary.errors import DataError, TirefmuError

@@ -64,11 +64,11 @@ def _divides(codes: npt.NDArray[np.intp], times: FloatArray, values: FloatArray)
     if not changes.any() or (np.mean(changes) < CHANGING and not backward):
         return False
     order = np.argsort(codes, kind="stable")
-    own = codes[order][1:] == codes[order][:-1]
-    steps = np.diff(times[order])[own]
+    same = codes[order][1:] == codes[order][:-1]
+    steps = np.diff(times[order])[same]
     if backward or (steps <= 0.0).any():
         return backward and bool((steps > 0.0).all())
-    groups = pd.Series(steps).groupby(codes[order][1:][own])
+    groups = pd.Series(steps).groupby(codes[order][1:][same])
     steady = (groups.sum() < groups.size() * groups.median() / STEADY).all()
-    between, within = np.abs(np.diff(values))[changes], np.abs(np.diff(values[order]))[own]
+    between, within = np.abs(np.diff(values))[changes], np.abs(np.diff(values[order]))[same]
     return bool(steady and np.median(between) > ROUGHER * np.median(within))
