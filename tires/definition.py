@@ -106,7 +106,7 @@ class TireDefinition:
 
         The assumed ones are those of a car: 10 kN is no limit of an aircraft tire with a nominal load of 100 kN.
         """
-        ends = {}
+        ends: dict[str, float] = {}
         for quantity in self.symbolic_model.inputs:
             nominal, (low, high) = quantity.nominal, RANGES.get(quantity.name, ("", ""))
             if isinstance(nominal, str) and {nominal, low, high} <= values.keys():

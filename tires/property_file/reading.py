@@ -314,8 +314,8 @@ class _Reader:
             if name not in values and declaration.assumed is not None:
                 named.add(name)
                 values[name] = declaration.assumed
-        sized = {quantity.nominal for quantity in model.inputs if quantity.name in RANGES} & values.keys()
-        sizes = {name: values[name] for name in sized if values[name] > 0.0}
+        nominal = (str(quantity.nominal) for quantity in model.inputs if quantity.name in RANGES)
+        sizes = {name: values[name] for name in nominal if values.get(name, 0.0) > 0.0}
         defaults = Tire(model.name, {**dict.fromkeys(INDISPENSABLE, 1.0), **sizes}).values
         idle = model.owned(*sorted(model.effects.keys() - effects))
         for name in named & values.keys():
