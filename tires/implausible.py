@@ -109,8 +109,8 @@ def implausible(tire: Tire) -> list[Doubt]:
     """Return the implausible values of a tire.
 
     Returns: given coefficients outside their declared bounds (in adapted SAE, unless neutral) or of another size than
-    radius and nominal load suggest, implausible ranges, and over the range of loads and slips: friction that is not positive
-    or increases with load, slip stiffness of wrong or changing sign, also at the ends of camber and pressure;
+    radius and nominal load suggest, implausible ranges, and over the range of loads and slips: friction that is not
+    positive or increases with load, slip stiffness of wrong or changing sign, also at the ends of camber and pressure;
     quantities, forces and moments of a size that no tire has; forces far outside the friction ellipse; curvature
     factors and weighting functions above the bounds that a fit enforces.
 
