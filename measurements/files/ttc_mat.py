@@ -17,7 +17,7 @@ from . import native_reader
 from .columns.cells import numbers
 from .columns.content import Column, Content, listed
 from .columns.frames import frame_columns
-from .modelica_result import is_result, result_content
+from .loggers.modelica_result import is_result, result_content
 from .ttc_channels import bench_content, has_bench_names
 
 #: Names of the times of a struct, in lower case.

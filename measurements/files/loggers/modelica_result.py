@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .columns.content import Column, Content, is_unit
+from ..columns.content import Column, Content, is_unit
 
 #: Variables of such a file.
 PARTS = frozenset(("Aclass", "name", "description", "dataInfo", "data_1", "data_2"))
