@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Mapping
 
 from ..boundary.errors import DataError
 from ..symbolic.channels import CHANNELS, INPUTS, channel
-from .terms import words_of
+from .terms import without_qualifiers, words_of
 from .units import quantity_of
 
 #: Words in the name of a column that do not change its meaning.
@@ -87,13 +87,15 @@ def names_a_wheel(column: str) -> bool:
 def unit_in_name(column: str) -> tuple[str, str] | None:
     """Return channel and unit of a name like ``alpha_deg`` or ``p (kPa)``, or None.
 
-    >>> unit_in_name("p_kPa"), unit_in_name("kappa_in")
-    (('p', 'kPa'), None)
+    A wheel and words of a sensor or a filter may be behind them, a wheel also behind the channel.
+
+    >>> unit_in_name("p_kPa"), unit_in_name("Fz_FL_kN_raw"), unit_in_name("kappa_in")
+    (('p', 'kPa'), ('Fz', 'kN'), None)
     """
-    match = _SUFFIXED.fullmatch(column.strip())
+    match = _SUFFIXED.fullmatch(_WHEEL.sub("", without_qualifiers(column.strip())))
     if match is None:
         return None
-    written = match["name"]
+    written = _WHEEL.sub("", match["name"])
     name = written if written in CHANNELS else _BENCH_NAMES.get(written) or _ALIASES.get("".join(words_of(written)))
     # The unit has to match the quantity: "kappa_in" is an input, not a slip in inches.
     return (name, match["unit"]) if name is not None and quantity_of(match["unit"]) == CHANNELS[name].quantity else None

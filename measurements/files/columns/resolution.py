@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -13,7 +12,7 @@ from ....boundary.errors import DataError, TirefmuError, UnknownName, nearest
 from ....boundary.escaping import quoted
 from ....numerics.arrays import FloatArray
 from ...interpretation import NOT_READ
-from ...terms import BEHIND_UNITS
+from ...terms import without_qualifiers
 from ...units import meanings, quantity_of, to_si, unit_named
 from .cells import numbers
 from .content import LONGEST_HEADER, MAX_COLUMNS, WORD_BEGINS, Column, Content, is_unit, listed, name_and_unit
@@ -22,10 +21,6 @@ from .content import LONGEST_HEADER, MAX_COLUMNS, WORD_BEGINS, Column, Content, 
 DEFINED = ("ttc", "tydex")
 #: Quantities that benches do not measure in SI units: without a declared unit a name of theirs may be meant either way.
 _BENCH_UNITS = ("angle", "pressure", "speed")
-#: Words behind the unit of a name: "ay_g_filtered", "SpeedKmhRaw".
-_BEHIND_UNIT = re.compile(
-    rf"(?:(?:[\s_.]+|(?-i:(?<=[a-z0-9])(?=[A-Z])))(?:{'|'.join(sorted(BEHIND_UNITS))}))+$", re.IGNORECASE
-)
 
 
 class Declared(Protocol):
@@ -139,7 +134,7 @@ def unit_at_end(header: str, quantity: str) -> tuple[str, str]:
     >>> unit_at_end("wheel_deg", "angle"), unit_at_end("ay_m_s2_raw", "acceleration"), unit_at_end("steer_in", "angle")
     (('wheel', 'deg'), ('ay', 'm_s2'), ('steer_in', ''))
     """
-    core = _BEHIND_UNIT.sub("", header[:LONGEST_HEADER])
+    core = without_qualifiers(header[:LONGEST_HEADER])
     for begin in WORD_BEGINS.finditer(core):
         written = core[begin.start() :]
         for unit in (written, written.replace("_", "/")):
