@@ -109,7 +109,7 @@ def lacking(names: Collection[str]) -> list[LogChannel]:
 def share_of_lock(steer: npt.NDArray[np.float64]) -> str:
     """Return that numbers of a steering without a unit end where those of a joystick do; empty if they do not.
 
-    >>> share_of_lock(np.array([0.0, -1.0, 1.0])).partition(":")[0], share_of_lock(np.array([0.0, -1.0, 1.1]))
+    >>> share_of_lock(np.array([0.0, -1.0, 1.0])).partition(",")[0], share_of_lock(np.array([0.0, -1.0, 1.1]))
     ('steer ends at exactly -1 and 1', '')
     """
     finite = steer[np.isfinite(steer)]
