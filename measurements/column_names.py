@@ -11,8 +11,8 @@ from collections.abc import Collection, Iterable, Mapping
 
 from ..boundary.errors import DataError
 from ..symbolic.channels import CHANNELS, INPUTS, channel
-from .terms import words_of
-from .units import find_unit
+from .terms import without_qualifiers, words_of
+from .units import quantity_of
 
 #: Words in the name of a column that do not change its meaning.
 _QUALIFIERS = frozenset(
@@ -67,7 +67,7 @@ def intended_channel(column: str) -> str | None:
     written = "".join(words)
     if written in _ALIASES:
         return _ALIASES[written]
-    if (meant := _ALIASES.get("".join(words[:-1]))) and _quantity(words[-1]) == CHANNELS[meant].quantity:
+    if (meant := _ALIASES.get("".join(words[:-1]))) and quantity_of(words[-1]) == CHANNELS[meant].quantity:
         return meant
     contained = next((meant for phrase, meant in _PHRASES.items() if phrase in written), None)
     if contained is not None:
@@ -87,16 +87,18 @@ def names_a_wheel(column: str) -> bool:
 def unit_in_name(column: str) -> tuple[str, str] | None:
     """Return channel and unit of a name like ``alpha_deg`` or ``p (kPa)``, or None.
 
-    >>> unit_in_name("p_kPa"), unit_in_name("kappa_in")
-    (('p', 'kPa'), None)
+    A wheel and words of a sensor or a filter may be behind them, a wheel also behind the channel.
+
+    >>> unit_in_name("p_kPa"), unit_in_name("Fz_FL_kN_raw"), unit_in_name("kappa_in")
+    (('p', 'kPa'), ('Fz', 'kN'), None)
     """
-    match = _SUFFIXED.fullmatch(column.strip())
+    match = _SUFFIXED.fullmatch(_WHEEL.sub("", without_qualifiers(column.strip())))
     if match is None:
         return None
-    written = match["name"]
+    written = _WHEEL.sub("", match["name"])
     name = written if written in CHANNELS else _BENCH_NAMES.get(written) or _ALIASES.get("".join(words_of(written)))
     # The unit has to match the quantity: "kappa_in" is an input, not a slip in inches.
-    return (name, match["unit"]) if name is not None and _quantity(match["unit"]) == CHANNELS[name].quantity else None
+    return (name, match["unit"]) if name is not None and quantity_of(match["unit"]) == CHANNELS[name].quantity else None
 
 
 def check_names(names: Iterable[str], source: str, required: Collection[str] = INPUTS) -> None:
@@ -137,11 +139,6 @@ def _suggestion(name: str, intended: str) -> str:
         return f"'{intended} [{suffixed[1]}]'"
     bench_degrees = channel(intended).quantity == "angle" and name in channel(intended).bench_names
     return f"{intended} (rad; 'alpha [deg]' declares degrees)".replace("alpha", intended) if bench_degrees else intended
-
-
-def _quantity(unit: str) -> str | None:
-    named = find_unit(unit)
-    return named.quantity if named else None
 
 
 def _misspelled(column: str, written: str) -> str | None:

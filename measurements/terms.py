@@ -92,11 +92,29 @@ _ENGLISH = {
     for name in translations
     for spelling in (name, name.translate(_UMLAUTS))
 }
+#: Words of a name that name the car, a sensor in it or a filter, and do not change its meaning; those behind a unit.
+OWNERS = frozenset((
+    "car", "vehicle", "veh", "vhcl", "ego", "cg", "cog", "chassis", "body", "imu", "ins", "gnss", "can", "ecu",
+    "sensor", "raw", "filtered", "filt", "measured", "meas", "corrected", "corr",
+))  # fmt: skip
+BEHIND_UNITS = OWNERS | {"gps", "obd", "true", "truth", "est", "estimated", "mean", "avg", "average", "smoothed"}
+_BEHIND = re.compile(
+    rf"(?:(?:[\s_.]+|(?-i:(?<=[a-z0-9])(?=[A-Z])))(?:{'|'.join(sorted(BEHIND_UNITS))}))+$", re.IGNORECASE
+)
 #: Words of the longest term, with connecting ones.
 _LONGEST = 6
 
 
 @lru_cache(maxsize=8192)
+def without_qualifiers(name: str) -> str:
+    """Return a name without words of the car, a sensor or a filter behind it.
+
+    >>> without_qualifiers("ay_g_filtered"), without_qualifiers("SpeedKmhRaw"), without_qualifiers("raw")
+    ('ay_g', 'SpeedKmh', 'raw')
+    """
+    return _BEHIND.sub("", name)
+
+
 def words_of(name: str) -> tuple[str, ...]:
     """Return the words of a name in lower case, with the terms of other languages in English.
 

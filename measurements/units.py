@@ -69,10 +69,12 @@ UNITS: dict[str, Unit] = {
         "rad/s radians/s rads1 radps": 1.0,
         "deg/s degrees/s degree/s dps degs1 degps": _DEGREE, "mrad/s": 1e-3,
         "rpm 1/min rev/min r/min min1": np.pi / 30.0,
-        "rev/s rps": 2.0 * np.pi,
+        "rev/s": 2.0 * np.pi,
     }),
     **_spelled("acceleration", {"m/s2 ms2 mps2": 1.0, "g gs gforce": GRAVITY, "mg": 1e-3 * GRAVITY, "ft/s2": FOOT}),
 }  # fmt: skip
+#: Spellings of two units, of one quantity: nothing is converted by them until one of the two is stated.
+AMBIGUOUS: dict[str, tuple[str, ...]] = {"rps": ("rad/s", "rev/s")}
 #: The common units of tables by quantity, in the spelling of lists and messages, SI first.
 UNITS_OF_TABLES: dict[str, tuple[str, ...]] = {
     "time": ("s", "ms", "us", "ns", "min"),
@@ -116,12 +118,12 @@ def find_unit(spelling: str) -> Unit | None:
     """Return the unit for a spelling in a file; None if no unit has it.
 
     `spelling`: "kph", "km/h", "N-m", "deg C", "none", ...; see `_normalized`. A number in front of a
-    unit without an offset multiplies it: "0.1 N".
+    unit without an offset multiplies it: "0.1 N". Of an ambiguous spelling it is the first of its meanings.
 
     >>> find_unit("0.1 N").factor, find_unit("dge")
     (0.1, None)
     """
-    unit = UNITS.get(_normalized(spelling))
+    unit = UNITS.get((meanings(spelling) or (_normalized(spelling),))[0])
     if unit is not None:
         return unit
     scaled = _SCALED.fullmatch(spelling.strip())
@@ -131,8 +133,29 @@ def find_unit(spelling: str) -> Unit | None:
     return Unit(unit.quantity, float(scaled["factor"]) * unit.factor)
 
 
+def quantity_of(spelling: str) -> str | None:
+    """Return the quantity of a unit in the spelling of a file; None if no unit has it.
+
+    >>> quantity_of("deg/s"), quantity_of("rps"), quantity_of("dge")
+    ('rotation', 'rotation', None)
+    """
+    unit = find_unit(spelling)
+    return unit.quantity if unit else None
+
+
+def meanings(spelling: str) -> tuple[str, ...]:
+    """Return the units that an ambiguous spelling may mean; none for any other one.
+
+    >>> meanings("RPS"), meanings("rad/s")
+    (('rad/s', 'rev/s'), ())
+    """
+    return AMBIGUOUS.get(_normalized(spelling), ())
+
+
 def unit_named(spelling: str) -> Unit:
-    """Return the unit for a spelling as of `find_unit`; raises `UnknownName`, with the nearest one, if no unit has it.
+    """Return the unit for a spelling as of `find_unit`.
+
+    Raises `UnknownName`, with the nearest one, if no unit has it, and `DataError` if it may mean two.
 
     >>> unit_named("km/h").quantity
     'speed'
@@ -140,6 +163,8 @@ def unit_named(spelling: str) -> Unit:
     unit = find_unit(spelling)
     if unit is None:
         raise UnknownName("unit", spelling.strip(), UNITS)
+    if both := meanings(spelling):
+        raise DataError(f"unit {spelling.strip()!r} is {' or '.join(both)}: state one of them")
     return unit
 
 

@@ -76,6 +76,7 @@ class TireDefinition:
         neutral = {name: declarations[name].neutral for name in absent}
         values |= {name: value for name, value in neutral.items() if value is not None}
         values |= {name: _number(name, value) for name, value in given.items() if name not in absent}
+        values |= self._assumed_ends(values, given)
         object.__setattr__(self, "defaulted", tuple(name for name in declarations if name not in given))
         object.__setattr__(self, "values", values)
         object.__setattr__(self, "effects", present)
@@ -99,6 +100,21 @@ class TireDefinition:
         declarations = self.symbolic_model.coefficients
         pairs = ((RANGES[name], ends) for name, ends in self.ranges.items() if name in RANGES)
         return {key: end for keys, ends in pairs for key, end in zip(keys, ends, strict=True) if key in declarations}
+
+    def _assumed_ends(self, values: Mapping[str, float], given: Collection[str]) -> dict[str, float]:
+        """Return the ends of ranges that are not given and would exclude the nominal input, in proportion to it.
+
+        The assumed ones are those of a car: 10 kN is no limit of an aircraft tire with a nominal load of 100 kN.
+        """
+        ends: dict[str, float] = {}
+        for quantity in self.symbolic_model.inputs:
+            nominal, (low, high) = quantity.nominal, RANGES.get(quantity.name, ("", ""))
+            if isinstance(nominal, str) and {nominal, low, high} <= values.keys():
+                size = values[nominal]
+                outside = {low: values[low] > size > 0.0, high: values[high] < size}
+                factor = size / self.symbolic_model.coefficients[nominal].default
+                ends |= {end: factor * values[end] for end in outside if outside[end] and end not in given}
+        return ends
 
     @cached_property
     def symbolic_model(self) -> Model:

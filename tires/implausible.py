@@ -17,6 +17,7 @@ from ..symbolic.declarations import Coefficient
 from . import Tire
 from .definition import RANGES
 from .evaluation import forces, quantities
+from .property_file.names import not_given
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -107,9 +108,9 @@ class Doubt:
 def implausible(tire: Tire) -> list[Doubt]:
     """Return the implausible values of a tire.
 
-    Returns: coefficients outside their declared bounds (in adapted SAE, unless neutral) or of another size than radius
-    and nominal load suggest, implausible ranges, and over the range of loads and slips: friction that is not positive
-    or increases with load, slip stiffness of wrong or changing sign, also at the ends of camber and pressure;
+    Returns: given coefficients outside their declared bounds (in adapted SAE, unless neutral) or of another size than
+    radius and nominal load suggest, implausible ranges, and over the range of loads and slips: friction that is not
+    positive or increases with load, slip stiffness of wrong or changing sign, also at the ends of camber and pressure;
     quantities, forces and moments of a size that no tire has; forces far outside the friction ellipse; curvature
     factors and weighting functions above the bounds that a fit enforces.
 
@@ -132,10 +133,10 @@ def loads(tire: Tire) -> FloatArray:
 
 def _coefficients(tire: Tire) -> Iterator[Doubt]:
     plain = tire.in_signs("adapted-sae").values
-    ends = {key for keys in RANGES.values() for key in keys}
+    others = {key for keys in RANGES.values() for key in keys} | set(not_given(tire))
     for name, declared in tire.symbolic_model.coefficients.items():
         value = plain[name]
-        if name in ends or value == declared.neutral:
+        if name in others or value == declared.neutral:
             continue
         low, high = _plausible(tire, declared)
         within = declared.lower <= value <= declared.upper

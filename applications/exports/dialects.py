@@ -72,7 +72,7 @@ class Host:
 
 
 #: Keys that MF-Tyre/MF-Swift requires.
-_MF_TYRE = ("FITTYP", "UNLOADED_RADIUS", "WIDTH", "RIM_RADIUS", "FNOMIN")
+_MF_TYRE = ("FITTYP", "UNLOADED_RADIUS", "WIDTH", "FNOMIN")
 _PAC2002 = Dialect(
     {"PROPERTY_FILE_FORMAT": "'PAC2002'", "FITTYP": "6", "USE_MODE": "14"},
     ("PAC2002",), use_modes=(0, 1, 2, 3, 4, 10, 11, 12, 13, 14),

@@ -17,6 +17,7 @@ from . import native_reader
 from .columns.cells import numbers
 from .columns.content import Column, Content, listed
 from .columns.frames import frame_columns
+from .loggers.modelica_result import is_result, result_content
 from .ttc_channels import bench_content, has_bench_names
 
 #: Names of the times of a struct, in lower case.
@@ -29,7 +30,8 @@ EXTRA = "mat-io, which the extra 'matlab' installs: pip install 'tirefmu[matlab]
 def read_mat(path: Path) -> Content:
     """Return the content of a ``.mat`` file: a file of the FSAE TTC, or other channels.
 
-    The channels are variables of the file, or fields of a struct, a table or a timetable, whose row times are the time.
+    The channels are those of a Modelica tool's result, variables of the file, or fields of a struct, a table or a
+    timetable, whose row times are the time.
     Units are those of the ``channel`` struct of the TTC or of the table. Dates of all clocks count from the earliest
     one. Fields that are known to be unreliable (RUN of the wrong length, an empty tireid) are not used.
 
@@ -37,6 +39,11 @@ def read_mat(path: Path) -> Content:
     version 7.3.
     """
     fields = _load(path)
+    if is_result(fields):
+        try:
+            return result_content(fields)
+        except (IndexError, ValueError):
+            raise DataError(f"{path}: names and tables of this result of a Modelica tool do not fit") from None
     units = dict(_channel_units(fields))
     columns: list[Column] = []
     texts: dict[str, Any] = {}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -273,6 +274,22 @@ def test_a_log_with_axes_to_the_right_has_the_other_sides(car):
     table = with_wheels(turning(lambda t, steer, rate: (steer, rate)), 0.0)
     mirrored = table.assign(**{name: -table[name] for name in ("steer", "yaw_rate", "ay")})
     assert exchanged(read_log(mirrored), car) == ("front", "rear")
+
+
+def test_steering_that_ends_at_one_on_both_sides_is_no_angle_until_it_is_stated(car):
+    """As simulators log it, whose drivers turn to the lock."""
+    lock = 0.02
+    driven = turning(lambda t, steer, rate: (np.clip(steer, -lock, lock) / lock / road.CAR["ratio"], rate))
+    t = driven.channels["steer"][0]
+    table = pd.DataFrame({name: values for name, (_, values) in driven.channels.items()} | {"t": t})
+    in_rad = replace(car, values={**car.values, "ratio": 1.0 / lock})
+    for rows in (table, table.assign(**{name: -table[name] for name in ("steer", "yaw_rate", "ay")})):
+        with pytest.raises(DataError, match=r"steer ends at exactly -1 and 1, .* state map = \[\[-1, -LOCK\]"):
+            checked(read_log(rows), in_rad)
+        checked(read_log(rows), replace(car, steering_map=np.array([[-1.0, -lock], [1.0, lock]])))
+        checked(read_log(rows.rename(columns={"steer": "steer [rad]"})), in_rad)
+        for steer in (np.clip(rows["steer"], -0.98, 1.0), 0.99 * rows["steer"], rows["steer"] + 0.01):
+            checked(read_log(rows.assign(steer=steer)), in_rad)
 
 
 def test_a_wrong_sign_is_named_also_where_a_delay_would_explain_it(car):

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.applications.driving.inputs.log import read_log
+from tirefmu.applications.driving.inputs.log import LOG_CHANNELS, read_log
 from tirefmu.applications.driving.inputs.survey import nearest_channel
 from tirefmu.boundary.bounded_file import toml_file
 from tirefmu.boundary.errors import DataError, TirefmuError
@@ -68,6 +68,8 @@ SPELLED = {
     "path": lambda words, unit: f"/car/state/{'/'.join(words)} [{unit}]",
     "dots": lambda words, unit: f"field.car.{'.'.join(words)}_{unit}",
     "exchanged": lambda words, unit: f"{'_'.join(words[::-1])}_{unit}",
+    "behind": lambda words, unit: f"{'_'.join(words)}_{unit.replace('/', '_')}_filtered",
+    "of a sensor": lambda words, unit: f"{''.join(map(str.title, words))}_{unit.replace('/', 'p')}_gps.raw",
     "longer": lambda words, unit: f"{'_'.join(words)}_sensors [{unit}]",
 }
 
@@ -109,6 +111,13 @@ def test_a_name_counts_in_any_spelling_and_with_its_unit(tmp_path, monkeypatch, 
         ("Car.ay", "ay"),
         ("Car.vx", "speed"),
         ("imu_gz", "yaw_rate"),
+        ("wz", "yaw_rate"),
+        ("mpu_ang_vel_z", "yaw_rate"),
+        ("AngVel_Z", "yaw_rate"),
+        ("Gyr_Z", "yaw_rate"),
+        ("VehSpd", "speed"),
+        ("ay_cg", "ay"),
+        ("HandWheelAngle", "steer"),
         ("ay_filtered", "ay"),
         ("a_y_IMU", "ay"),
         ("accx_can", "ax"),
@@ -127,10 +136,20 @@ def test_a_name_counts_joined_separated_and_in_another_order(name, channel):
     "G(z)", "imu/orientation/x", "imu/x", "Car.x", "air_speed_x/y", "Steering Torque [Nm]", "yaw_moment",
     "Vhcl.FL.SideSlip", "RR_ay", "Car.CFL.vx", "Trailer.ay", "AngularVelocityY", "imu/angular_velocity/x",
     "Vertical Velocity", "wind_velocity", "steering_angle_target", "cmd_steering_angle", "vehicle_speed_limit",
-    "GPS Speed Accuracy", "lateral_acceleration_variance",
+    "GPS Speed Accuracy", "lateral_acceleration_variance", "ang_vel_x", "steering_velocity", "SteeringWheelSpeed",
+    "steeringRateDeg", "steering_angle_velocity", "yaw_acceleration", "COG",
 ])  # fmt: skip
 def test_a_name_of_something_else_is_no_channel(name):
     assert nearest_channel(Column(name, [])) == ""
+
+
+@pytest.mark.parametrize("change", ["{}_derivative", "{} Jerk", "d/dt {}_dot", "{}_power"])
+def test_the_change_of_a_channel_is_none(change):
+    """In the name of any alias, but of a heading, whose change is the yaw rate."""
+    for channel in LOG_CHANNELS.values():
+        for alias in (channel.name, *channel.aliases):
+            other = nearest_channel(Column(change.format(alias), []))
+            assert other in {"", "yaw_rate"} - {channel.name}
 
 
 @pytest.mark.parametrize(
@@ -323,3 +342,66 @@ def test_a_column_that_a_log_lacks_is_named(tmp_path, monkeypatch, capsys):
     error = capsys.readouterr().err
     assert "no column 'Gyro Y' (yaw_rate): did you mean Gyro Z" in error
     assert "unknown channel 'yawrate': did you mean yaw_rate" in error
+
+
+@pytest.mark.parametrize("speed", [54.0, None])
+@pytest.mark.parametrize("spelling", ["{}_rps", "{} [rps]", "{} (RPS)", "imu/{}.rps"])
+@pytest.mark.parametrize(("unit", "factor"), [("rad/s", 1.0), ("rev/s", 2.0 * np.pi)])
+def test_a_unit_of_two_meanings_is_proposed_with_its_reason(
+    tmp_path, monkeypatch, capsys, spelling, unit, factor, speed
+):
+    """rps: a gyroscope has radians, a wheel what makes a wheel of its speed; both are stated."""
+    monkeypatch.chdir(tmp_path)
+    rows = LOG.drop(columns=["speed", "yaw_rate"]).assign(
+        **{spelling.format("yaw_rate"): LOG["yaw_rate"], spelling.format("wheel_speed_rl"): 50.0 / factor}
+    )
+    (rows if speed is None else rows.assign(**{"speed [km/h]": speed})).to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv", "-o", "car.toml"]) == 0
+    assert capsys.readouterr().out.count("is rad/s or rev/s: ") == 2
+    columns = toml_file(tmp_path / "car.toml", TirefmuError)["columns"]
+    assert columns["yaw_rate"].endswith("[rad/s]")
+    assert columns["omega_rl"].endswith(f"[{unit if speed else 'rad/s'}]")
+    if speed:
+        log = read_log("log.csv", columns)
+        np.testing.assert_allclose(log.values("yaw_rate"), LOG["yaw_rate"], atol=1e-12)
+        np.testing.assert_allclose(log.values("omega_rl"), 50.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("columns", [{}, {"yaw_rate": "yaw_rate"}, {"yaw_rate": "yaw_rate [rps]"}])
+@pytest.mark.parametrize("name", ["yaw_rate [rps]", "yaw_rate_rps"])
+def test_a_unit_of_two_meanings_is_refused(name, columns):
+    named = {channel: text.replace("yaw_rate", name.split(" ")[0]) for channel, text in columns.items()}
+    with pytest.raises(DataError, match=r"yaw_rate.*rad/s.* or .*rev/s|no channel yaw_rate"):
+        read_log(LOG.rename(columns={"yaw_rate": name}), named)
+    np.testing.assert_allclose(
+        read_log(LOG.rename(columns={"yaw_rate": name}), {"yaw_rate": f"{name.split(' ')[0]} [rad/s]"}).values(
+            "yaw_rate"
+        ),
+        LOG["yaw_rate"],
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "note"),
+    [
+        ({"t": T[::-1]}, "time decreases at sample 2"),
+        ({"t": np.where(T < 5.0, T, T - 3.0)}, "time decreases at sample 101"),
+        (
+            {"steer": np.clip(3.0 * STEER, -1.0, 1.0)},
+            "steer ends at exactly -1 and 1, as a share of the lock does: state",
+        ),
+        (
+            {"steer": np.clip(300.0 * STEER, -100.0, 100.0)},
+            "as a share of the lock does: divide it by 100 and state map",
+        ),
+        ({"ax": LOG["ay"]}, "ax, ay have the same numbers: copies of one"),
+        ({"t": None}, "not there, and needed for an estimate of the tires: t"),
+        ({"t": None, "ay": None}, "not there, and needed for an estimate of the tires: t, ay"),
+    ],
+)
+def test_inspect_states_what_an_estimate_would_refuse(tmp_path, monkeypatch, capsys, change, note):
+    monkeypatch.chdir(tmp_path)
+    for rows, stated in ((LOG, False), (LOG.assign(**change).dropna(axis=1), True)):
+        rows.to_csv("log.csv", index=False)
+        assert main(["inspect", "log.csv"]) == 0
+        assert (note in " ".join(capsys.readouterr().out.split())) == stated

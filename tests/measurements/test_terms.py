@@ -109,3 +109,22 @@ def test_the_suggested_option_reads_the_whole_table(tmp_path, language, comma):
     read = read_recording(path, columns=dict(text.split("=") for text in option.split(","))).table
     for name in UNITS:
         np.testing.assert_allclose(read[name], table[name], rtol=1e-12, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    "spelled", ["{0}_{1}_raw", "{0}_{1}", "{0}_FL_{1}", "{0}_{1}_filtered.avg", "{0}_{1}_rr", "{0} {1} Mean"]
+)
+def test_the_suggested_option_has_the_units_of_names_without_brackets(tmp_path, spelled):
+    """Also before a wheel, and before words of a sensor or of a filter."""
+    table = bench_table().drop(columns="gamma")
+    units = {name: (unit, factor) for name, (unit, factor) in UNITS.items() if name in table}
+    written = {
+        spelled.format(name, unit.replace(" ", "")): table[name] * factor for name, (unit, factor) in units.items()
+    }
+    pd.DataFrame(written).to_csv(tmp_path / "a.csv", index=False)
+    with pytest.raises(DataError, match="All such columns: --columns ") as refusal:
+        read_recording(tmp_path / "a.csv")
+    option = str(refusal.value).partition("--columns ")[2].strip("'")
+    read = read_recording(tmp_path / "a.csv", columns=dict(text.split("=") for text in option.split(","))).table
+    for name in units:
+        np.testing.assert_allclose(read[name], table[name], rtol=1e-12, atol=1e-15)

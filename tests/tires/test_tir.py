@@ -8,6 +8,7 @@ from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -262,3 +263,26 @@ def test_the_search_for_similar_names_is_bounded(tmp_path, monkeypatch):
     result = read_tir_with_notes(tmp_path / "many.tir")
     assert len(searched) == MAX_SEARCHED
     assert sum("no similar coefficients are looked for" in note for note in result.notes) == 1
+
+
+@pytest.mark.parametrize("model", ["mf52", "mf61", "mf62"])
+@pytest.mark.parametrize(("load", "pressure"), [(9.0, 2.2e5), (90.0, 5e5), (4000.0, 2.2e5), (1.2e5, 1.4e6)])
+def test_an_assumed_range_contains_the_nominal_input(tmp_path, model, load, pressure):
+    """Of the tire of a model car, of a bicycle, a car and an aircraft: the limits of a car would take their forces."""
+    tire = Tire(model, {"FNOMIN": load, "UNLOADED_RADIUS": 0.3, "INFLPRES": pressure, "NOMPRES": pressure})
+    assert tire.values["FZMIN"] < load < tire.values["FZMAX"]
+    assert tire.values["PRESMIN"] < pressure < tire.values["PRESMAX"]
+    assert tire.ranges == {}
+    inputs = pd.DataFrame({"alpha": [0.05], "Fz": [1.2 * load], "p": [pressure]})
+    np.testing.assert_allclose(tire.evaluate(inputs, limits=True)["Fy"], tire.evaluate(inputs)["Fy"], rtol=1e-12)
+    tire.save(tmp_path / "a.tir")
+    again = read_tir(tmp_path / "a.tir")
+    assert again.values == tire.values
+    assert again.ranges == {}
+    again.save(tmp_path / "b.tir")
+    assert (tmp_path / "b.tir").read_text(encoding="utf-8") == (tmp_path / "a.tir").read_text(encoding="utf-8")
+
+
+def test_a_given_end_of_a_range_stays():
+    tire = Tire("mf61", {"FNOMIN": 1e5, "UNLOADED_RADIUS": 0.5, "FZMAX": 8e4, "PRESMIN": 3e5})
+    assert (tire.values["FZMAX"], tire.values["PRESMIN"]) == (8e4, 3e5)

@@ -314,12 +314,15 @@ class _Reader:
             if name not in values and declaration.assumed is not None:
                 named.add(name)
                 values[name] = declaration.assumed
-        defaults = Tire(model.name, dict.fromkeys(INDISPENSABLE, 1.0)).values
+        nominal = (str(quantity.nominal) for quantity in model.inputs if quantity.name in RANGES)
+        sizes = {name: values[name] for name in nominal if values.get(name, 0.0) > 0.0}
+        defaults = Tire(model.name, {**dict.fromkeys(INDISPENSABLE, 1.0), **sizes}).values
         idle = model.owned(*sorted(model.effects.keys() - effects))
         for name in named & values.keys():
             if name in INDISPENSABLE:
                 continue
-            if name in idle or repr(values[name]) == repr(defaults.get(name, model.coefficients[name].default)):
+            plain = model.coefficients[name].default
+            if name in idle or repr(values[name]) in (repr(plain), repr(defaults.get(name, plain))):
                 del values[name]
         return assumed_lines(named & values.keys(), model)
 

@@ -18,6 +18,7 @@ from ....measurements.files.columns.resolution import ColumnChoice, choices, ign
 from ....measurements.files.reading import read_content
 from .clock import clock_problem
 from .log_channels import LOG_CHANNELS, POSE, WHEEL_SPEEDS, LogChannel, lacking
+from .several import several_cars
 from .survey import nearest_column
 
 FloatArray = npt.NDArray[np.float64]
@@ -117,7 +118,7 @@ def samples_of(content: Content, chosen: Mapping[str, ColumnChoice], source: str
     Raises `DataError` if a channel has no times, is not numeric or beyond any plausible value, or time decreases.
     """
     clock = chosen["t"].values(content, source) if "t" in chosen else None
-    channels = {}
+    samples = dict[str, Samples]()
     for name, choice in chosen.items():
         times = choice.column.times if choice.column.times is not None else clock
         if name == "t" or times is None:
@@ -126,8 +127,14 @@ def samples_of(content: Content, chosen: Mapping[str, ColumnChoice], source: str
         _check_size(values, name, place)
         if len(values) != len(times):
             raise DataError(f"{place}: {name} has {len(values)} samples, the time has {len(times)}")
+        samples[name] = np.asarray(times, dtype=np.float64), values
+    read = [(chosen[name].column, values) for name, (_, values) in samples.items()]
+    if clock is not None and (several := several_cars(content, clock, read)):
+        raise DataError(f"{source}: {several}")
+    channels = {}
+    for name, (times, values) in samples.items():
         usable = np.isfinite(values) & np.isfinite(times)
-        times, values = np.asarray(times[usable], dtype=np.float64), values[usable]
+        times, values = times[usable], values[usable]
         if problem := clock_problem(times, "" if "t" not in chosen else chosen["t"].column.header):
             raise DataError(f"{source}: {problem}")
         fresh = np.diff(times, prepend=-np.inf) > 0.0

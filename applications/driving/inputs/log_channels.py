@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 
+import numpy as np
+import numpy.typing as npt
+
 
 @dataclass(frozen=True)
 class LogChannel:
@@ -38,7 +41,8 @@ _CHANNELS = (
                "session_time", "device_time"), 1e11),
     LogChannel("steer", "steering: as the ratio or the map of the car reads it, positive to the left", "rad", "angle",
                ("steering", "steering_angle", "steered_angle", "steer_angle", "delta", "swa",
-               "steering_wheel_angle", "steer_sw"), 20.0, source="the CAN bus of the car (OBD has none) or a sensor"),
+               "steering_wheel_angle", "hand_wheel_angle", "road_wheel_angle", "steer_sw"), 20.0,
+               source="the CAN bus of the car (OBD has none) or a sensor"),
     LogChannel("speed", "forward speed", "m/s", "speed", ("v", "vx", "v_x", "velocity", "velocity_x", "ground_speed",
                "vehicle_speed", "gps_speed", "corr_speed", "velocity_kmh", "wheel_speed", "twist_linear_x", "v_ego"),
                150.0, 0.005, (*_WHEELS, POSE)),
@@ -49,8 +53,8 @@ _CHANNELS = (
         for corner, side in (("fl", "front_left"), ("fr", "front_right"), ("rl", "rear_left"), ("rr", "rear_right"))
     ),
     LogChannel("yaw_rate", "yaw rate, positive to the left", "rad/s", "rotation", ("r", "yawrate", "psi_dot",
-               "gyro_z", "gz", "omega_z", "angular_velocity_z", "angular_z", "gyro_rad_2", "gyro_yaw_velocity",
-               "yaw_velocity", "gyro_yaw", "yaw", "rotation_rate_z",
+               "gyro_z", "gz", "wz", "w_z", "omega_z", "angular_velocity_z", "angular_z", "gyro_rad_2",
+               "gyro_yaw_velocity", "yaw_velocity", "gyro_yaw", "yaw", "rotation_rate_z",
                "rate_of_rotation_z", "angle_rate_z", "angular_rate_z", "AVz"),
                12.0, 2e-4, (POSE,), "a gyroscope, which phones have (ay/speed and the rate of a GPS course are the "
                "turn of the path, not of the car)"),
@@ -81,12 +85,14 @@ POSITIONS = ("latitude", "longitude", "gps_latitude", "gps_longitude")
 #: Words of names that are written in several ways.
 SHORT = {"acceleration": "acc", "accel": "acc", "lateral": "lat", "longitudinal": "long", "lon": "long",
          "vertical": "vert", "gs": "g", "gforce": "g", "steering": "steer", "whl": "wheel", "ang": "angle",
-         "spd": "speed", "vel": "velocity", "gyroscope": "gyro"}  # fmt: skip
+         "spd": "speed", "vel": "velocity", "gyroscope": "gyro", "gyr": "gyro"}  # fmt: skip
 #: Channels that change sign between axes forward, left, up and forward, right, down.
 TURNED = ("steer", "yaw_rate", "ay", "beta", "vy", "y", "heading")
 LOG_CHANNELS: dict[str, LogChannel] = {declared.name: declared for declared in _CHANNELS}
 #: Channels that an estimate needs.
 NEEDED = ("steer", "yaw_rate", "ay", "speed")
+#: Where numbers of a steering end that are shares of the lock.
+FULL_LOCK = (1.0, 100.0)
 WHEEL_SPEEDS = {"front": ("omega_fl", "omega_fr"), "rear": ("omega_rl", "omega_rr")}
 
 
@@ -98,3 +104,20 @@ def lacking(names: Collection[str]) -> list[LogChannel]:
     """
     needed = [LOG_CHANNELS[name] for name in NEEDED if name not in names]
     return [channel for channel in needed if not any(set(group) <= set(names) for group in channel.instead)]
+
+
+def share_of_lock(steer: npt.NDArray[np.float64]) -> str:
+    """Return that numbers of a steering without a unit end where those of a joystick do; empty if they do not.
+
+    >>> share_of_lock(np.array([0.0, -1.0, 1.0])).partition(",")[0], share_of_lock(np.array([0.0, -1.0, 1.1]))
+    ('steer ends at exactly -1 and 1', '')
+    """
+    finite = steer[np.isfinite(steer)]
+    low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
+    if high not in FULL_LOCK or low != -high:
+        return ""
+    divided = "" if high == 1.0 else f"divide it by {high:g} and "
+    return (
+        f"steer ends at exactly {low:g} and {high:g}, as a share of the lock does: {divided}state map = [[-1, -LOCK], "
+        "[1, LOCK]] in [steering] of the car, with the lock of the front wheels in rad"
+    )

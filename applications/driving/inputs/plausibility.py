@@ -14,6 +14,7 @@ from ....tires import Tire
 from .car import Car
 from .grid import MEASURED, Grid, spinning
 from .log import Log
+from .log_channels import share_of_lock
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -83,6 +84,9 @@ def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
     steer = grid.steer.mean(axis=0) + car.values["offset"]
     source = log.source
     yaw_rate = _yaw_rate(grid)
+    share = "" if car.steering_map is not None or log.units.get("steer") else share_of_lock(log.values("steer"))
+    if share:
+        raise DataError(f"{source}: {share}; if it is in rad, state it: --columns 'steer=HEADER [rad]'")
     gain, correlation = _turning(grid, steer, speed, yaw_rate, car.values["wheelbase"])
     if np.std(steer) < MIN_STEER and abs(correlation) < MIN_CORRELATION:
         raise DataError(

@@ -18,12 +18,13 @@ from ....measurements.files.columns.cells import numbers
 from ....measurements.files.columns.content import Column, Content, is_unit, name_and_unit
 from ....measurements.files.columns.resolution import choices, unit_at_end
 from ....measurements.interpretation import NOT_READ
-from ....measurements.terms import words_of
-from ....measurements.units import GRAVITY, to_si, unit_named
+from ....measurements.terms import OWNERS, words_of
+from ....measurements.units import GRAVITY, meanings, quantity_of, to_si
 from ....symbolic.channels import CHANNELS, OUTPUTS
 from .car_entries import example_text
 from .clock import TRIED, clock_problem
-from .log_channels import LOG_CHANNELS, POSITIONS, SHORT, TURNED, VERTICAL, lacking
+from .log_channels import LOG_CHANNELS, POSITIONS, SHORT, TURNED, VERTICAL, lacking, share_of_lock
+from .several import several_cars
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -36,17 +37,15 @@ SHORTEST_CONTAINED = 8
 SHORTEST_END, SHORTEST_JOINED, SHORTEST_OWNED = 5, 4, 2
 #: Gravity by the unit that a file does not state: SI, g, mg.
 GRAVITIES = {"": GRAVITY, "g": 1.0, "mg": 1000.0}
+#: m: radius of a wheel of a car.
+RADIUS = 0.3
 #: Share by which a mean may differ from gravity, correlations that show a sign and a cause.
 GRAVITY_SHARE, CLEAR, STRONG = 0.2, 0.3, 0.7
-#: Words of a name that name the car, a sensor in it or a filter; those that make another quantity of it, in the words
-#: of `SHORT`; those of a wheel.
-OWNERS = frozenset((
-    "car", "vehicle", "vhcl", "ego", "chassis", "body", "imu", "ins", "gnss", "can", "ecu", "sensor",
-    "raw", "filtered", "filt", "measured", "meas", "corrected", "corr",
-))  # fmt: skip
+#: Words of a name that make another quantity of it, in the words of `SHORT`; those of a wheel.
 OTHERS = frozenset((
     "angular", "vert", "wind", "air", "motor", "engine", "target", "desired", "command", "cmd", "reference",
-    "limit", "max", "min", "error", "accuracy", "variance", "covariance", "std", "torque", "moment",
+    "limit", "max", "min", "error", "accuracy", "variance", "covariance", "std", "torque", "moment", "power",
+    "rate", "velocity", "speed", "acc", "jerk", "dot", "derivative", "steer",
 ))  # fmt: skip
 WHEELS = frozenset({"fl", "fr", "rl", "rr"})
 #: Channels that a bench has not.
@@ -149,7 +148,7 @@ class _Nearest:
 
 def _nearest(column: Column) -> _Nearest:
     name, unit = name_and_unit(column.header)[0], column.declared_unit
-    quantity = unit_named(unit).quantity if is_unit(unit) else ""
+    quantity = quantity_of(unit) if is_unit(unit) else ""
     candidates = []
     wheel = WHEELS & set(words_of(name))
     for channel, declared in LOG_CHANNELS.items():
@@ -239,10 +238,28 @@ def survey(content: Content, source: str, columns: Mapping[str, str] | None = No
         if name in values:
             column, data, _ = values[name]
             sign = "-" if down and name in TURNED else ""
-            proposal[name] = columns.get(name) or f"{sign}{_text(column, name, data, gravity)}"
+            text = _text(column, name, data, gravity)
+            if name not in columns and (units := meanings(name_and_unit(text)[1] or column.declared_unit)):
+                unit, why = _meant_unit(name, units, proposal.get("speed", ""), values)
+                text = f"{name_and_unit(text)[0]} [{unit}]"
+                notes.append(f"{name}: the unit of {column.header.strip()} is {' or '.join(units)}: {why}")
+            proposal[name] = columns.get(name) or f"{sign}{text}"
+    read = [(column, data) for column, data, _ in values.values()]
+    if clock is not None:
+        finite = clock[np.isfinite(clock)]
+        notes += filter(None, [several_cars(content, clock, read) or clock_problem(finite, clock_text)])
+    copies: dict[bytes, list[str]] = {}
+    for name, (_, data, _) in values.items():
+        copies.setdefault(data.tobytes() if len(np.unique(data[np.isfinite(data)])) > 1 else name.encode(), []).append(
+            name
+        )
+    notes += [f"{', '.join(names)} have the same numbers: copies of one" for names in copies.values() if len(names) > 1]
+    if "steer" in values and "steer" not in columns and not is_unit(values["steer"][0].declared_unit):
+        notes += filter(None, [share_of_lock(values["steer"][1])])
     notes += _agreed(proposal, values, columns)
     notes += [content.about["decimals"]] if "decimals" in content.about else []
-    if lacks := [channel.name for channel in lacking(proposal)]:
+    clocks = clock is not None or any(column.times is not None for column in content.columns)
+    if lacks := [*([] if clocks else ["t"]), *(channel.name for channel in lacking(proposal))]:
         notes.append(f"not there, and needed for an estimate of the tires: {', '.join(lacks)}")
     changed = {name: text for name, text in proposal.items() if text != name}
     return Survey(tuple(rows), changed, tuple(notes))
@@ -346,6 +363,24 @@ def _text(column: Column, name: str, values: FloatArray, gravity: _Gravity) -> s
     return f"{header} [{unit}]" if size > most and name != "heading" else header
 
 
+def _meant_unit(
+    name: str, units: Sequence[str], speed: str, values: Mapping[str, tuple[Column, FloatArray, Any]]
+) -> tuple[str, str]:
+    """Return which of the units of an ambiguous spelling a rotation has, and why.
+
+    The first one, but for a wheel whose radius follows from the speed. `speed`: how the car file names its column.
+    """
+    if name not in OF_A_CAR - {"yaw_rate"} or not speed:
+        return units[0], f"{units[0]} in most logs, which its numbers do not show"
+    column, data, _ = values["speed"]
+    unit = name_and_unit(speed)[1] or column.declared_unit
+    forward = float(np.nanmedian(np.abs(to_si(data, unit) if is_unit(unit) else data)))
+    spin = float(np.nanmedian(np.abs(values[name][1])))
+    radii = {unit: forward / float(to_si(spin, unit)) if spin else np.inf for unit in units}
+    nearest = min(units, key=lambda unit: abs(np.log(radii[unit] / RADIUS)))
+    return nearest, "wheels of " + " or ".join(f"{radius:.2g} m ({unit})" for unit, radius in radii.items())
+
+
 def _agreed(
     proposal: dict[str, str], values: dict[str, tuple[Column, FloatArray, Any]], named: Collection[str]
 ) -> Sequence[str]:
@@ -392,4 +427,5 @@ def _correlation(
 
 @lru_cache(maxsize=8192)
 def _words(name: str) -> str:
-    return "_".join(SHORT.get(word, word) for word in words_of(name))
+    words = "_".join(SHORT.get(word, word) for word in words_of(name))
+    return words.replace("angle_velocity", "angular_velocity").replace("angle_speed", "angular_speed")

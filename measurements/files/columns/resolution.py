@@ -12,7 +12,8 @@ from ....boundary.errors import DataError, TirefmuError, UnknownName, nearest
 from ....boundary.escaping import quoted
 from ....numerics.arrays import FloatArray
 from ...interpretation import NOT_READ
-from ...units import to_si, unit_named
+from ...terms import without_qualifiers
+from ...units import meanings, quantity_of, to_si, unit_named
 from .cells import numbers
 from .content import LONGEST_HEADER, MAX_COLUMNS, WORD_BEGINS, Column, Content, is_unit, listed, name_and_unit
 
@@ -128,14 +129,17 @@ def choices(
 def unit_at_end(header: str, quantity: str) -> tuple[str, str]:
     """Return name and unit of a header that ends in a unit of a quantity without brackets; otherwise the header and "".
 
-    >>> unit_at_end("wheel_deg", "angle"), unit_at_end("ay_m_s2", "acceleration"), unit_at_end("steer_in", "angle")
+    Words of a sensor or of a filter may be behind the unit.
+
+    >>> unit_at_end("wheel_deg", "angle"), unit_at_end("ay_m_s2_raw", "acceleration"), unit_at_end("steer_in", "angle")
     (('wheel', 'deg'), ('ay', 'm_s2'), ('steer_in', ''))
     """
-    for begin in WORD_BEGINS.finditer(header[:LONGEST_HEADER]):
-        written = header[begin.start() :]
+    core = without_qualifiers(header[:LONGEST_HEADER])
+    for begin in WORD_BEGINS.finditer(core):
+        written = core[begin.start() :]
         for unit in (written, written.replace("_", "/")):
-            if is_unit(unit) and unit_named(unit).quantity == quantity:
-                return header[: begin.start()].rstrip(" _.,:;"), unit
+            if quantity_of(unit) == quantity:
+                return core[: begin.start()].rstrip(" _.,:;"), unit
     return header, ""
 
 
@@ -143,10 +147,12 @@ def _refuse_unit_in_name(header: str, declared: Declared, source: str) -> None:
     """Refuse a header that is named without a unit and ends in one, such as ``wheel_deg``: its numbers count as SI."""
     name = header.strip()
     written = unit_at_end(name, declared.quantity)[1]
-    if written and (unit_named(written).factor, unit_named(written).offset) != (1.0, 0.0):
+    units = meanings(written) or ((written,) if written else ())
+    if any((unit_named(unit).factor, unit_named(unit).offset) != (1.0, 0.0) for unit in units):
+        options = " or ".join(quoted(f"{declared.name}={name} [{unit}]") for unit in units)
         raise DataError(
             f"{source}: column {quoted(name)} ({declared.name}): the unit in its name is not read: state it: "
-            f"--columns {quoted(f'{declared.name}={name} [{written}]')}"
+            f"--columns {options}"
         )
 
 

@@ -12,8 +12,8 @@ from ....numerics.arrays import FloatArray
 from .cells import numbers
 from .content import Column, Content
 
-_SECONDS = re.compile(r"(?P<stem>(?:.*[\W_])?)secs?(?:onds?)?", re.IGNORECASE)
-_FRACTION = re.compile(r"(?P<stem>(?:.*[\W_])?)(?P<part>n|nano|u|micro|m|milli)secs?(?:onds?)?", re.IGNORECASE)
+_SECONDS = re.compile(r"(?P<stem>(?:.*[\W_])?)s(?:ecs?(?:onds?)?)?\W?", re.IGNORECASE)
+_FRACTION = re.compile(r"(?P<stem>(?:.*[\W_])?)(?P<part>n|nano|u|micro|m|milli)s(?:ecs?(?:onds?)?)?\W?", re.IGNORECASE)
 #: s, by the first letter of the part.
 _PARTS = {"n": 1e-9, "u": 1e-6, "m": 1e-3}
 
@@ -33,7 +33,7 @@ def with_whole_stamps(content: Content) -> Content:
         match = _SECONDS.fullmatch(column.header.strip())
         fraction, part = fractions.get((column.group, match["stem"]), (None, 0.0)) if match else (None, 0.0)
         if match and fraction and (times := _times(column, fraction, part)) is not None:
-            name = match["stem"].strip("._/ ") or "time"
+            name = match["stem"].strip("._/ ([") or "time"
             if (column.group, name) not in names:
                 columns.append(replace(column, header=name, cells=times, unit="s"))
         columns.append(column)

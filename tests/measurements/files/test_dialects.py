@@ -486,6 +486,7 @@ def as_struct(fields):
         ("header.stamp.secs", "header.stamp.nsecs", 1e9, "header.stamp"), ("sec", "nanosec", 1e9, "time"),
         ("imu/stamp_sec", "imu/stamp_nsec", 1e9, "imu/stamp"), ("Seconds", "MicroSeconds", 1e6, "time"),
         ("tv_sec", "tv_usec", 1e6, "tv"), ("stamp sec", "stamp msec", 1e3, "stamp"),
+        ("S", "ns", 1e9, "time"), ("gps_s", "gps_ms", 1e3, "gps"), ("Stamp (s)", "Stamp (us)", 1e6, "Stamp"),
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("begin", [0.0, 1764000000.85])
@@ -497,10 +498,11 @@ def test_seconds_and_their_fractions_are_one_time(tmp_path, whole, part, size, n
     np.testing.assert_allclose(log.channels["ay"][0], T, atol=1e-9)
 
 
-@pytest.mark.parametrize("names", [("secs", "nsecs"), ("secs", "laps"), ("time", "secs", "nsecs")])
+@pytest.mark.parametrize("names", [("secs", "nsecs"), ("secs", "laps"), ("time", "secs", "nsecs"), ("s", "ns")])
 def test_columns_that_are_no_pair_stay_as_they_are(tmp_path, names):
     """Nanoseconds since the begin are no fractions; a column of times beside a pair is the time."""
-    cells = {"secs": np.floor(T), "nsecs": 1e9 * (T % 1.0 if "time" in names else T), "laps": 1.0, "time": T}
+    whole, part = np.floor(T), 1e9 * (T % 1.0 if "time" in names else T)
+    cells = {"s": whole, "ns": part, "secs": whole, "nsecs": part, "laps": 1.0, "time": T}
     LOG.drop(columns="t").assign(**{name: cells[name] for name in names}).to_csv(tmp_path / "a.csv", index=False)
     headers = [column.header for column in read_content(tmp_path / "a.csv").columns]
     assert headers == [*LOG.columns[1:], *names]
@@ -584,3 +586,52 @@ def test_what_a_log_has_instead_is_named(tmp_path):
     savemat(tmp_path / "a.mat", {"log": [{"steer": STEER}, {"steer": STEER}]})
     with pytest.raises(DataError, match=r"no channel t .*\(not read: variables log\)"):
         read_log(tmp_path / "a.mat")
+
+
+def modelica_result(path, variables, transposed, padding):
+    """Write a result as Modelica tools do; `variables`: name, description, matrix and signed place of each."""
+
+    def letters(texts):
+        rows = [text.ljust(max(map(len, texts)), "~") for text in texts]
+        return np.array(["".join(column) for column in zip(*rows, strict=True)] if transposed else rows)
+
+    def turned(matrix):
+        return matrix.T if transposed else matrix
+
+    table = np.column_stack([LOG["t"], LOG["steer"], LOG["speed"], -LOG["yaw_rate"], LOG["ay"]])
+    kind = "binTrans" if transposed else "binNormal"
+    names, descriptions, *places = zip(*variables, strict=True)
+    parts = {
+        "Aclass": np.array([text.ljust(11) for text in ("Atrajectory", "1.1", "", kind)]), "name": letters(names),
+        "description": letters(descriptions), "dataInfo": turned(np.array(places, dtype=np.int32).T),
+        "data_1": turned(np.array([[0.0, 1500.0], [20.0, 1500.0]])), "data_2": turned(table),
+    }  # fmt: skip
+    savemat(path, parts, format="4")
+    texts, name, tables = path.read_bytes().partition(b"dataInfo")
+    path.write_bytes(texts.replace(b"~", padding) + name + tables)
+
+
+VARIABLES = [
+    ("time", "Time in [s]", 0, 1), ("steer", "Angle [rad|deg]", 2, 2), ("m", "Mass [kg]", 1, 2),
+    ("speed", "of the center [m/s|km/h]", 2, 3), ("yaw_rate", "w[3] of the body [rad/s]", 2, -4), ("ay", "", 2, 5),
+    ("gear.w", "alias [rad/s]", 2, 4),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("padding", [b" ", b"\0"])
+@pytest.mark.parametrize("transposed", [True, False])
+def test_a_result_of_a_modelica_tool_is_a_log(tmp_path, transposed, padding):
+    modelica_result(tmp_path / "car_res.mat", VARIABLES, transposed, padding)
+    assert_is_the_log(read_log(tmp_path / "car_res.mat"))
+    content = read_content(tmp_path / "car_res.mat")
+    assert content.ignored == ("1 parameters",)
+    alias = next(column for column in content.columns if column.header == "gear.w")
+    np.testing.assert_array_equal(alias.cells, -LOG["yaw_rate"])
+    assert alias.unit == "rad/s"
+
+
+@pytest.mark.parametrize("wrong", [("x", "", 2, 9), ("x", "", 2, -40)])
+def test_a_result_whose_tables_lack_a_variable_is_refused(tmp_path, wrong):
+    modelica_result(tmp_path / "a.mat", [*VARIABLES, wrong], True, b" ")
+    with pytest.raises(DataError, match="names and tables of this result of a Modelica tool do not fit"):
+        read_content(tmp_path / "a.mat")
