@@ -133,7 +133,7 @@ def _answer(
     base = DriveExplanation(None, grid, estimate)
 
     def with_effect(rival: Rival) -> DriveExplanation | None:
-        forces, near = forces_of(rival, unknowns, car, base), nearby(rival, base, unknowns, car)
+        forces, near = forces_of(rival, unknowns, car, base), nearby(rival, base, unknowns)
         return _refitted(rival, lambda: estimated(grid, interval, unknowns, start, log, car, forces, near))
 
     ranked, with_effects = reestimated(rivals_of(base, unknowns, car, tires), base, unknowns, with_effect)

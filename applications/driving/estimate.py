@@ -197,7 +197,7 @@ def _estimated(
         beyond = values_of(interval.value_chunk, grid, states, z[:n], interval_data(grid))[:, -n_balance:]
         return held.and_columns(*discrepancy_columns(grid, states, unknowns.car_values(car, z), beyond, size))
 
-    held = forces(grid, start, z)
+    held = forces(grid, start, near.z if near else z)
     added = acting(grid, start, z, held)
     n_rest = added.further - held.further
     rest = rest if near else np.zeros(n_rest)
@@ -208,7 +208,11 @@ def _estimated(
         start = MotionProblem(grid, interval, added, z, deviations.copy(), equal).solved(start).states
         grid = _moved(grid, interval, start, log, car, unknowns.car_values(car, z))
         added = acting(grid, start, z, held)
-    at = MotionProblem(grid, interval, added, z, deviations.copy(), equal).solved(start)
+    weights = equal
+    if near:  # of the estimate that is near
+        added = curved(grid, interval, added, start, z)
+        weights = _weights(MotionProblem(grid, interval, added, z, deviations, equal).linear(start).values)
+    at = MotionProblem(grid, interval, added, z, deviations.copy(), weights).solved(start)
     converged, arrived, length, last, resized = False, bool(near or part), 1.0, np.zeros(len(z)), 0.0
     radius = LONGEST_STEP
     limits = np.full((2, len(z)), LARGEST) * [[-1.0], [1.0]]

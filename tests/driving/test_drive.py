@@ -530,7 +530,7 @@ def test_a_drive_estimated_with_an_effect_has_it_in_its_tires(relaxing):
     columns = effect_columns(motion, answer.tires, factor_values(answer.unknowns, base.estimate.z))
     missing, u = next((missing, u) for missing, u, _ in columns if missing.name == "relax_lat")
     forces = forces_of(Rival(missing, u), answer.unknowns, answer.car, base)
-    near = nearby(Rival(missing, u), base, answer.unknowns, answer.car)
+    near = nearby(Rival(missing, u), base, answer.unknowns)
     grid, estimate = estimated(base.grid, *given, forces, near)
     assert estimate.converged
     assert estimate.evidence > base.estimate.evidence
