@@ -44,8 +44,8 @@ LARGEST_NOISE, SLOWER = 1.5, ("x", "y", "heading", "speed_rate")
 #: Degrees of freedom of Student's distribution of the residuals: what a model does not resolve, the release of a brake
 #: or a wheel that is about to lock, comes in bursts.
 FREEDOM = 4.0
-#: Most steps of the unknowns, and from an estimate that is near; smallest part of a step that is tried.
-ROUNDS, NEAR_ROUNDS, SHORTEST = 60, 20, 1e-2
+#: Most steps of the unknowns; smallest part of a step that is tried.
+ROUNDS, SHORTEST = 60, 1e-2
 #: Least part of a step of the unknowns that is taken after one that it reverses. Convention: computing time.
 LEAST = 0.3
 #: Rounds for which the slope of the volume is kept, but for steps shorter than this, and forces that are added, but for
@@ -219,7 +219,7 @@ def _estimated(
     limits[:, n : n + held.further] = held.limits
     longest, slope, stalled = np.inf, np.zeros(len(z)), False
     of_tires = (np.arange(len(z)) >= len(unknowns.car)) & (np.arange(len(z)) < n)
-    for round_ in range(NEAR_ROUNDS if near else ROUNDS):
+    for round_ in range(ROUNDS):
         fresh = stalled or longest < NEAR or round_ % SLOPE_ROUNDS == 0
         if fresh:  # it changes slowly
             slope = at.volume_slope()

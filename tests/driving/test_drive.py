@@ -544,6 +544,41 @@ def test_a_drive_estimated_with_an_effect_has_it_in_its_tires(relaxing):
     assert on_fmus.rms["yaw_rate"] < 0.7 * answer.before.rms["yaw_rate"]
 
 
+def the_forces_of(effect, answer):
+    """Return the forces of an effect about the estimate of a drive, the start with it, and its typical size."""
+    base = DriveExplanation(None, answer.grid, answer.estimate)
+    motion = motion_of(answer.grid, answer.estimate, answer.unknowns, answer.car)
+    columns = effect_columns(motion, answer.tires, factor_values(answer.unknowns, answer.estimate.z))
+    rival = next(Rival(missing, size) for missing, size, _ in columns if missing.name == effect)
+    near = nearby(rival, base, answer.unknowns)
+    return forces_of(rival, answer.unknowns, answer.car, base), near, rival.u
+
+
+@pytest.mark.parametrize("effect", ["heat_friction", "load_lag", "speed_friction", "wear_drift"])
+def test_an_estimate_with_an_effect_in_proportion_begins_at_the_one_without(effect, answer):
+    forces, near, _ = the_forces_of(effect, answer)
+    at_start = forces(answer.grid, answer.estimate.states, near.z)
+    assert not at_start.offset.any() and not at_start.slopes.any()
+    assert at_start.columns[:, :, len(answer.unknowns) :].any()
+
+
+@pytest.mark.parametrize("entry", ["mass", "cg_height", "front_roll_share", "ratio"])
+def test_forces_of_an_effect_follow_what_loads_and_slips_follow(entry, answer):
+    forces, near, u = the_forces_of("load_curvature", answer)
+    n, i = len(answer.unknowns), answer.unknowns.car.index(entry)
+    z = np.concatenate([near.z[:n], u, near.z[n + len(u) :]])
+    moved = z + 0.3 * (np.arange(len(z)) == i)
+    middle = (answer.estimate.states[answer.grid.left] + answer.estimate.states[answer.grid.right])[:, :3] / 2
+
+    def at(linear, z):
+        forces = linear.offset + linear.columns @ z[: n + len(u)]
+        return forces + np.einsum("kim,km->ki", linear.slopes, middle)
+
+    here, there = (forces(answer.grid, answer.estimate.states, point) for point in (z, moved))
+    change = at(there, moved) - at(here, z)
+    assert np.abs(at(here, moved) - at(here, z) - change).max() < 0.1 * np.abs(change).max()
+
+
 def test_each_wheel_rolls_its_own_distance(answer):
     motion = motion_of(answer.grid, answer.estimate, answer.unknowns, answer.car)
     distances = np.concatenate([wheels["distance"].reshape(2, -1) for wheels in motion.wheels])
