@@ -38,10 +38,11 @@ ODDS, WRONG_SPREAD = 0.05, 10.0
 #: Factor of the prior odds of an effect for each coefficient after the first. Judgement: of effects that a drive does
 #: not separate, the simpler one is the more likely.
 FURTHER = 0.5
-#: Effects whose coefficients are estimated, rounds of that, and a change of a standardized coefficient that ends them;
-#: the most likely ones, with which the whole drive is estimated. Convention: computing time.
-COMPARED, FITTED, SMALL_CHANGE, REESTIMATED = 4, 4, 0.1, 2
-#: Probability from which an effect is reported. Coefficients are estimated if twice the gain before that can reach it.
+#: Effects whose coefficients are estimated, rounds of that, and a change of a standardized coefficient that ends them.
+#: Convention: computing time.
+COMPARED, FITTED, SMALL_CHANGE = 4, 4, 0.1
+#: Probability from which the whole drive is estimated with an effect, and from which an effect is reported. Coefficients
+#: are estimated if twice the gain before that can reach it.
 LIKELY = 0.05
 LIKELY_ODDS = float(np.log(LIKELY / (1.0 - LIKELY)))
 #: Error of the form of a tire over its side force. Judgement: a Magic Formula differs from bench data by about 1 %, of
@@ -172,28 +173,45 @@ def reestimated(
     """Return the explanations compared by estimates of the whole drive with likely effects, and these by name.
 
     About an estimate without an effect, other unknowns and the noise have taken a part of it, and the linearized
-    evidence is too small. One power for all likelihoods is that of the effect that explains most: a coarsened
-    likelihood has one, and the effects compete with each other.
+    evidence is too small. Effects are estimated until no likely one is left.
     """
-    likely = [rival for rival in ranked if rival.missing and rival.log_odds > LIKELY_ODDS][:REESTIMATED]
-    fitted = {rival.missing.name: refit(rival) for rival in likely if rival.missing}
+    compared, fitted = _ranked(ranked), dict[str, DriveExplanation | None]()
+    while likely := [rival for rival in compared if _name(rival) not in ("", *fitted) and rival.probability > LIKELY]:
+        fitted |= {_name(rival): refit(rival) for rival in likely}
+        compared = _compared(ranked, fitted, base, unknowns)
+    return compared, {name: explanation for name, explanation in fitted.items() if explanation}
+
+
+def _name(rival: Rival) -> str:
+    """Return the name of an effect, '' for none."""
+    return rival.missing.name if rival.missing else ""
+
+
+def _compared(
+    ranked: Sequence[Rival], fitted: Mapping[str, DriveExplanation | None], base: DriveExplanation, unknowns: Unknowns
+) -> list[Rival]:
+    """Return the explanations compared by those estimates that there are.
+
+    One power for all likelihoods is that of the effect that explains most: a coarsened likelihood has one, and the
+    effects compete with each other.
+    """
     estimates = {name: explanation for name, explanation in fitted.items() if explanation}
     if not estimates:
-        return list(ranked), {}
+        return _ranked(ranked)
     evidence = _whole_evidence(base, unknowns)
     gains = {name: _whole_evidence(explanation, unknowns) - evidence for name, explanation in estimates.items()}
     strongest = max(gains, key=lambda name: graded(gains[name]))
-    power = next(rival.power for rival in ranked if rival.missing and rival.missing.name == strongest)
+    power = next(rival.power for rival in ranked if _name(rival) == strongest)
     rivals = []
     for rival in ranked:
-        name = rival.missing.name if rival.missing else ""
+        name = _name(rival)
         if name in estimates:
             u = estimates[name].estimate.z[len(unknowns) :][: len(rival.u)]
             rival = replace(rival, u=u, gain=gains[name], power=power)
         elif name in fitted:  # without an optimum, it may explain as much
             rival = replace(rival, gain=max(rival.gain, gains[strongest]), power=power)
         rivals.append(rival)
-    return _ranked(rivals), estimates
+    return _ranked(rivals)
 
 
 def _whole_evidence(explanation: DriveExplanation, unknowns: Unknowns) -> float:

@@ -368,31 +368,38 @@ def test_effects_compete_by_estimates_of_the_whole_drive(answer):
         Rival(
             Missing(name, answer.tires, {"PDY2": 0.0}, {"PDY2": 1.0}, frozenset()), np.zeros(1), gain=gain, power=power
         )
-        for name, gain, power in (("a", 10.0, 0.2), ("b", 8.0, 0.9), ("c", 9.0, 0.5), ("d", -5.0, 0.5))
+        for name, gain, power in (("a", 10.0, 0.5), ("b", 6.0, 0.9), ("c", 2.5, 0.9), ("d", -5.0, 0.5))
     )
-    evidence = {"a": 40.0, "b": 30.0}
+    evidence, asked = {"a": 3.0, "b": 2.0}, []
 
     def refit(rival):
+        asked.append(rival.missing.name)
         more = evidence.get(rival.missing.name)
         whole = replace(answer.estimate, evidence=answer.estimate.evidence + (more or 0.0))
         return DriveExplanation(rival.missing, answer.grid, whole) if more else None
 
-    ranked, estimates = reestimated([none, first, second, third, unlikely], base, answer.unknowns, refit)
+    ranked, estimates = reestimated([none, first, second, unlikely], base, answer.unknowns, refit)
     by_name = {rival.missing.name if rival.missing else "": rival for rival in ranked}
     assert set(estimates) == {"a", "b"}
     # By their own powers, the one that explains less would be the likely one.
-    assert by_name["a"].log_odds - by_name["b"].log_odds == pytest.approx(0.2 * 10.0)
+    assert by_name["a"].log_odds - by_name["b"].log_odds == pytest.approx(0.5)
     assert by_name["a"].u[0] == answer.estimate.z[n]
-    assert by_name["c"].gain == third.gain
+    assert by_name["d"].gain == unlikely.gain
     assert sum(rival.probability for rival in ranked) == pytest.approx(1.0)
     assert [rival.probability for rival in ranked] == sorted((rival.probability for rival in ranked), reverse=True)
+    # One that is likely only as long as another one is not seen to explain little is estimated after that.
+    asked.clear()
+    reestimated([none, replace(first, gain=40.0), second, unlikely], base, answer.unknowns, refit)
+    assert asked == ["a", "b"]
     # An effect without an optimum may explain as much as the best one: no name is certain.
     ranked, estimates = reestimated([none, first, third], base, answer.unknowns, refit)
     assert set(estimates) == {"a"}
-    assert ranked[0].log_odds == pytest.approx(ranked[1].log_odds)
-    assert ranked[0].probability < 0.6
+    likely = [rival.log_odds for rival in ranked if rival.missing]
+    assert likely[0] == pytest.approx(likely[1])
     # An effect without an optimum, and an unlikely one, have no estimate.
-    assert reestimated([third, none, unlikely], base, answer.unknowns, refit) == ([third, none, unlikely], {})
+    ranked, estimates = reestimated([third, none, unlikely], base, answer.unknowns, refit)
+    assert not estimates
+    assert {rival.gain for rival in ranked} == {third.gain, none.gain, unlikely.gain}
 
 
 def test_a_small_change_that_is_certain_is_a_change(answer):
