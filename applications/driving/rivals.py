@@ -41,8 +41,8 @@ FURTHER = 0.5
 #: Effects whose coefficients are estimated, rounds of that, and a change of a standardized coefficient that ends them.
 #: Convention: computing time.
 COMPARED, FITTED, SMALL_CHANGE = 4, 4, 0.1
-#: Probability from which the whole drive is estimated with an effect, and from which an effect is reported. Coefficients
-#: are estimated if twice the gain before that can reach it.
+#: Probability from which the whole drive is estimated with an effect, and it is reported. Coefficients are estimated if
+#: twice the gain before that can reach it.
 LIKELY = 0.05
 LIKELY_ODDS = float(np.log(LIKELY / (1.0 - LIKELY)))
 #: Error of the form of a tire over its side force. Judgement: a Magic Formula differs from bench data by about 1 %, of

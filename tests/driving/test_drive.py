@@ -565,7 +565,8 @@ def the_forces_of(effect, answer):
 def test_an_estimate_with_an_effect_in_proportion_begins_at_the_one_without(effect, answer):
     forces, near, _ = the_forces_of(effect, answer)
     at_start = forces(answer.grid, answer.estimate.states, near.z)
-    assert not at_start.offset.any() and not at_start.slopes.any()
+    assert not at_start.offset.any()
+    assert not at_start.slopes.any()
     assert at_start.columns[:, :, len(answer.unknowns) :].any()
 
 
