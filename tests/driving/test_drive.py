@@ -35,6 +35,7 @@ from tirefmu.applications.driving.factors import factors_of, scaled_tires, withh
 from tirefmu.applications.driving.figures import write_drive
 from tirefmu.applications.driving.inputs.car import Car, loads_of
 from tirefmu.applications.driving.interval import OUTPUTS, Relaxation, interval_of
+from tirefmu.applications.driving.linear_solution import Factor
 from tirefmu.applications.driving.rivals import (
     DriveExplanation,
     Rival,
@@ -585,6 +586,21 @@ def test_forces_of_an_effect_follow_what_loads_and_slips_follow(entry, answer):
     here, there = (forces(answer.grid, answer.estimate.states, point) for point in (z, moved))
     change = at(there, moved) - at(here, z)
     assert np.abs(at(here, moved) - at(here, z) - change).max() < 0.1 * np.abs(change).max()
+
+
+def test_an_unknown_at_its_bound_leaves_the_others_the_step_without_it(answer):
+    factor, z = Factor(answer.grid, answer.estimate.residuals), answer.estimate.z
+    slope, free = 30.0 * np.random.default_rng(5).normal(size=len(z)), np.ones(len(z), dtype=bool)
+    wide = np.full((2, len(z)), np.inf) * [[-1.0], [1.0]]
+    _, step = factor.step(slope, z, free, np.inf, wide)
+    against = np.flatnonzero(step * factor.slope(slope) > 0.0)  # where it would pass only with the others
+    assert len(against)
+    for i in against:
+        limits = wide.copy()
+        limits[int(step[i] > 0.0), i] = z[i]
+        _, bound = factor.step(slope, z, free, np.inf, limits)
+        _, held = factor.step(slope, z, np.arange(len(z)) != i, np.inf, wide)
+        np.testing.assert_allclose(bound, held, atol=1e-12)
 
 
 def test_each_wheel_rolls_its_own_distance(answer):
