@@ -35,7 +35,6 @@ from tirefmu.applications.driving.factors import factors_of, scaled_tires, withh
 from tirefmu.applications.driving.figures import write_drive
 from tirefmu.applications.driving.inputs.car import Car, loads_of
 from tirefmu.applications.driving.interval import OUTPUTS, Relaxation, interval_of
-from tirefmu.applications.driving.linear_solution import Factor
 from tirefmu.applications.driving.rivals import (
     DriveExplanation,
     Rival,
@@ -589,7 +588,7 @@ def test_forces_of_an_effect_follow_what_loads_and_slips_follow(entry, answer):
 
 
 def test_an_unknown_at_its_bound_leaves_the_others_the_step_without_it(answer):
-    factor, z = Factor(answer.grid, answer.estimate.residuals), answer.estimate.z
+    factor, z = estimate.Factor(answer.grid, answer.estimate.residuals), answer.estimate.z
     slope, free = 30.0 * np.random.default_rng(5).normal(size=len(z)), np.ones(len(z), dtype=bool)
     wide = np.full((2, len(z)), np.inf) * [[-1.0], [1.0]]
     _, step = factor.step(slope, z, free, np.inf, wide)
