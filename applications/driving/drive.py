@@ -24,7 +24,7 @@ from .inputs.log import Log, LogLike, read_log
 from .inputs.log_channels import POSE
 from .inputs.plausibility import check_load_class, check_log, check_wheel_speeds, exchanged_axles
 from .inputs.unknowns import Unknowns, check_factors, unknowns_of
-from .interval import interval_of
+from .interval import Interval, interval_of
 from .result import Drive, wheel_table
 from .rivals import (
     DriveExplanation,
@@ -38,7 +38,7 @@ from .rivals import (
 )
 from .simulation import simulated
 from .trust.contradiction import contradiction_of
-from .trust.left_out import is_better, left_out, parts_of, widened
+from .trust.left_out import left_out, parts_of, widened
 from .verdict import disagreement, unexplained_axles, verdict_on
 
 FloatArray = npt.NDArray[np.float64]
@@ -133,20 +133,35 @@ def _answer(
     base = DriveExplanation(None, grid, estimate)
 
     def with_effect(rival: Rival) -> DriveExplanation | None:
-        forces, near = forces_of(rival, unknowns, car, base), nearby(rival, base, unknowns, car)
+        forces, near = forces_of(rival, unknowns, car, base), nearby(rival, base, unknowns)
         return _refitted(rival, lambda: estimated(grid, interval, unknowns, start, log, car, forces, near))
 
     ranked, with_effects = reestimated(rivals_of(base, unknowns, car, tires), base, unknowns, with_effect)
     first = ranked[0].missing
     best = with_effects.get(first.name, base) if first and ranked[0].probability > CERTAIN else base
-    answer = _with_effect(best, base, unknowns, car, tires)
+    given = base, ranked, unknowns, interval, car, tires, log, fmus
+    answer = _concluded(best, *given) or _concluded(base, *given)
+    assert answer
+    return answer
+
+
+def _concluded(
+    answer: DriveExplanation, base: DriveExplanation, ranked: list[Rival], unknowns: Unknowns, interval: Interval,
+    car: Car, tires: dict[str, Tire], log: Log, fmus: bool,
+) -> Drive | None:  # fmt: skip
+    """Return the answer that an explanation gives.
+
+    None: it has an effect, and contradicts the car or does not predict better than `base`, the one without.
+    """
     delivered = answer.missing.delivered(answer.estimate.z[len(unknowns) :]) if answer.missing else tires
     parts = parts_of(answer.grid, answer.estimate, unknowns, car)
     of_base = parts if answer is base else parts_of(base.grid, base.estimate, unknowns, car)
     wrong = probabilities_of(answer.grid, answer.estimate, unknowns).car
     wide = widened(answer.estimate, parts)
-    answer = replace(answer, estimate=wide)
     contradiction = contradiction_of(wide, unknowns)
+    if answer.missing and (not parts or not of_base or contradiction.certain):
+        return None
+    answer = replace(answer, estimate=wide)
     if contradiction.certain:
         explained = not unexplained_axles(wide)
         contradiction = replace(contradiction, unless=explaining(ranked), explained=explained)
@@ -158,7 +173,9 @@ def _answer(
     differing = [(axle, name) for axle, row in factors.items() for name, factor in row.items() if factor.differs]
     predicted, certain = None, frozenset[tuple[str, str]]()
     if parts and of_base:
-        predicted, certain = left_out(parts, of_base, tires, delivered, differing if sound else [])
+        predicted, certain, better = left_out(parts, of_base, tires, delivered, differing if sound else [])
+        if answer.missing and not better:
+            return None
     factors = believed(factors, certain)
     if contradiction.certain:
         factors = withheld(factors, "the drive contradicts the car file")
@@ -184,20 +201,6 @@ def _refitted(rival: Rival, refit: Callable[[], tuple[Grid, Estimate]]) -> Drive
     except (np.linalg.LinAlgError, DataError):  # no motion, or one whose loads no tire has
         return None
     return explanation if explanation.estimate.converged else None
-
-
-def _with_effect(
-    best: DriveExplanation, base: DriveExplanation, unknowns: Unknowns, car: Car, tires: dict[str, Tire]
-) -> DriveExplanation:
-    """Return the explanation with an effect if the car simulated with it is better on the parts that were left out."""
-    if not best.missing:
-        return base
-    parts, without = (parts_of(at.grid, at.estimate, unknowns, car) for at in (best, base))
-    if not parts or not without or contradiction_of(widened(best.estimate, parts), unknowns).certain:
-        return base
-    with_it = best.missing.delivered(best.estimate.z[len(unknowns) :])
-    ((before, _),), ((after, _),) = without.errors(tires, [()]), parts.errors(with_it, [()])
-    return best if is_better(before, after) else base
 
 
 def _exchanged(log: Log) -> list[str]:

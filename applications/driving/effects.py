@@ -58,9 +58,9 @@ class Motion:
         """The times of these rows."""
         return np.tile(self.t, 2)
 
-    def turned(self, angle: float) -> Motion:
-        """Return the motion with larger slip angles, rad."""
-        return replace(self, inputs={**self.inputs, "alpha": self.inputs["alpha"] + angle})
+    def moved(self, name: str, by: FloatArray) -> Motion:
+        """Return the motion with an input that is larger at the corners, shape (4,)."""
+        return replace(self, inputs={**self.inputs, name: self.inputs[name] + by[:, None]})
 
     def side_forces(self, tires: Mapping[str, Tire]) -> FloatArray:
         """Return the side force of each axle per static load, shape (n, 2)."""

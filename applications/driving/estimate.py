@@ -44,8 +44,8 @@ LARGEST_NOISE, SLOWER = 1.5, ("x", "y", "heading", "speed_rate")
 #: Degrees of freedom of Student's distribution of the residuals: what a model does not resolve, the release of a brake
 #: or a wheel that is about to lock, comes in bursts.
 FREEDOM = 4.0
-#: Most steps of the unknowns, and from an estimate that is near; smallest part of a step that is tried.
-ROUNDS, NEAR_ROUNDS, SHORTEST = 60, 20, 1e-2
+#: Most steps of the unknowns; smallest part of a step that is tried.
+ROUNDS, SHORTEST = 60, 1e-2
 #: Least part of a step of the unknowns that is taken after one that it reverses. Convention: computing time.
 LEAST = 0.3
 #: Rounds for which the slope of the volume is kept, but for steps shorter than this, and forces that are added, but for
@@ -197,7 +197,7 @@ def _estimated(
         beyond = values_of(interval.value_chunk, grid, states, z[:n], interval_data(grid))[:, -n_balance:]
         return held.and_columns(*discrepancy_columns(grid, states, unknowns.car_values(car, z), beyond, size))
 
-    held = forces(grid, start, z)
+    held = forces(grid, start, near.z if near else z)
     added = acting(grid, start, z, held)
     n_rest = added.further - held.further
     rest = rest if near else np.zeros(n_rest)
@@ -208,14 +208,18 @@ def _estimated(
         start = MotionProblem(grid, interval, added, z, deviations.copy(), equal).solved(start).states
         grid = _moved(grid, interval, start, log, car, unknowns.car_values(car, z))
         added = acting(grid, start, z, held)
-    at = MotionProblem(grid, interval, added, z, deviations.copy(), equal).solved(start)
+    weights = equal
+    if near:  # of the estimate that is near
+        added = curved(grid, interval, added, start, z)
+        weights = _weights(MotionProblem(grid, interval, added, z, deviations, equal).linear(start).values)
+    at = MotionProblem(grid, interval, added, z, deviations.copy(), weights).solved(start)
     converged, arrived, length, last, resized = False, bool(near or part), 1.0, np.zeros(len(z)), 0.0
     radius = LONGEST_STEP
     limits = np.full((2, len(z)), LARGEST) * [[-1.0], [1.0]]
     limits[:, n : n + held.further] = held.limits
     longest, slope, stalled = np.inf, np.zeros(len(z)), False
     of_tires = (np.arange(len(z)) >= len(unknowns.car)) & (np.arange(len(z)) < n)
-    for round_ in range(NEAR_ROUNDS if near else ROUNDS):
+    for round_ in range(ROUNDS):
         fresh = stalled or longest < NEAR or round_ % SLOPE_ROUNDS == 0
         if fresh:  # it changes slowly
             slope = at.volume_slope()

@@ -149,14 +149,19 @@ class Factor:
     ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
         """Return the step of the states and of the unknowns, of which some are free, each by `longest` at most.
 
-        `limits`, shape (2, n_z): an unknown that is at one of them and would pass it stays there.
+        `limits`, shape (2, n_z): an unknown that is at one of them and would pass it stays there, and the others have
+        the step for that.
         """
-        change_z, whole = np.zeros(len(z)), self.slope(slope)
-        free = free & ~((z <= limits[0]) & (whole > 0.0)) & ~((z >= limits[1]) & (whole < 0.0))
-        change_z[free] = -cho_solve(cho_factor(self.schur[free][:, free]), whole[free])
+        whole, change_z = self.slope(slope), np.zeros(len(z))
+        while True:
+            change_z[free] = -cho_solve(cho_factor(self.schur[free][:, free]), whole[free])
+            beyond = (z <= limits[0]) & (change_z < 0.0) | (z >= limits[1]) & (change_z > 0.0)
+            if not beyond.any():
+                break
+            free, change_z = free & ~beyond, np.zeros(len(z))
         change_z *= min(1.0, longest / max(float(np.abs(change_z).max()), 1e-12))
         change_z = np.clip(z + change_z, *limits) - z
-        return (self.slopes @ change_z - self.solved_gradient).reshape(-1, self.n), change_z
+        return (self.slopes @ change_z).reshape(-1, self.n), change_z
 
 
 def posterior_of(grid: Grid, factor: Factor) -> Posterior:

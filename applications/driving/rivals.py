@@ -27,7 +27,6 @@ from .inputs.car import Car
 from .inputs.grid import Grid
 from .inputs.unknowns import AXLES, CHANGED, CHANGES, FACTOR_SPREAD, FACTORS, SAME, Unknowns
 from .interval import BALANCE, MOTION, AddedForces
-from .linear_solution import LONGEST_STEP
 from .trust.contradiction import is_agreement
 
 FloatArray = npt.NDArray[np.float64]
@@ -39,17 +38,20 @@ ODDS, WRONG_SPREAD = 0.05, 10.0
 #: Factor of the prior odds of an effect for each coefficient after the first. Judgement: of effects that a drive does
 #: not separate, the simpler one is the more likely.
 FURTHER = 0.5
-#: Effects whose coefficients are estimated, rounds of that, and a change of a standardized coefficient that ends them;
-#: the most likely ones, with which the whole drive is estimated. Convention: computing time.
-COMPARED, FITTED, SMALL_CHANGE, REESTIMATED = 4, 4, 0.1, 2
-#: Probability from which an effect is reported. Coefficients are estimated if twice the gain before that can reach it.
+#: Effects whose coefficients are estimated, rounds of that, and a change of a standardized coefficient that ends them.
+#: Convention: computing time.
+COMPARED, FITTED, SMALL_CHANGE = 4, 4, 0.1
+#: Probability from which the whole drive is estimated with an effect, and it is reported. Coefficients are estimated if
+#: twice the gain before that can reach it.
 LIKELY = 0.05
 LIKELY_ODDS = float(np.log(LIKELY / (1.0 - LIKELY)))
 #: Error of the form of a tire over its side force. Judgement: a Magic Formula differs from bench data by about 1 %, of
 #: which its factors and the car take the larger part.
 FORM_ERROR = 0.003
-#: Step of a coefficient for derivatives, in its standard deviations, and of a slip angle, rad.
-STEP, SLIP_STEP = 0.02, 1e-4
+#: Step of a coefficient for derivatives, in its standard deviations, of a slip angle, rad, and of a load, N.
+STEP, SLIP_STEP, LOAD_STEP = 0.02, 1e-4, 50.0
+#: The left and the right corners.
+SIDES = np.array([[1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]])
 
 
 @dataclass(frozen=True)
@@ -171,28 +173,45 @@ def reestimated(
     """Return the explanations compared by estimates of the whole drive with likely effects, and these by name.
 
     About an estimate without an effect, other unknowns and the noise have taken a part of it, and the linearized
-    evidence is too small. One power for all likelihoods is that of the effect that explains most: a coarsened
-    likelihood has one, and the effects compete with each other.
+    evidence is too small. Effects are estimated until no likely one is left.
     """
-    likely = [rival for rival in ranked if rival.missing and rival.log_odds > LIKELY_ODDS][:REESTIMATED]
-    fitted = {rival.missing.name: refit(rival) for rival in likely if rival.missing}
+    compared, fitted = _ranked(ranked), dict[str, DriveExplanation | None]()
+    while likely := [rival for rival in compared if _name(rival) not in ("", *fitted) and rival.probability > LIKELY]:
+        fitted |= {_name(rival): refit(rival) for rival in likely}
+        compared = _compared(ranked, fitted, base, unknowns)
+    return compared, {name: explanation for name, explanation in fitted.items() if explanation}
+
+
+def _name(rival: Rival) -> str:
+    """Return the name of an effect, '' for none."""
+    return rival.missing.name if rival.missing else ""
+
+
+def _compared(
+    ranked: Sequence[Rival], fitted: Mapping[str, DriveExplanation | None], base: DriveExplanation, unknowns: Unknowns
+) -> list[Rival]:
+    """Return the explanations compared by those estimates that there are.
+
+    One power for all likelihoods is that of the effect that explains most: a coarsened likelihood has one, and the
+    effects compete with each other.
+    """
     estimates = {name: explanation for name, explanation in fitted.items() if explanation}
     if not estimates:
-        return list(ranked), {}
+        return _ranked(ranked)
     evidence = _whole_evidence(base, unknowns)
     gains = {name: _whole_evidence(explanation, unknowns) - evidence for name, explanation in estimates.items()}
     strongest = max(gains, key=lambda name: graded(gains[name]))
-    power = next(rival.power for rival in ranked if rival.missing and rival.missing.name == strongest)
+    power = next(rival.power for rival in ranked if _name(rival) == strongest)
     rivals = []
     for rival in ranked:
-        name = rival.missing.name if rival.missing else ""
+        name = _name(rival)
         if name in estimates:
             u = estimates[name].estimate.z[len(unknowns) :][: len(rival.u)]
             rival = replace(rival, u=u, gain=gains[name], power=power)
         elif name in fitted:  # without an optimum, it may explain as much
             rival = replace(rival, gain=max(rival.gain, gains[strongest]), power=power)
         rivals.append(rival)
-    return _ranked(rivals), estimates
+    return _ranked(rivals)
 
 
 def _whole_evidence(explanation: DriveExplanation, unknowns: Unknowns) -> float:
@@ -262,64 +281,59 @@ def _fitted(
     return float(evidence), u, is_agreement(z[:n_car], covariance[:n_car, :n_car])
 
 
-def nearby(rival: Rival, base: DriveExplanation, unknowns: Unknowns, car: Car) -> Estimate:
-    """Return an estimate without an effect at the coefficients of one, with factors that give the same side forces."""
+def nearby(rival: Rival, base: DriveExplanation, unknowns: Unknowns) -> Estimate:
+    """Return an estimate without an effect as the start of one with it: coefficients in proportion to it are 0.
+
+    The linearized coefficients would begin far from any optimum where the effect changes what the car takes.
+    """
     missing, estimate = rival.missing, base.estimate
     assert missing is not None
-    motion, z = motion_of(base.grid, estimate, unknowns, car), estimate.z.copy()
-    wanted = motion.side_forces(missing.off(factor_values(unknowns, z)))
-
-    def rest(z: FloatArray) -> FloatArray:
-        return np.nan_to_num(motion.side_forces(missing.on(rival.u, factor_values(unknowns, z))) - wanted).ravel()
-
-    places = [unknowns.factor(*pair) for pair in unknowns.factors]
-    for _ in range(FITTED):
-        at = rest(z)
-        columns = [(rest(z + STEP * (np.arange(len(z)) == i)) - at) / STEP for i in places]
-        change = np.linalg.lstsq(np.stack(columns, axis=1), -at, rcond=1e-6)[0]
-        z[places] += np.clip(change, -LONGEST_STEP, LONGEST_STEP)
+    u = np.where([name in missing.logarithmic for name in missing.center], rival.u, 0.0)
     n = len(unknowns)
-    return replace(estimate, z=np.concatenate([z[:n], rival.u, z[n:]]))
+    return replace(estimate, z=np.concatenate([estimate.z[:n], u, estimate.z[n:]]))
 
 
 def forces_of(rival: Rival, unknowns: Unknowns, car: Car, base: DriveExplanation) -> Forces:
-    """Return the forces of an effect about the motion, the factors and the coefficients that are estimated so far.
+    """Return the forces of an effect about the motion and the unknowns that are estimated so far.
 
-    They are linear in the factors and in the slip angles, too: of a tire with the effect, these change other forces
-    than of one without.
+    They are linear in the coefficients, in factors, slip angles and loads, too: of a tire with the effect, these change
+    other forces than of one without. Slip angles follow from the motion and the car, loads from the car.
     """
     missing, n, further = rival.missing, len(unknowns), len(rival.u)
     assert missing is not None
 
     def forces(grid: Grid, states: FloatArray, z: FloatArray) -> AddedForces:
-        u = z[n : n + further] if len(z) > n else rival.u
-        motion = motion_of(grid, replace(base.estimate, states=states, z=z), unknowns, car)
+        def motion_at(z: FloatArray) -> Motion:
+            return motion_of(grid, replace(base.estimate, states=states, z=z), unknowns, car)
 
-        def without(z: FloatArray, motion: Motion = motion) -> FloatArray:
-            return motion.side_forces(missing.off(factor_values(unknowns, z)))
+        def added(z: FloatArray, motion: Motion) -> FloatArray:
+            factors = factor_values(unknowns, z)
+            on, off = missing.on(z[n : n + further], factors), missing.off(factors)
+            return np.nan_to_num(motion.side_forces(on) - motion.side_forces(off))
 
-        def added(u: FloatArray, z: FloatArray, off: FloatArray, motion: Motion = motion) -> FloatArray:
-            return np.nan_to_num(motion.side_forces(missing.on(u, factor_values(unknowns, z))) - off)
-
-        off = without(z)
-        at, columns = added(u, z, off), []
-        by_factor = {}
-        for name in FACTORS:  # of both axles at once
-            moved = z.copy()
-            moved[[unknowns.factor(axle, name) for axle in AXLES]] += STEP
-            by_factor[name] = (added(u, moved, without(moved)) - at) / STEP
+        motion, steps = motion_at(z), STEP * np.eye(len(z))
+        at, columns = added(z, motion), []
+        by_slip = (added(z, motion.moved("alpha", np.full(4, SLIP_STEP))) - at) / SLIP_STEP
+        by_load = [(added(z, motion.moved("Fz", LOAD_STEP * side)) - at) / LOAD_STEP for side in SIDES]
+        for step in steps[: len(unknowns.car)]:
+            other = motion_at(z + step)
+            slip, load = ((other.inputs[name] - motion.inputs[name]).reshape(2, 2, -1).T for name in ("alpha", "Fz"))
+            change = by_slip * slip.mean(axis=1) + by_load[0] * load[:, 0] + by_load[1] * load[:, 1]
+            columns.append((change + at * (np.array(motion.loads) / other.loads - 1.0)) / STEP)
+        by_factor = {  # of both axles at once
+            name: (added(z + sum(steps[unknowns.factor(axle, name)] for axle in AXLES), motion) - at) / STEP
+            for name in FACTORS
+        }
         for axle, name in unknowns.factors:
             columns.append(np.where([axle == other for other in AXLES], by_factor[name], 0.0))
-        columns += [(added(u + STEP * (np.arange(further) == i), z, off) - at) / STEP for i in range(further)]
+        columns += [(added(z + step, motion) - at) / STEP for step in steps[n : n + further]]
         by_last = np.stack(columns, axis=2)
         middle = (states[grid.left] + states[grid.right])[:, : len(MOTION)] / 2
-        turned = motion.turned(SLIP_STEP)
-        by_slip = (added(u, z, without(z, turned), turned) - at) / SLIP_STEP
         entries = unknowns.car_values(car, z)
         arms = np.array([entries["cg_to_front"], -entries["cg_to_rear"]])
         by_vy = by_slip / middle[:, :1]
         slopes = np.stack([np.zeros_like(at), by_vy, by_vy * arms], axis=2)
-        offset = at - by_last @ np.concatenate([z[len(unknowns.car) : n], u]) - np.einsum("kim,km->ki", slopes, middle)
+        offset = at - by_last @ z[: n + further] - np.einsum("kim,km->ki", slopes, middle)
         return AddedForces(offset, by_last, slopes, further, limits=missing.limits(further))
 
     return forces

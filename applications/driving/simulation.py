@@ -236,8 +236,9 @@ def errors_of(motion: FloatArray, grid: Grid, estimate: Estimate, unknowns: Unkn
 
 def code_forces(tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, FloatArray]]) -> TireForces:
     """Return the forces of the tires for given states, from their generated code; `factors`: see `simulated`."""
-    parameters = {axle: list(tires[axle].parameters()) for axle in AXLES}
+    given = {axle: tires[axle].parameters() for axle in AXLES}
     codes = {axle: fastest_code(tires[axle].symbolic_model) for axle in AXLES}
+    parameters = {axle: list(values) for axle, values in given.items()}
     for axle in AXLES:
         for name, values in factors.get(axle, {}).items():
             place = list(tires[axle].symbolic_model.coefficients).index(name)
@@ -249,11 +250,11 @@ def code_forces(tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, Fl
             some = [inputs[name][2 * i : 2 * i + 2] if name in inputs else tire.nominal(name) for name in tire.inputs]
             rows = tire.effective_inputs(np.stack(np.broadcast_arrays(*some)).reshape(len(some), -1))
             if factors:  # the parameters of each car
-                plain = all_plain(tire.symbolic_model, rows, tire.parameters())
+                plain = all_plain(tire.symbolic_model, rows, given[axle])
                 outputs = numpy_routine(tire.symbolic_model, "forces", plain=plain)(tuple(rows), parameters[axle])
                 outputs = np.broadcast_arrays(rows[0], *outputs[:2])[1:]
             else:
-                outputs = codes[axle].forces(rows, np.array(parameters[axle]))[:2]
+                outputs = codes[axle].forces(rows, given[axle])[:2]
             parts.append(np.array(outputs).reshape(2, 2, -1))
         return np.concatenate(parts, axis=1)
 

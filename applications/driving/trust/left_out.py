@@ -164,17 +164,19 @@ def is_better(before: FloatArray, after: FloatArray) -> bool:
 
 def left_out(
     parts: Parts, base: Parts, tires: Mapping[str, Tire], new: Mapping[str, Tire], pairs: Sequence[tuple[str, str]]
-) -> tuple[LeftOut, frozenset[tuple[str, str]]]:
+) -> tuple[LeftOut, frozenset[tuple[str, str]], bool]:
     """Return the errors with the given tires (factors of 1) and with the new tires (estimated factors).
 
     `parts`: of the answer; `base`: of the estimate without an effect, which is the same if the answer has none. Also
-    returned: those of some factors, by axle and name, without which the error is larger.
+    returned: those of some factors, by axle and name, without which the error is larger, and whether it is with the
+    estimated factors of `base`.
     """
     everything, one_each = base.unknowns.factors, [(pair,) for pair in pairs]
     if parts is base:
         (before, rms_before), (after, rms_after), *others = parts.errors(new, [everything, (), *one_each])
+        scaled = after
     else:
-        ((before, rms_before),) = base.errors(tires, [everything])
+        (before, rms_before), (scaled, _) = base.errors(tires, [everything, ()])
         (after, rms_after), *others = parts.errors(new, [(), *one_each])
     starts = parts.grid.t[pieces_of(parts.grid, parts.car)]
     spans = [starts[parts.number == i] for i in range(len(before))]
@@ -183,4 +185,4 @@ def left_out(
         for some, first, second in zip(spans, before, after, strict=True)
     )
     better = frozenset(pair for pair, (without, _) in zip(pairs, others, strict=True) if is_better(without, after))
-    return LeftOut(rms_before, rms_after, rows, is_better(before, after)), better
+    return LeftOut(rms_before, rms_after, rows, is_better(before, after)), better, is_better(scaled, after)
