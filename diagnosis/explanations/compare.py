@@ -440,6 +440,6 @@ def _with_effect(table: Table, refit: Refitted, more: Explanation, gain: Gain) -
 
 def _starts(table: Table, refit: Refitted, more: Explanation, gain: Gain) -> list[FloatArray]:
     """Return initial values for an explanation with an addition, beside what it has of a refit."""
-    estimate = gain.estimate * gain.addition.deviation
+    estimate = (gain.estimate * gain.addition.deviation)[: len(gain.addition.form.probes)]
     at = replace(refit.linear.solution, parameters=table.without(refit, more))
     return starts(refit.linear.simulator, at, gain.addition.form, estimate)

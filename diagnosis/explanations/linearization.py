@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -223,9 +223,13 @@ class Linearization:
     @cached_property
     def _refinements(self) -> list[tuple[str, Form]]:
         """What is not fitted of the core and of each effect: its refinements and its other forms."""
-        declared = refinements_for(self.simulator.tire, frozenset(self.explanation.effects))
-        declared += [(name, form) for name in self.explanation.effects for form in self.candidates[name].forms]
-        forms = [(name, unfitted(form, self.simulator, self.solution.free)) for name, form in declared]
+        return self._unfitted(self.explanation.effects, self.solution.free)
+
+    def _unfitted(self, effects: Sequence[str], free: Collection[str]) -> list[tuple[str, Form]]:
+        """Return refinements and other forms of effects, and refinements of the baseline model, that are not free."""
+        declared = refinements_for(self.simulator.tire, frozenset(effects))
+        declared += [(name, form) for name in effects for form in self.candidates[name].forms]
+        forms = [(name, unfitted(form, self.simulator, free)) for name, form in declared]
         return [(name, form) for name, form in forms if form is not None and form.scalable]
 
     def needed_refinements(self) -> tuple[tuple[str, Form], ...]:
@@ -293,6 +297,7 @@ class Linearization:
     def of_effect(self, name: str) -> list[Addition]:
         """Return an addition for each form and point of a grid, which share the prior odds of the effect.
 
+        As in an explanation with the effect, what is not fitted of it is there, too, behind the probes of the form.
         There are none if the recording cannot show the effect. A coefficient that an effect of the explanation shares
         with it belongs to both.
         """
@@ -305,9 +310,16 @@ class Linearization:
         added = []
         for form in points:
             columns, deviation = self._probes(form)
-            alone = [slice(0, None)] if form.scalable else [slice(i, i + 1) for i in range(len(deviation))]
+            number = len(deviation)
+            alone = [range(number)] if form.scalable else [range(i, i + 1) for i in range(number)]
             prior = float(np.log(EFFECT_ODDS / (len(points) * len(alone))))
-            added += [Addition(name, columns[:, :, probes], deviation[probes], form, prior) for probes in alone]
+            others = self._unfitted([name], {*self.solution.free, *form.free})
+            finer = [self._probes(other) for owner, other in others if owner == name]
+            columns = np.concatenate([columns, *(of for of, _ in finer)], axis=-1)
+            deviation = np.concatenate([deviation, *(of for _, of in finer)])
+            for probes in alone:
+                at = [*probes, *range(number, len(deviation))]
+                added.append(Addition(name, columns[:, :, at], deviation[at], form, prior))
         return added
 
 
