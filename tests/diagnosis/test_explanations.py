@@ -705,6 +705,25 @@ def test_formulas_of_slips_and_load_are_errors_of_form_where_no_effect_is_in_the
     assert min(deviations[0]) >= min(DISCREPANCIES) > 100.0 * max(deviations[1])
 
 
+def test_the_gain_of_an_addition_is_that_of_the_explanation_with_it(sideways):
+    """At the same coefficients, with what is not fitted of the effect: without its refinements it would gain less."""
+    problem, solution, candidates = sideways
+    without = Linearization(Explanation(), problem, solution, candidates)
+    before, beyond_probes = without.equations().solved()[1], []
+    for name in ("conicity", "plysteer", "camber_thrust"):
+        addition = without.of_effect(name)[0]
+        columns = projected(without, [addition])
+        gain, of_probes = (
+            columns.gain(slice(0, part))[0] for part in (len(addition.deviation), len(addition.form.probes))
+        )
+        free = tuple(sorted({*solution.free, *addition.form.free}, key=problem.simulator.names.index))
+        explanation, at = Explanation(((name, addition.form),)), problem.at(solution.parameters, free)
+        there = Linearization(explanation, problem, at, candidates).equations().solved()[1]
+        assert there - before == pytest.approx(gain, rel=0.01)
+        beyond_probes.append(abs(gain - of_probes))
+    assert max(beyond_probes) > 1.0
+
+
 def test_what_an_effect_of_slips_and_load_reproduces_is_no_error_of_form():
     """In a baseline model without load_stiffness, slip stiffness that follows the load is this effect."""
     case = make_case(13, ())
