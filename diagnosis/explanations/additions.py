@@ -27,11 +27,22 @@ ALIKE = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Gain:
-    """An addition with the increase of the logarithm of the evidence, prior odds included, and its estimate."""
+    """An addition with the increase of the logarithm of the evidence, prior odds included.
+
+    - `estimate`, `of_fitted`: of what a refit fits of it, and its gain: it chooses between forms of an effect, each of
+      which has the others among what is not fitted.
+    """
 
     gain: float
     addition: Addition
     estimate: FloatArray
+    of_fitted: float
+
+    @classmethod
+    def of(cls, addition: Addition, columns: Projected, group: slice, prior: float = 0.0) -> Gain:
+        """Return the gain of an addition whose columns are a group of others."""
+        of_fitted, estimate = columns.gain(slice(group.start, group.stop - addition.unfitted))
+        return cls(columns.gain(group)[0] + prior, addition, estimate, of_fitted + prior)
 
 
 def projected(linear: Linearization, additions: Sequence[Addition], *, exactly: bool = False) -> Projected:
@@ -45,8 +56,7 @@ def gains(columns: Projected, additions: Sequence[Addition]) -> dict[str, list[G
     """Return what could be added to an explanation, by name, with its gain in the linear problem."""
     scored = dict[str, list[Gain]]()
     for addition, group in zip(additions, columns.groups, strict=True):
-        gain, estimate = columns.gain(group)
-        scored.setdefault(addition.name, []).append(Gain(gain + addition.log_prior, addition, estimate))
+        scored.setdefault(addition.name, []).append(Gain.of(addition, columns, group, addition.log_prior))
     return scored
 
 
@@ -81,11 +91,11 @@ def rivals_of(columns: Projected, additions: Sequence[Addition]) -> dict[str, Ga
     """
     correlation, best = dict[str, float](), dict[str, Gain]()
     for addition, group in zip(additions, columns.groups[1:], strict=True):
-        size = float(columns.correlations(group)[0])
+        size = float(columns.correlations(slice(group.start, group.stop - addition.unfitted))[0])
         correlation[addition.name] = max(correlation.get(addition.name, 0.0), size)
-        gain, estimate = columns.gain(group)
-        if addition.name not in best or graded(gain) > graded(best[addition.name].gain):
-            best[addition.name] = Gain(gain, addition, estimate)
+        gain = Gain.of(addition, columns, group)
+        if addition.name not in best or graded(gain.of_fitted) > graded(best[addition.name].of_fitted):
+            best[addition.name] = gain
     alike = [name for name, size in correlation.items() if size > ALIKE]
     return {name: best[name] for name in sorted(alike, key=lambda name: -graded(correlation[name]))[:RIVALS]}
 

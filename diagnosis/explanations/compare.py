@@ -418,7 +418,7 @@ def _formula(table: Table, refit: Refitted) -> tuple[Table, Refitted | None]:
 
 
 def _best(forms: Collection[Gain]) -> Gain:
-    return max(forms, key=lambda form: graded(form.gain))
+    return max(forms, key=lambda form: graded(form.of_fitted))
 
 
 def _with_gain(table: Table, explanation: Explanation, gain: Gain) -> Explanation:
@@ -440,6 +440,6 @@ def _with_effect(table: Table, refit: Refitted, more: Explanation, gain: Gain) -
 
 def _starts(table: Table, refit: Refitted, more: Explanation, gain: Gain) -> list[FloatArray]:
     """Return initial values for an explanation with an addition, beside what it has of a refit."""
-    estimate = (gain.estimate * gain.addition.deviation)[: len(gain.addition.form.probes)]
+    estimate = gain.estimate * gain.addition.deviation[: len(gain.estimate)]
     at = replace(refit.linear.solution, parameters=table.without(refit, more))
     return starts(refit.linear.simulator, at, gain.addition.form, estimate)

@@ -36,6 +36,7 @@ class Addition:
     - `columns`, shape (n_channels, n, k): change of the forces, N and N m; none if they are weighted.
     - `deviation`, shape (k,): of the priors of their coefficients.
     - `log_prior`: logarithm of the prior odds of the explanation with it.
+    - `unfitted`: number of the last columns that a refit does not fit.
     - `weighted_columns`: the columns in noise standard deviations, if they are known.
     """
 
@@ -44,6 +45,7 @@ class Addition:
     deviation: FloatArray
     form: Form = NO_FORM
     log_prior: float = 0.0
+    unfitted: int = 0
     weighted_columns: WeightedColumns | None = None
 
     def weighted(self, problem: LeastSquares) -> Addition:
@@ -319,7 +321,7 @@ class Linearization:
             deviation = np.concatenate([deviation, *(of for _, of in finer)])
             for probes in alone:
                 at = [*probes, *range(number, len(deviation))]
-                added.append(Addition(name, columns[:, :, at], deviation[at], form, prior))
+                added.append(Addition(name, columns[:, :, at], deviation[at], form, prior, len(deviation) - number))
         return added
 
 

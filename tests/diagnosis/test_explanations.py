@@ -539,7 +539,8 @@ def test_what_a_formula_explains_is_no_evidence_of_an_effect_in_its_place():
         report=lambda sentence: None,
         with_linear=lambda parts, evidence, prior: recorded.append(parts) or table,
     )  # fmt: skip
-    added = {name: [Gain(1.0, Addition(name, np.zeros((1, 1, 1)), np.ones(1)), np.zeros(1))] for name in candidates}
+    alone = {name: Addition(name, np.zeros((1, 1, 1)), np.ones(1)) for name in candidates}
+    added = {name: [Gain(1.0, addition, np.zeros(1), 1.0)] for name, addition in alone.items()}
     list(compare.extended(table, added, refit))
     assert recorded == [("T", UNKNOWN)]
 
@@ -713,14 +714,12 @@ def test_the_gain_of_an_addition_is_that_of_the_explanation_with_it(sideways):
     for name in ("conicity", "plysteer", "camber_thrust"):
         addition = without.of_effect(name)[0]
         columns = projected(without, [addition])
-        gain, of_probes = (
-            columns.gain(slice(0, part))[0] for part in (len(addition.deviation), len(addition.form.probes))
-        )
+        gain = Gain.of(addition, columns, columns.groups[0])
         free = tuple(sorted({*solution.free, *addition.form.free}, key=problem.simulator.names.index))
         explanation, at = Explanation(((name, addition.form),)), problem.at(solution.parameters, free)
         there = Linearization(explanation, problem, at, candidates).equations().solved()[1]
-        assert there - before == pytest.approx(gain, rel=0.01)
-        beyond_probes.append(abs(gain - of_probes))
+        assert there - before == pytest.approx(gain.gain, rel=0.01)
+        beyond_probes.append(abs(gain.gain - gain.of_fitted))
     assert max(beyond_probes) > 1.0
 
 
