@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ...boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
-    from .additions import Gain, best_formula, formulas_of_form, projected, rivals_of
+    from .additions import Gain, best_formula, projected, reproduced_terms, rivals_of
     from .answer import OneOf, RankedExplanation, answer_of, percent
     from .budget import Budget, Ended
     from .compare import compared

@@ -10,12 +10,12 @@ import numpy as np
 from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
 from ..probing.effect_probing import Screen
-from ..thresholds import CONFOUNDED, RIVALS, UNKNOWN_SHARE
+from ..thresholds import CONFOUNDED, RIVALS
 from ..unexplained.features import CORE_INPUTS
 from ..unexplained.formula_proposal import Dictionary
 from ..weighted_columns import joined
 from .evidence import NormalEquations, Projected
-from .explanation import UNKNOWN, Term, prior_deviation, unknown_terms
+from .explanation import UNKNOWN, Term, prior_deviation, terms_of_form
 from .linearization import Addition, Linearization, weighted_additions
 from .refit import Refitted, Shared, refitted
 
@@ -100,30 +100,20 @@ def rivals_of(columns: Projected, additions: Sequence[Addition]) -> dict[str, Ga
     return {name: best[name] for name in sorted(alike, key=lambda name: -graded(correlation[name]))[:RIVALS]}
 
 
-def formulas_of_form(linear: Linearization) -> FloatArray:
-    """Return terms of formulas that are errors of form: they read the inputs of the core alone, as no candidate does.
+def reproduced_terms(linear: Linearization) -> frozenset[str]:
+    """Return the texts of terms of slips and load that a candidate of these inputs alone reproduces.
 
-    What a candidate of these inputs alone reproduces is this effect, and no error of form. Left and right are alike in
-    them. Each is as large as the measured forces.
-
-    `linear`: of the baseline model. Returns: N and N m, shape (n_channels, n, k).
+    They are this effect, and no errors of form. `linear`: of the baseline model.
     """
-    terms = [
-        term
-        for term in unknown_terms(linear.problem, linear.solution)
-        if term.depends_on <= CORE_INPUTS and term.feature.odd is term.location.sideways
-    ]
-    if not terms:
-        return np.zeros((*linear.problem.inverse_noise.shape, 0))
+    terms = terms_of_form(linear.problem, linear.solution)
     static = [name for name, candidate in linear.candidates.items() if not candidate.has_states]
     of_core = [name for name in static if linear.candidates[name].reads <= CORE_INPUTS]
     effects = [addition for name in of_core for addition in linear.of_effect(name)]
+    if not terms or not effects:
+        return frozenset()
     columns = projected(linear, [_together(terms), *effects])
-    alike = [columns.correlations(group)[: len(terms)] for group in columns.groups[1:]]
-    reproduced = np.max([np.zeros(len(terms)), *alike], axis=0) > CONFOUNDED
-    pairs = zip(terms, reproduced.tolist(), strict=True)
-    kept = [term.deviation / UNKNOWN_SHARE * term.column for term, named in pairs if not named]
-    return np.stack(kept, axis=-1) if kept else np.zeros((*linear.problem.inverse_noise.shape, 0))
+    alike = np.max([columns.correlations(group)[: len(terms)] for group in columns.groups[1:]], axis=0)
+    return frozenset(term.text for term, size in zip(terms, alike.tolist(), strict=True) if size > CONFOUNDED)
 
 
 def best_formula(shared: Shared, refit: Refitted) -> Refitted | None:

@@ -19,7 +19,7 @@ from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import starts
 from ..thresholds import CONFOUNDED, EFFECT_ODDS, REFIT_MARGIN, RIVALS
-from .additions import Gain, best_formula, formulas_of_form, gains, in_place_of, projected, rivals_of
+from .additions import Gain, best_formula, gains, in_place_of, projected, reproduced_terms, rivals_of
 from .answer import NAMED, UNSURE, Answer, answer_of
 from .budget import Budget, Ended
 from .effect_evidence import with_rivals
@@ -164,9 +164,9 @@ def _tables(
     tables are added. Nobody knows the noise, and an explanation leads easily under its own: all of them count equally.
     """
     seen, far, explained = set[Parts](), frozenset[Parts](), 0.0
-    formulas = formulas_of_form(linear)
+    reproduced = reproduced_terms(linear)
     for remaining in reversed(range(ESTIMATES)):
-        empty = replace(_empty(linear, baseline, formulas, explained, budget), far=far)
+        empty = replace(_empty(linear, baseline, reproduced, explained, budget), far=far)
         table = yield from _climbed(empty, linear)
         seen.add(linear.explanation.parts)
         first = bool(table.leader.explanation.parts) and not linear.explanation.parts
@@ -196,18 +196,20 @@ def _growth(table: Table) -> float:
     return inflation(table.explained) / inflation(table.shared.explained)
 
 
-def _empty(linear: Linearization, baseline: Solution, formulas: FloatArray, explained: float, budget: Budget) -> Table:
+def _empty(
+    linear: Linearization, baseline: Solution, reproduced: Collection[str], explained: float, budget: Budget
+) -> Table:
     """Return an empty table under the noise of a linearization.
 
-    `formulas`: in the discrepancy. `explained`: logarithm of the likelihood by which the explanation of the
-    linearization is better than none.
+    `reproduced`: terms that are no errors of form. `explained`: logarithm of the likelihood by which the explanation of
+    the linearization is better than none.
     """
     additions = dict[str, list[Addition]]()
     for name in linear.lacking:
         budget.check()
         additions[name] = linear.of_effect(name)
-    every = [addition for forms in additions.values() for addition in forms]
-    shared = shared_problem(linear, baseline, every, formulas, explained, budget)
+    every = [addition.fitted() for forms in additions.values() for addition in forms]
+    shared = shared_problem(linear, baseline, every, reproduced, explained, budget)
     weighted = {name: [addition.weighted(shared.problem) for addition in forms] for name, forms in additions.items()}
     return Table(shared, baseline.parameters, weighted)
 

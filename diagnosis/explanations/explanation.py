@@ -50,6 +50,11 @@ class Term:
     log_prior: float = 0.0
 
     @property
+    def text(self) -> str:
+        """What acts where."""
+        return f"{self.location.name}: {self.feature.text}"
+
+    @property
     def depends_on(self) -> frozenset[str]:
         """The variables of the feature, and those that the location is proportional to."""
         return self.feature.depends_on.union(self.location.proportional_to)
@@ -164,6 +169,12 @@ def unknown_terms(problem: LeastSquares, solution: Solution) -> list[Term]:
         for column in [acting[location.name, feature.inclined] * feature.values]
         if (deviation := prior_deviation(problem, column)) > 0.0
     ]
+
+
+def terms_of_form(problem: LeastSquares, solution: Solution) -> list[Term]:
+    """Return the terms that read the inputs of the core alone; left and right are alike in them."""
+    terms = unknown_terms(problem, solution)
+    return [term for term in terms if term.depends_on <= CORE_INPUTS and term.feature.odd is term.location.sideways]
 
 
 def prior_deviation(problem: LeastSquares, column: FloatArray) -> float:

@@ -48,6 +48,11 @@ class Addition:
     unfitted: int = 0
     weighted_columns: WeightedColumns | None = None
 
+    def fitted(self) -> Addition:
+        """Return the addition without what a refit does not fit."""
+        number = len(self.deviation) - self.unfitted
+        return replace(self, columns=self.columns[:, :, :number], deviation=self.deviation[:number], unfitted=0)
+
     def weighted(self, problem: LeastSquares) -> Addition:
         """Return the addition with its columns in the noise standard deviations of a problem."""
         return replace(

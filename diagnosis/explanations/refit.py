@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import chain
@@ -18,11 +18,11 @@ from ..least_squares import AT_BOUND, LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..signals.disturbances import Disturbances
 from ..signals.simulation import Simulator
-from ..thresholds import DISCREPANCIES, MAX_ROWS
+from ..thresholds import DISCREPANCIES, MAX_ROWS, UNKNOWN_SHARE
 from .budget import Budget
 from .discrepancy import fast_drift, grip_drift, input_noise_responses, model_discrepancy
 from .evidence import NormalEquations, inflation, likelihood_power
-from .explanation import Explanation, Term
+from .explanation import Explanation, Term, terms_of_form
 from .linearization import TERM, Addition, Linearization
 
 #: How the names of the columns of the discrepancy, and of fast drift and noise of the inputs, begin.
@@ -164,8 +164,8 @@ def _evaluated(
 
 
 def shared_problem(
-    linear: Linearization, baseline: Solution, effects: Sequence[Addition], formulas: FloatArray, explained: float,
-    budget: Budget,
+    linear: Linearization, baseline: Solution, effects: Sequence[Addition], reproduced: Collection[str],
+    explained: float, budget: Budget,
 ) -> Shared:  # fmt: skip
     """Return the common noise and discrepancy.
 
@@ -173,8 +173,8 @@ def shared_problem(
     deviation of each channel's discrepancy is that of the largest evidence.
 
     `linear`: at the leading explanation, with rows of independent noise. `baseline`: solution of the baseline model.
-    `effects`: that it lacks. `formulas`: that are errors of form (`additions.formulas_of_form`). `explained`: logarithm
-    of the likelihood that it explains.
+    `effects`: that it lacks. `reproduced`: terms that are no errors of form (`additions.reproduced_terms`).
+    `explained`: logarithm of the likelihood that it explains.
     """
     problem, signals, additions = linear.problem, linear.simulator.signals, [*effects, linear.unknown()]
     drift, of_drift = fast_drift(signals, problem.inverse_noise)
@@ -184,7 +184,7 @@ def shared_problem(
     deviation = np.concatenate([of_drift, of_grip, np.ones(noise.shape[-1])])
     names = tuple(f"{BENCH}{i}" for i in range(len(deviation)))
     disturbances = problem.disturbances.extended(names, np.concatenate([drift, grip, noise], axis=-1), deviation)
-    smooth = model_discrepancy(signals, forces)
+    smooth, formulas = model_discrepancy(signals, forces), _of_formulas(problem, baseline, reproduced)
     columns = np.concatenate([smooth, formulas], axis=-1)
     channels = np.argmax(np.any(smooth, axis=1), axis=0).tolist() + [OF_FORMULAS] * formulas.shape[-1]
     names = tuple(f"{DISCREPANCY}{channel}_{i}" for i, channel in enumerate(channels))
@@ -201,6 +201,16 @@ def shared_problem(
     of_leader = {name for name in disturbances.names if name.startswith(TERM)}
     chosen = replace(noisy, disturbances=disturbances.without(of_leader) if of_leader else disturbances)
     return Shared(chosen, baseline.free, linear.candidates, explained, budget)
+
+
+def _of_formulas(problem: LeastSquares, baseline: Solution, reproduced: Collection[str]) -> FloatArray:
+    """Return the terms of formulas that are errors of form, N and N m, shape (n_channels, n, k).
+
+    Each is as large as the measured forces.
+    """
+    terms = [term for term in terms_of_form(problem, baseline) if term.text not in reproduced]
+    columns = [term.deviation / UNKNOWN_SHARE * term.column for term in terms]
+    return np.stack(columns, axis=-1) if columns else np.zeros((*problem.inverse_noise.shape, 0))
 
 
 def _best_deviation(normal: NormalEquations, disturbances: Disturbances) -> FloatArray:
