@@ -27,12 +27,12 @@ from tirefmu.diagnosis.explanations import (
     compare,
     compared,
     effect_discrepancy,
-    formulas_of_form,
     grip_drift,
     model_discrepancy,
     percent,
     projected,
     refitted,
+    reproduced_terms,
     rivals_of,
     shared_problem,
     smooth_functions,
@@ -43,7 +43,7 @@ from tirefmu.diagnosis.explanations.compare import _simplest, reduced
 from tirefmu.diagnosis.explanations.effect_evidence import rival_of, with_rivals
 from tirefmu.diagnosis.probing import candidates_for, fit_baseline
 from tirefmu.diagnosis.signals import CROSS_TALK, between_rows, signals_of
-from tirefmu.diagnosis.thresholds import CONFOUNDED, DISCREPANCIES, EFFECT_ODDS, INEXACT_SHARE
+from tirefmu.diagnosis.thresholds import DISCREPANCIES, EFFECT_ODDS, INEXACT_SHARE
 from tirefmu.diagnosis.unexplained.features import Feature, Location, directions
 from tirefmu.measurements import recording_from
 from tirefmu.symbolic.detection import Form
@@ -698,7 +698,7 @@ def test_formulas_of_slips_and_load_are_errors_of_form_where_no_effect_is_in_the
         linear = Linearization(Explanation(), other, other.at(solution.parameters, solution.free), candidates)
         additions = [addition for name in linear.lacking for addition in linear.of_effect(name)]
         disturbances = shared_problem(
-            linear, linear.solution, additions, formulas_of_form(linear), 0.0, unlimited()
+            linear, linear.solution, additions, reproduced_terms(linear), 0.0, unlimited()
         ).problem.disturbances
         named = zip(disturbances.names, disturbances.deviation, strict=True)
         deviations.append({float(size) for name, size in named if name.startswith("discrepancy_formulas")})
@@ -733,17 +733,14 @@ def test_what_an_effect_of_slips_and_load_reproduces_is_no_error_of_form():
     every = candidates_for(start)
     others = {name: candidate for name, candidate in every.items() if name != "load_stiffness"}
     linear = Linearization(Explanation(), problem, solution, every)
-    columns = [formulas_of_form(replace(linear, candidates=known)) for known in (every, others)]
-    remaining = [
-        column for column in np.moveaxis(columns[1], -1, 0)
-        if not np.isclose(column[:, :, None], columns[0]).all(axis=(0, 1)).any()
-    ]  # fmt: skip
-    assert columns[0].shape[-1] > 0
-    assert remaining
-    alone = [Addition("", column[:, :, None], np.ones(1)) for column in remaining]
-    columns = projected(linear, [*alone, *linear.of_effect("load_stiffness")])
-    alike = [columns.correlations(group)[: len(alone)] for group in columns.groups[len(alone) :]]
-    assert np.max(alike, axis=0).min() > CONFOUNDED
+    alike, without = (reproduced_terms(replace(linear, candidates=some)) for some in (every, others))
+    assert alike > without
+    additions = [addition for name in linear.lacking for addition in linear.of_effect(name)]
+    numbers = []
+    for names in (frozenset[str](), alike):
+        disturbances = shared_problem(linear, solution, additions, names, 0.0, unlimited()).problem.disturbances
+        numbers.append(sum(name.startswith("discrepancy_formulas") for name in disturbances.names))
+    assert numbers[0] == numbers[1] + len(alike)
 
 
 def test_a_formula_gains_beside_all_formulas_of_slips_and_load(complete):
@@ -758,7 +755,7 @@ def test_a_formula_gains_beside_all_formulas_of_slips_and_load(complete):
         other = problem.over(simulator.with_signals(recorded))
         linear = Linearization(Explanation(), other, other.at(solution.parameters, solution.free), candidates)
         additions = [addition for name in linear.lacking for addition in linear.of_effect(name)]
-        shared = shared_problem(linear, linear.solution, additions, formulas_of_form(linear), 0.0, unlimited())
+        shared = shared_problem(linear, linear.solution, additions, reproduced_terms(linear), 0.0, unlimited())
         formulas.append(best_formula(shared, refitted(shared, Explanation(), [solution.parameters], other.simulator)))
     assert formulas[0] is None
     assert frozenset({"T"}) in {term.depends_on for term in formulas[1].explanation.terms}
@@ -771,7 +768,7 @@ def test_a_misfit_counts_less_where_more_is_explained(sideways):
     misfit = problem.misfit(solution.parameters)[:, :, None]
     squares = []
     for explained in (0.0, 1.0 / INEXACT_SHARE, 9.0 / INEXACT_SHARE):
-        shared = shared_problem(linear, solution, additions, formulas_of_form(linear), explained, unlimited())
+        shared = shared_problem(linear, solution, additions, reproduced_terms(linear), explained, unlimited())
         squares.append(float(np.sum(shared.problem.weighted(misfit) ** 2)))
     assert squares == pytest.approx([squares[0], squares[0] / 2.0, squares[0] / 10.0], rel=1e-6)
 
@@ -780,7 +777,7 @@ def test_a_refit_that_begins_at_an_optimum_stays_there(sideways):
     problem, solution, candidates = sideways
     linear = Linearization(Explanation(), problem, solution, candidates)
     additions = [addition for name in linear.lacking for addition in linear.of_effect(name)]
-    shared = shared_problem(linear, solution, additions, formulas_of_form(linear), 0.0, unlimited())
+    shared = shared_problem(linear, solution, additions, reproduced_terms(linear), 0.0, unlimited())
     first = refitted(shared, Explanation(), [solution.parameters], problem.simulator)
     again = refitted(shared, Explanation(), [first.linear.solution.parameters], first.linear.simulator)
     assert again.linear.solution.cost <= first.linear.solution.cost
