@@ -43,7 +43,7 @@ DRAW = 34
 
 
 #: The same of the brush suite. Draw 0 was examined: its cases are those of the tests.
-BRUSH_DRAW = 2
+BRUSH_DRAW = 3
 
 
 #: The kinds of the second suite; unknown laws are a suite.
