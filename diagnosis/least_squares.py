@@ -16,11 +16,13 @@ from ..symbolic.added import AddedEffect
 from ..tires.code.interface import slices
 from .signals.disturbances import Disturbances
 from .signals.simulation import Simulator
-from .thresholds import FINAL_ITERATIONS
 from .weighted_columns import WeightedColumns, joined
 
 #: Width of a coefficient's bounds in standard deviations of its weak prior.
 RANGE_IN_DEVIATIONS = 4.0
+#: Largest number of iterations of a fit. Convention: computing time. With 5 most refits of measured recordings did not
+#: converge, and their names depended on single rows.
+ITERATIONS = 20
 #: Distance from a bound, as a share of the range, at which a coefficient is at the bound: a clipped step ends there.
 AT_BOUND = 1e-6
 #: Columns that are whitened at once: more take more memory, fewer more time.
@@ -142,7 +144,7 @@ class LeastSquares:
         return np.array([factors.get(name, 1.0) for name in free])
 
     def solve(
-        self, start: FloatArray, free: Sequence[str], *, iterations: int = 30, tolerance: float = 1e-5,
+        self, start: FloatArray, free: Sequence[str], *, iterations: int = ITERATIONS, tolerance: float = 1e-5,
         above: float = 0.0,
     ) -> Solution:  # fmt: skip
         """Fit the coefficients from initial values.
@@ -165,7 +167,7 @@ class LeastSquares:
 
     def fitted(self, start: FloatArray, free: Sequence[str]) -> tuple[LeastSquares, Solution]:
         """Return a solution of the final fits, and the problem whose states its forces drive."""
-        solution = self.solve(start, free, iterations=FINAL_ITERATIONS)
+        solution = self.solve(start, free)
         after = self.driven(solution)
         return after, after.at(solution.parameters, solution.free)
 

@@ -70,5 +70,3 @@ FOLDS = 5
 #: Largest number of effects that are refitted in place of one with which they are confounded. Logarithm of the evidence
 #: relative to the best explanation from which an addition is refitted: a twentieth. Conventions: computing time.
 RIVALS, REFIT_MARGIN = 3, -3.0
-#: Largest number of iterations of the final fits. Convention: computing time.
-FINAL_ITERATIONS = 20

@@ -18,7 +18,7 @@ from ...numerics.block_regression import error_of_sum
 from ...numerics.ties import graded
 from ..least_squares import LeastSquares, Solution, density_gains
 from ..probing.effect_probing import Screen
-from ..thresholds import CONFOUNDED, FINAL_ITERATIONS
+from ..thresholds import CONFOUNDED
 from .additions import in_place_of
 from .answer import NAMED, Answer
 from .explanation import UNKNOWN, in_order
@@ -192,7 +192,7 @@ def without_effect(after: Screen, coefficients: Collection[str]) -> Screen:
     removed = problem.simulator.without(solution.parameters, coefficients)
     others = tuple(name for name in solution.free if name not in coefficients)
     least = solution.cost
-    return Screen(problem, problem.solve(removed, others, iterations=FINAL_ITERATIONS, tolerance=EXACT, above=least))
+    return Screen(problem, problem.solve(removed, others, tolerance=EXACT, above=least))
 
 
 def _stretches(screen: Screen, change: FloatArray, z: float) -> IntArray:

@@ -25,7 +25,6 @@ from ..probing.baseline_fit import readable
 from ..probing.candidates import CORE, refinements_for
 from ..probing.effect_probing import Screen
 from ..signals.disturbances import CROSS_TALK, OFFSET, Disturbances
-from ..thresholds import FINAL_ITERATIONS
 from ..unexplained.formula_proposal import UnexplainedStructure, Unknown, proposed
 from .answer import Answer
 from .budget import Budget
@@ -264,6 +263,6 @@ def _whitened(
 def _refitted(problem: LeastSquares, equal: Solution, whitening: Whitening) -> Solution:
     """Return the whitened solution unless its misfit over rows of equal weight is much larger in a channel."""
     whitened = replace(problem, whitening=whitening)
-    other = whitened.solve(equal.parameters, equal.free, iterations=FINAL_ITERATIONS)
+    other = whitened.solve(equal.parameters, equal.free)
     squares = [np.sum(problem.weighted(solution.residual) ** 2, axis=1) for solution in (other, equal)]
     return other if np.all(squares[0] <= MAX_WHITENED_MISFIT**2 * squares[1]) else equal

@@ -29,8 +29,8 @@ from .linearization import TERM, Addition, Linearization
 DISCREPANCY, BENCH = "discrepancy_", "bench_"
 #: The group of terms of formulas in the discrepancy, and their deviation if the evidence is larger without them.
 OF_FORMULAS, ABSENT = "formulas", 1e-6
-#: Iterations of a refit, and before it of the choice of initial values; corrections of the skew.
-ITERATIONS, COARSE_ITERATIONS, ALIGNMENTS = 5, 8, 3
+#: Iterations before a refit, for the choice of initial values; corrections of the skew.
+COARSE_ITERATIONS, ALIGNMENTS = 8, 3
 #: Rows of this choice at least, if as many are compared; share of the cost by which it may still fall.
 COARSE_ROWS, COARSE = 1000, 1e-3
 #: Added to the scaled diagonal for a draw from the posterior: columns may be equal.
@@ -158,7 +158,7 @@ def _evaluated(
 ) -> Refitted:
     """Return a refit from all rows."""
     shared.budget.check()
-    solution = problem.solve(start, free, iterations=ITERATIONS)
+    solution = problem.solve(start, free)
     linear = Linearization(explanation, problem, solution, shared.candidates)
     return Refitted(linear, linear.equations().solved()[1])
 
