@@ -134,6 +134,7 @@ def _spread(result: Diagnosis, case: Case, channels: Sequence[str]) -> FloatArra
     """Return the spread of each force among tires with other sizes of the identified effects, over the operating range.
 
     The root mean square of the standard deviation over random tires, whose coefficients have the prior of the model.
+    Those without finite forces are no tires.
     """
     tire = result.tire.in_signs(FORMULA_SIGNS)
     model, rng, forces = tire.symbolic_model, np.random.default_rng(0), []
@@ -146,8 +147,8 @@ def _spread(result: Diagnosis, case: Case, channels: Sequence[str]) -> FloatArra
             declared = model.coefficients[name]
             center, deviation = model.prior_center.get(name, declared.default), model.prior_spread.get(name, 0.0)
             values[name] = float(np.clip(rng.normal(center, deviation), declared.lower, declared.upper))
-        computed = replace(tire, values=values).evaluate(table, signs=case.signs)
-        forces.append(computed[list(channels)].to_numpy())
+        computed = replace(tire, values=values).evaluate(table, signs=case.signs)[list(channels)].to_numpy()
+        forces += [computed] * bool(np.isfinite(computed).all())
     return np.sqrt(np.mean(np.var(forces, axis=0), axis=0)) if forces else np.zeros(len(channels))
 
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from .compare import compared
     from .discrepancy import effect_discrepancy, grip_drift, model_discrepancy, smooth_functions
     from .evidence import NormalEquations, Projected
-    from .explanation import UNKNOWN, Explanation, Term, unknown_terms
+    from .explanation import UNKNOWN, Explanation, Term, terms_of_form, unknown_terms
     from .final import balanced, coefficients_of, final_fits, refined_core, with_proven
     from .form import FORM, form_effect, form_of
     from .linearization import Addition, Linearization

@@ -36,6 +36,7 @@ from tirefmu.diagnosis.explanations import (
     rivals_of,
     shared_problem,
     smooth_functions,
+    terms_of_form,
     unknown_terms,
     without_folds,
 )
@@ -741,6 +742,25 @@ def test_what_an_effect_of_slips_and_load_reproduces_is_no_error_of_form():
         disturbances = shared_problem(linear, solution, additions, names, 0.0, unlimited()).problem.disturbances
         numbers.append(sum(name.startswith("discrepancy_formulas") for name in disturbances.names))
     assert numbers[0] == numbers[1] + len(alike)
+
+
+def test_formulas_of_form_follow_the_skew(complete):
+    """They are functions of the inputs that act, which are later than the recorded ones."""
+    problem, solution, candidates = complete
+    late = problem.over(problem.simulator.with_signals(problem.simulator.signals.delayed(0.02)))
+    directions_of = []
+    for of in (problem, late):
+        linear = Linearization(Explanation(), of, of.at(solution.parameters, solution.free), candidates)
+        additions = [addition for name in linear.lacking for addition in linear.of_effect(name)]
+        shared = shared_problem(linear, solution, additions, frozenset(), 0.0, unlimited()).problem.disturbances
+        formulas = [i for i, name in enumerate(shared.names) if name.startswith("discrepancy_formulas")]
+        terms = terms_of_form(of, solution)
+        assert len(terms) == len(formulas) > 0
+        columns = np.stack([term.column for term in terms], axis=-1)
+        unit = [values / np.linalg.norm(values, axis=(0, 1)) for values in (columns, shared.columns[:, :, formulas])]
+        np.testing.assert_allclose(*unit, atol=1e-12)
+        directions_of.append(unit[0])
+    assert np.abs(directions_of[1] - directions_of[0]).max() > 1e-3
 
 
 def test_a_formula_gains_beside_all_formulas_of_slips_and_load(complete):

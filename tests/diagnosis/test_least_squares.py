@@ -10,7 +10,7 @@ import pytest
 from tirefmu.diagnosis import LeastSquares, Projected
 from tirefmu.diagnosis.explanations import balanced
 from tirefmu.diagnosis.probing import fit_baseline
-from tirefmu.diagnosis.signals import reported_disturbances, signals_of, simulation
+from tirefmu.diagnosis.signals import load_error_responses, reported_disturbances, signals_of, simulation
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire
@@ -217,3 +217,21 @@ def test_a_fit_of_the_baseline_model_begins_at_the_given_tire(effect, monkeypatc
     signals = signals_of(table.drop(columns=["Fx", "Mz"]), lacking, "adapted-sae", smooth=False)
     _, solution = fit_baseline(lacking, signals, fitted=True)
     assert np.sqrt(np.mean(solution.residual**2)) < 1.1 * NOISE["Fy"]
+
+
+def test_an_error_of_the_load_changes_forces_as_the_load_does_and_turns_with_the_slip(problem, tire):
+    simulator, parameters = problem.simulator, tire.parameters()
+    signals = simulator.signals
+    load = (np.array(signals.names) == "Fz")[:, None]
+    moved = [
+        simulator.with_signals(replace(signals, inputs=signals.inputs * (1.0 + sign * 1e-3 * load))).forces(parameters)
+        for sign in (1.0, -1.0)
+    ]
+    growth = simulator.growth("Fz", parameters)
+    np.testing.assert_allclose(growth, (moved[0] - moved[1]) / 2e-3, atol=0.01 * np.abs(growth).max())
+    named = signals.named()
+    rate = np.gradient(np.hypot(np.tan(named["alpha"]), named["kappa"]), signals.t[signals.rows])
+    fast = np.abs(rate) > 0.5 * np.abs(rate).max()
+    at_once, late = np.moveaxis(load_error_responses(simulator, parameters), -1, 0)
+    np.testing.assert_allclose(at_once[:, fast], (np.sign(rate) * growth)[:, fast], rtol=0.05, atol=1e-9)
+    assert np.linalg.norm(late) < 0.9 * np.linalg.norm(at_once)  # a slow controller does not follow all turns
