@@ -6,9 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from diagnosis.case import Case
-from diagnosis.independent import brush_kinds as brush
+from diagnosis.independent import brush, brush_kinds, tmeasy
 from diagnosis.independent import kinds as second
 from diagnosis.independent import memory_kinds as memory
+from diagnosis.independent.formulas import Core
 from diagnosis.independent.unknown_kinds import UNKNOWN_VARIABLES
 from diagnosis.suite import UNKNOWN
 
@@ -42,7 +43,7 @@ NAMED = {"hysteresis": "hysteresis_force", "contact_heat": "heat_friction"}
 DRAW = 35
 
 
-#: The same of the brush suite. Draw 0 was examined: its cases are those of the tests.
+#: The same of the brush and the TMeasy suite. Draw 0 of brushes was examined: its cases are those of the tests.
 BRUSH_DRAW = 4
 
 
@@ -54,8 +55,8 @@ def _drawn_again(kind: str, number: int) -> Case:
     return second.case_of(kind, number + DRAW * second.NUMBER_OF_CASES[kind])
 
 
-def _brushes(kind: str, number: int) -> Case:
-    return brush.case_of(kind, number + BRUSH_DRAW * brush.NUMBER_OF_CASES[kind])
+def _of_core(core: Core) -> Callable[[str, int], Case]:
+    return lambda kind, number: brush_kinds.case_of(kind, number + BRUSH_DRAW * brush_kinds.NUMBER_OF_CASES[kind], core)
 
 
 def _of_law(kind: str, number: int) -> Case:
@@ -67,6 +68,7 @@ SUITES = {
     "second": Suite("second", OF_SECOND, second.case_of, second.UNKNOWN, second.CONFOUNDED),
     "memory": Suite("memory", memory.NUMBER_OF_CASES, memory.case_of, {}, memory.CONFOUNDED),
     "confirmation": Suite("confirmation", OF_SECOND, _drawn_again, second.UNKNOWN, second.CONFOUNDED),
-    "brush": Suite("brush", brush.NUMBER_OF_CASES, _brushes, {}, ()),
+    "brush": Suite("brush", brush_kinds.NUMBER_OF_CASES, _of_core(brush.forces), {}, ()),
+    "tmeasy": Suite("tmeasy", brush_kinds.NUMBER_OF_CASES, _of_core(tmeasy.forces), {}, ()),
     "unknown": Suite("unknown", {"unknown": len(UNKNOWN_VARIABLES)}, _of_law, UNKNOWN_VARIABLES, ()),
 }

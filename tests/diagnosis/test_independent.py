@@ -8,7 +8,7 @@ import pytest
 
 from tirefmu.symbolic.added.folder import declared_effects
 
-from .independent import brush, brush_kinds, memory_kinds
+from .independent import brush, brush_kinds, memory_kinds, tmeasy
 from .independent.effects import EFFECTS, LAGS, MOMENTS
 from .independent.formulas import forces
 from .independent.kinds import (
@@ -212,14 +212,14 @@ def test_a_program_excites_loads_pressures_speeds_and_inclinations(kind):
     assert inputs["kappa"].abs().max() > 0.12
 
 
-# ------------------------------------------------------------------ the tire of brushes
+# ------------------------------------------------------------------ the tires of brushes and of points of curves
 
 
-def brushes(**inputs):
+def brushes(core=brush, **inputs):
     given = {name: np.atleast_1d(np.asarray(value, dtype=float)) for name, value in inputs.items()}
     rows = {name: np.zeros(1) for name in ("kappa", "alpha", "gamma")} | {"Fz": np.array([4200.0])} | given
     length = max(len(row) for row in rows.values())
-    return brush.forces(tire(), {name: np.broadcast_to(row, length) for name, row in rows.items()})
+    return core.forces(tire(), {name: np.broadcast_to(row, length) for name, row in rows.items()})
 
 
 def test_brushes_have_the_given_slopes_and_friction():
@@ -236,35 +236,62 @@ def test_brushes_have_the_given_slopes_and_friction():
     )
 
 
-def test_brushes_are_alike_on_both_sides_and_slide_in_the_direction_of_their_stress():
-    angles, slips = np.linspace(-0.2, 0.2, 41), np.linspace(-0.15, 0.15, 7)
-    for slip in slips:
-        both = brushes(alpha=angles, kappa=slip)
+def test_a_curve_goes_through_its_points():
+    one, small = tire(), 1e-5
+    load, values, slips = one.load, one.values, np.linspace(0.0, 1.2, 4801)
+    for name, slip, stiffness, peak, shape in (
+        ("Fx", "kappa", "PKX1", "PDX1", tmeasy.ALONG), ("Fy", "alpha", "PKY1", "PDY1", tmeasy.ACROSS),
+    ):  # fmt: skip
+        assert brushes(tmeasy, Fz=load, **{slip: small})[name] / small == pytest.approx(
+            values[stiffness] * load, rel=1e-3
+        )
+        whole = brushes(tmeasy, Fz=load, **{slip: slips})[name]
+        assert whole.max() == pytest.approx(values[peak] * load, rel=1e-4)
+        assert whole[-1] == pytest.approx(shape[2] * values[peak] * load)
+        assert (np.diff(whole[: whole.argmax()]) > 0.0).all()
+        assert (np.diff(whole[whole.argmax() :]) <= 1e-9).all()
+        assert np.abs(np.diff(whole)).max() < 1.1 * values[stiffness] * load * slips[1]  # no jump
+    moment = brushes(tmeasy, Fz=load, alpha=slips)["Mz"]
+    assert moment.min() < 0.0 < moment.max()
+    assert moment[-1] == pytest.approx(0.0, abs=1e-9)
+    assert brushes(tmeasy, Fz=load, alpha=small)["Mz"] == pytest.approx(
+        -values["QDZ1"] * one.radius * values["PKY1"] * load * small, rel=1e-3
+    )
+
+
+@pytest.mark.parametrize("core", [brush, tmeasy])
+def test_a_symmetric_tire_is_alike_on_both_sides(core):
+    angles = np.linspace(-0.2, 0.2, 41)
+    for slip in np.linspace(-0.15, 0.15, 7):
+        both = brushes(core, alpha=angles, kappa=slip)
         for name, sign in (("Fx", 1.0), ("Fy", -1.0), ("Mz", -1.0)):
             np.testing.assert_allclose(both[name], sign * both[name][::-1], atol=1e-9)
-    one = tire()
+
+
+def test_brushes_slide_in_the_direction_of_their_stress():
+    one, both = tire(), brushes(alpha=np.linspace(-0.2, 0.2, 41), kappa=0.15)
     used = np.hypot(both["Fx"] / one.values["PDX1"], both["Fy"] / one.values["PDY1"]) / 4200.0
     assert (used < (4200.0 / one.load) ** brush.OF_LOAD["friction"] + 1e-9).all()
 
 
-def test_brushes_take_effects_where_a_formula_does():
+@pytest.mark.parametrize("core", [brush, tmeasy])
+def test_such_a_tire_takes_effects_where_a_formula_does(core):
     table = conditions(tire())
     x, effect = arrays(table), EFFECTS["camber_thrust"](1.0)
-    without, with_effect = brush.forces(tire(), x), brush.forces(tire(), x, [effect])
+    without, with_effect = core.forces(tire(), x), core.forces(tire(), x, [effect])
     np.testing.assert_allclose(with_effect["Fy"] - without["Fy"], effect(tire(), x)["camber_thrust"], atol=1e-9)
     hot = EFFECTS["temp_friction"](1.0)
     small = {**x, "alpha": 1e-4 * x["alpha"], "kappa": 1e-4 * x["kappa"]}
     for name in ("Fx", "Fy"):
-        np.testing.assert_allclose(
-            brush.forces(tire(), small, [hot])[name], brush.forces(tire(), small)[name], rtol=1e-2
-        )
+        np.testing.assert_allclose(core.forces(tire(), small, [hot])[name], core.forces(tire(), small)[name], rtol=1e-2)
 
 
+@pytest.mark.parametrize("core", [brush, tmeasy])
 @pytest.mark.parametrize("number", range(4))
-def test_a_case_of_brushes_hides_one_effect_or_none(number):
+def test_a_case_of_such_a_tire_hides_one_effect_or_none(core, number):
     for kind in brush_kinds.NUMBER_OF_CASES:
-        case = brush_kinds.case_of(kind, number)
-        again = brush_kinds.case_of(kind, number)
+        case = brush_kinds.case_of(kind, number, core.forces)
+        again = brush_kinds.case_of(kind, number, core.forces)
         pd.testing.assert_frame_equal(case.table, again.table)
         assert len(case.hidden) == (kind == "single")
         assert not set(case.hidden) & set(case.effects)

@@ -1,7 +1,7 @@
-"""The cases of the brush suite: no formula of the library is true, and one effect is hidden or none.
+"""The cases of the brush and the TMeasy suite: no formula of the library is true, and one effect is hidden or none.
 
-Programs, errors and effects are those of the second suite. The tire is `brush.forces`, and the baseline model has all
-effects of slips and load alone: it errs in form, and what it then lacks is the hidden effect only.
+Programs, errors and effects are those of the second suite. The tire is `brush.forces` or `tmeasy.forces`, and the
+baseline model has all effects of slips and load alone: it errs in form, and what it then lacks is the hidden effect.
 """
 
 from __future__ import annotations
@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 
 from ..case import Case
-from .brush import forces
+from . import brush
+from .formulas import Core
 from .kinds import NOT_RECORDED, ORDINARY, REVERSED, TEST_ROWS, Acting, in_signs, library_tire
 from .programs import operating_range, program
 from .recording_errors import ERRORS, recorded
@@ -30,7 +31,7 @@ NUMBER_OF_CASES = {"single": len(SINGLES), "null": 20}
 LAYOUTS = ("full", "pure", "full", "cornering")
 
 
-def case_of(kind: str, number: int) -> Case:
+def case_of(kind: str, number: int, forces: Core = brush.forces) -> Case:
     """Return a case by a key of `NUMBER_OF_CASES` and a number from 0; numbers beyond are further tires."""
     rng = np.random.default_rng([5, list(NUMBER_OF_CASES).index(kind), number])
     hidden = SINGLES[number % len(SINGLES)] if kind == "single" else ""
