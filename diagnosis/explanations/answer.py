@@ -200,7 +200,7 @@ def percent(probability: float) -> str:
     """Return a probability in percent as a range: the digits would mean nothing.
 
     In the suites of docs/discovery.md, 91 to 100 % of the effects above 90 % were missing (72 % where the library
-    lacks the true one), and 16 of 26 between 50 and 90 %.
+    lacks the true one), and 17 of 28 between 50 and 90 %.
 
     >>> [percent(probability) for probability in (0.9999, 0.625, 0.5, 0.3, 0.01)]
     ['over 90 %', '50 to 90 %', '50 to 90 %', '10 to 50 %', 'under 10 %']
