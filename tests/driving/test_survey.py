@@ -126,6 +126,15 @@ def test_a_name_counts_in_any_spelling_and_with_its_unit(tmp_path, monkeypatch, 
         ("twist/angular/z", "yaw_rate"),
         ("Car.WheelSpd_FL", "omega_fl"),
         ("Car.SideSlipAngle", "beta"),
+        ("wheel_fl_rps", "omega_fl"),
+        ("Wheel RL [rpm]", "omega_rl"),
+        ("w_rr_rad_s", "omega_rr"),
+        ("WhlRPM_FR", "omega_fr"),
+        ("FrontLeftWheelRPM", "omega_fl"),
+        ("carState.wheelSpeeds.rl", "omega_rl"),
+        ("LR_wheel_speed", "omega_rl"),
+        ("Raddrehzahl vorne links", "omega_fl"),
+        ("wheel_angular_velocity_left_rear", "omega_rl"),
     ],
 )
 def test_a_name_counts_joined_separated_and_in_another_order(name, channel):
@@ -137,7 +146,9 @@ def test_a_name_counts_joined_separated_and_in_another_order(name, channel):
     "Vhcl.FL.SideSlip", "RR_ay", "Car.CFL.vx", "Trailer.ay", "AngularVelocityY", "imu/angular_velocity/x",
     "Vertical Velocity", "wind_velocity", "steering_angle_target", "cmd_steering_angle", "vehicle_speed_limit",
     "GPS Speed Accuracy", "lateral_acceleration_variance", "ang_vel_x", "steering_velocity", "SteeringWheelSpeed",
-    "steeringRateDeg", "steering_angle_velocity", "yaw_acceleration", "COG",
+    "steeringRateDeg", "steering_angle_velocity", "yaw_acceleration", "COG", "wheel_fl", "w_rr", "wheel_fl_torque",
+    "wheel_speed_fl_kmh", "FL_wheel_speed_mph_filtered", "wheel_speed_rl [km/h]", "LF wheel speed [m/s]",
+    "brake_fl_rpm_target",
 ])  # fmt: skip
 def test_a_name_of_something_else_is_no_channel(name):
     assert nearest_channel(Column(name, [])) == ""
@@ -365,6 +376,16 @@ def test_a_unit_of_two_meanings_is_proposed_with_its_reason(
         log = read_log("log.csv", columns)
         np.testing.assert_allclose(log.values("yaw_rate"), LOG["yaw_rate"], atol=1e-12)
         np.testing.assert_allclose(log.values("omega_rl"), 50.0, atol=1e-12)
+
+
+@pytest.mark.parametrize(("name", "stated"), [("wheel_speed_{}", True), ("wheel_speed_{} [rad/s]", False)])
+def test_spins_with_the_numbers_of_kmh_are_stated(tmp_path, monkeypatch, capsys, name, stated):
+    monkeypatch.chdir(tmp_path)
+    spins = {name.format(wheel): 3.6 * LOG["speed"] for wheel in ("front_left", "RR")}
+    LOG.assign(**spins).to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv"]) == 0
+    note = "omega_fl, omega_rr: wheels of 0.278 m in rad/s, or speeds in km/h"
+    assert (note in " ".join(capsys.readouterr().out.split())) == stated
 
 
 @pytest.mark.parametrize("columns", [{}, {"yaw_rate": "yaw_rate"}, {"yaw_rate": "yaw_rate [rps]"}])

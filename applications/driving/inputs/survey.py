@@ -23,7 +23,7 @@ from ....measurements.units import GRAVITY, meanings, quantity_of, to_si
 from ....symbolic.channels import CHANNELS, OUTPUTS
 from .car_entries import example_text
 from .clock import TRIED, clock_problem
-from .log_channels import LOG_CHANNELS, POSITIONS, SHORT, TURNED, VERTICAL, lacking, share_of_lock
+from .log_channels import LOG_CHANNELS, NEAR, POSITIONS, RADIUS_OF_KMH, SHORT, TURNED, VERTICAL, lacking, share_of_lock
 from .several import several_cars
 
 FloatArray = npt.NDArray[np.float64]
@@ -35,6 +35,9 @@ SHORTEST_CONTAINED = 8
 #: Characters of a name that the end of a path may be ("x" may be that of anything), and of one without separators
 #: ("G(z)" is not gz); of the end behind the car or a sensor ("imu/x" may be anything).
 SHORTEST_END, SHORTEST_JOINED, SHORTEST_OWNED = 5, 4, 2
+#: Characters of a unit at the end of a name that makes another quantity of it ("in", "f", "c" may be anything); units
+#: that names of channels have within.
+SHORTEST_UNIT, IN_NAMES = 3, frozenset({"g", "rpm"})
 #: Gravity by the unit that a file does not state: SI, g, mg.
 GRAVITIES = {"": GRAVITY, "g": 1.0, "mg": 1000.0}
 #: m: radius of a wheel of a car.
@@ -150,15 +153,15 @@ def _nearest(column: Column) -> _Nearest:
     name, unit = name_and_unit(column.header)[0], column.declared_unit
     quantity = quantity_of(unit) if is_unit(unit) else ""
     candidates = []
-    wheel = WHEELS & set(words_of(name))
+    wheel = WHEELS & set(_words(name).split("_"))
     for channel, declared in LOG_CHANNELS.items():
         if quantity in ("", declared.quantity):
             plain, ending = (name, "") if quantity else unit_at_end(name, declared.quantity)
-            for alias in (channel, *declared.aliases):
-                of_another = bool(wheel - set(words_of(alias)))
+            for alias in (channel, *declared.aliases, *(declared.with_unit if quantity or ending else ())):
+                of_another = bool(wheel - set(alias.split("_")))
                 if of_another and channel != "steer":
                     continue  # the slip or the acceleration of a wheel is not that of the car
-                unit = ending or ("g" if "g" in alias.split("_") and not quantity else "")
+                unit = ending or next((word for word in alias.split("_") if word in IN_NAMES and not quantity), "")
                 if _is_named(plain, alias) or _is_named(name, alias):
                     candidates.append(_Nearest(int(of_another), -len(alias), channel, unit))
                 elif len(alias) >= SHORTEST_CONTAINED and _is_contained(_words(alias), _words(plain)):
@@ -189,8 +192,10 @@ def _is_named(written: str, alias: str) -> bool:
 
 
 def _is_contained(alias: str, name: str) -> bool:
-    """Return whether a name has the words of an alias, and none that makes another quantity of it."""
-    return f"_{alias}_" in f"_{name}_" and not OTHERS & (set(name.split("_")) - set(alias.split("_")))
+    """Return whether a name has the words of an alias, and none or no unit that makes another quantity of it."""
+    others = set(name.split("_")) - set(alias.split("_"))
+    other_unit = len(unit_at_end(name)[1]) >= SHORTEST_UNIT
+    return f"_{alias}_" in f"_{name}_" and not OTHERS & others and not other_unit
 
 
 def nearest_column(name: str, content: Content) -> str:
@@ -256,6 +261,7 @@ def survey(content: Content, source: str, columns: Mapping[str, str] | None = No
     notes += [f"{', '.join(names)} have the same numbers: copies of one" for names in copies.values() if len(names) > 1]
     if "steer" in values and "steer" not in columns and not is_unit(values["steer"][0].declared_unit):
         notes += filter(None, [share_of_lock(values["steer"][1])])
+    notes += filter(None, [_speeds_of_rims(proposal, values)])
     notes += _agreed(proposal, values, columns)
     notes += [content.about["decimals"]] if "decimals" in content.about else []
     clocks = clock is not None or any(column.times is not None for column in content.columns)
@@ -372,13 +378,30 @@ def _meant_unit(
     """
     if name not in OF_A_CAR - {"yaw_rate"} or not speed:
         return units[0], f"{units[0]} in most logs, which its numbers do not show"
+    radius = _radius(name, speed, values)
+    radii = {unit: radius / float(to_si(1.0, unit)) for unit in units}
+    nearest = min(units, key=lambda unit: abs(np.log(radii[unit] / RADIUS)))
+    return nearest, "wheels of " + " or ".join(f"{radius:.2g} m ({unit})" for unit, radius in radii.items())
+
+
+def _radius(name: str, speed: str, values: Mapping[str, tuple[Column, FloatArray, Any]]) -> float:
+    """Return the radius of a wheel whose spin is in rad/s, m; infinite if it does not turn."""
     column, data, _ = values["speed"]
     unit = name_and_unit(speed)[1] or column.declared_unit
     forward = float(np.nanmedian(np.abs(to_si(data, unit) if is_unit(unit) else data)))
     spin = float(np.nanmedian(np.abs(values[name][1])))
-    radii = {unit: forward / float(to_si(spin, unit)) if spin else np.inf for unit in units}
-    nearest = min(units, key=lambda unit: abs(np.log(radii[unit] / RADIUS)))
-    return nearest, "wheels of " + " or ".join(f"{radius:.2g} m ({unit})" for unit, radius in radii.items())
+    return forward / spin if spin else np.inf
+
+
+def _speeds_of_rims(proposal: Mapping[str, str], values: Mapping[str, tuple[Column, FloatArray, Any]]) -> str:
+    """Return that spins without a unit have the numbers of the speed in km/h; empty if they have not."""
+    like = []
+    for name in (name for name in LOG_CHANNELS if name in OF_A_CAR - {"yaw_rate"} and {name, "speed"} <= values.keys()):
+        stated = name_and_unit(proposal[name])[1] or values[name][0].declared_unit
+        if not is_unit(stated) and abs(_radius(name, proposal["speed"], values) / RADIUS_OF_KMH - 1.0) < NEAR:
+            like.append(name)
+    wheels = f"wheels of {RADIUS_OF_KMH:.3g} m in rad/s, or speeds in km/h, which are not read: state the unit"
+    return f"{', '.join(like)}: {wheels}" if like else ""
 
 
 def _agreed(
@@ -427,5 +450,9 @@ def _correlation(
 
 @lru_cache(maxsize=8192)
 def _words(name: str) -> str:
-    words = "_".join(SHORT.get(word, word) for word in words_of(name))
-    return words.replace("angle_velocity", "angular_velocity").replace("angle_speed", "angular_speed")
+    words = [SHORT.get(word, word) for word in words_of(name)]
+    axle, side = ([word for word in words if word in either] for either in (("front", "rear"), ("left", "right")))
+    if len(axle) == len(side) == 1:  # front_left is fl
+        words[words.index(axle[0])] = axle[0][0] + side[0][0]
+        words.remove(side[0])
+    return "_".join(words).replace("angle_velocity", "angular_velocity").replace("angle_speed", "angular_speed")
