@@ -220,6 +220,40 @@ def test_a_column_without_a_number_is_proposed_for_no_channel(tmp_path, monkeypa
     assert "needed for an estimate of the tires: ay" in out
 
 
+def quaternion(heading, pitch, roll):
+    """Return w, x, y, z of a rotation about z, then y, then x: the product of three."""
+    (cz, cy, cx), (sz, sy, sx) = ([f(0.5 * angle) for angle in (heading, pitch, roll)] for f in (np.cos, np.sin))
+    return {"w": cz * cy * cx + sz * sy * sx, "x": cz * cy * sx - sz * sy * cx,
+            "y": cz * sy * cx + sz * cy * sx, "z": sz * cy * cx - cz * sy * sx}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["q_{}", "orientation.{}", "/odom/pose/orientation/{}", "Quat {} [1]", "q{}"])
+@pytest.mark.parametrize("order", ["wxyz", "xyzw"])
+def test_the_heading_of_a_quaternion_is_read(tmp_path, monkeypatch, name, order):
+    """With the sign of q or -q, and rows before the sensor has a rotation."""
+    monkeypatch.chdir(tmp_path)
+    heading = 3.0 * np.sin(0.5 * T) + 0.4 * T
+    parts = quaternion(heading, 0.1 * np.cos(T), 0.2 * np.sin(3.0 * T))
+    sign = np.where(T < 1.0, 0.0, np.where(T < 9.0, -1.0, 1.0))
+    pose = {"x": 15.0 * np.cos(T), "y": 15.0 * np.sin(T)}
+    LOG.assign(**pose, **{name.format(part): sign * parts[part] for part in order}).to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv", "-o", "car.toml", "--quiet"]) == 0
+    log = read_log("log.csv", toml_file(tmp_path / "car.toml", TirefmuError)["columns"])
+    t, read = log.channels["heading"]
+    np.testing.assert_allclose(t, T[T >= 1.0])
+    np.testing.assert_allclose(np.exp(1j * read), np.exp(1j * heading[T >= 1.0]), atol=1e-9)
+
+
+@pytest.mark.parametrize("parts", [
+    {"w": 1.0, "x": 0.0, "y": 0.0, "z": 0.0}, {"w": STEER, "x": STEER, "y": 0.3, "z": 0.5}, {"w": 0.0, "x": 1.0},
+], ids=["never changes", "no rotation", "two"])  # fmt: skip
+def test_four_columns_that_are_no_rotation_have_no_heading(tmp_path, monkeypatch, capsys, parts):
+    monkeypatch.chdir(tmp_path)
+    LOG.assign(**{f"q_{part}": cells for part, cells in parts.items()}).to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv"]) == 0
+    assert "heading" not in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("types", [[], ["C1"] * 6])
 @pytest.mark.parametrize("units", [[], ["s", "rad", "m/s", "rad/s", "m/s^2", "m/s^2"]])
 @pytest.mark.parametrize("above", [[], ["Created: 2026-11-29", "run, 5"]])
