@@ -9,11 +9,12 @@ import pandas as pd
 import pytest
 
 from tirefmu.applications.driving.inputs.log import LOG_CHANNELS, read_log
-from tirefmu.applications.driving.inputs.survey import nearest_channel
+from tirefmu.applications.driving.inputs.survey import nearest_channel, survey
 from tirefmu.boundary.bounded_file import toml_file
 from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.commands.cli import main
-from tirefmu.measurements.files.columns.content import Column
+from tirefmu.measurements.files.columns.content import Column, Content
+from tirefmu.measurements.terms import words_of
 
 T = np.arange(0.0, 20.0, 0.05)
 STEER = 0.4 * np.sin(T)
@@ -252,6 +253,14 @@ def test_four_columns_that_are_no_rotation_have_no_heading(tmp_path, monkeypatch
     LOG.assign(**{f"q_{part}": cells for part, cells in parts.items()}).to_csv("log.csv", index=False)
     assert main(["inspect", "log.csv"]) == 0
     assert "heading" not in capsys.readouterr().out
+
+
+def test_the_words_of_a_name_are_found_once():
+    """Not for each of the hundred names that it is compared with: results of simulations have thousands."""
+    columns = tuple(Column(f"car.body.part{i}.frame_a.r_{i}", STEER) for i in range(200))
+    words_of.cache_clear()
+    survey(Content((Column("t", T), *columns)), "log")
+    assert words_of.cache_info().misses < 10 * len(columns)
 
 
 @pytest.mark.parametrize("types", [[], ["C1"] * 6])

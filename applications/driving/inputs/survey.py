@@ -174,21 +174,29 @@ def _is_named(written: str, alias: str) -> bool:
 
     Words of the car, of a sensor or of a filter do not count: ``Car.ay``, ``imu_gz``, ``ay_filtered``.
     """
+    return not _forms_of_ends(written).isdisjoint(_forms(alias))
+
+
+@lru_cache(maxsize=8192)
+def _forms_of_ends(written: str) -> frozenset[tuple[str, ...]]:
     parts, words = _PATH.split(written), words_of(written)
-    wanted = _words(alias).split("_")
     core = tuple(word for word in words if word not in OWNERS)
     ends = [("_".join(parts[first:]), SHORTEST_END if first else 0) for first in range(len(parts))]
     if core != words:
         ends.append(("_".join(core), SHORTEST_OWNED))
+    forms = set[tuple[str, ...]]()
     for end, shortest in ends:
-        words = tuple(_words(end).split("_"))
-        joined = "".join(words)
-        plain = "".join(words_of(end))
-        alike = joined == "".join(wanted) or plain == "".join(words_of(alias))
-        same = sorted(words) == sorted(wanted) or (len(joined) >= SHORTEST_JOINED and alike)
-        if same and len(joined) >= shortest:
-            return True
-    return False
+        length = len(_words(end).replace("_", ""))
+        if length >= shortest:
+            forms |= _forms(end) if length >= SHORTEST_JOINED else {form for form in _forms(end) if form[0] == "words"}
+    return frozenset(forms)
+
+
+@lru_cache(maxsize=8192)
+def _forms(name: str) -> frozenset[tuple[str, ...]]:
+    """Return the forms of a name of which two names of one thing share one: its words in any order, and joined."""
+    words = _words(name).split("_")
+    return frozenset((("words", *sorted(words)), ("joined", "".join(words)), ("plain", "".join(words_of(name)))))
 
 
 def _is_contained(alias: str, name: str) -> bool:

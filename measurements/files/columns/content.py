@@ -15,7 +15,7 @@ from ...units import UNITS, find_unit
 from .cells import is_number
 
 #: Upper limits: columns of a table, characters of a header that may declare a unit.
-MAX_COLUMNS, LONGEST_HEADER = 5000, 200
+MAX_COLUMNS, LONGEST_HEADER = 20_000, 200
 #: Metadata of a file whose numbers have decimal commas.
 DECIMAL_COMMAS: Mapping[str, str] = {"decimals": "commas in numbers are read as decimal points"}
 #: Where a last word of a header may begin: ``wheel_deg``, ``Yaw deg/s``, ``SlipDeg``.
