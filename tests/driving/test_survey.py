@@ -9,12 +9,11 @@ import pandas as pd
 import pytest
 
 from tirefmu.applications.driving.inputs.log import LOG_CHANNELS, read_log
-from tirefmu.applications.driving.inputs.survey import nearest_channel, survey
+from tirefmu.applications.driving.inputs.survey import nearest_channel, survey, words_of
 from tirefmu.boundary.bounded_file import toml_file
 from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.commands.cli import main
 from tirefmu.measurements.files.columns.content import Column, Content
-from tirefmu.measurements.terms import words_of
 
 T = np.arange(0.0, 20.0, 0.05)
 STEER = 0.4 * np.sin(T)
@@ -127,6 +126,11 @@ def test_a_name_counts_in_any_spelling_and_with_its_unit(tmp_path, monkeypatch, 
         ("twist/angular/z", "yaw_rate"),
         ("Car.WheelSpd_FL", "omega_fl"),
         ("Car.SideSlipAngle", "beta"),
+        ("Angular rate Zv", "yaw_rate"),
+        ("Acceleration Yv", "ay"),
+        ("angvel_z", "yaw_rate"),
+        ("accely", "ay"),
+        ("gyroz", "yaw_rate"),
         ("wheel_fl_rps", "omega_fl"),
         ("Wheel RL [rpm]", "omega_rl"),
         ("w_rr_rad_s", "omega_rr"),
@@ -184,7 +188,7 @@ def test_a_name_in_g_declares_its_unit(tmp_path, monkeypatch, names):
 def test_the_vertical_acceleration_shows_the_unit_of_the_others(tmp_path, monkeypatch, size, other, down):
     """Also of a gentle drive. One without gravity shows nothing: SI is proposed."""
     monkeypatch.chdir(tmp_path)
-    slow = LOG.assign(ax=0.1 * LOG["ax"], ay=0.1 * LOG["ay"])
+    slow = LOG.assign(**{name: 0.1 * LOG[name] for name in ("steer", "yaw_rate", "ax", "ay")})
     turned = slow.assign(**{name: -slow[name] for name in ("steer", "yaw_rate", "ay")}) if down and other else slow
     log = turned.assign(
         ax=turned["ax"] / 9.80665 * size, ay=turned["ay"] / 9.80665 * size, az=-other if down else other
@@ -299,6 +303,9 @@ def test_a_log_without_names_is_said_to_have_none(tmp_path, monkeypatch, capsys,
     assert main(["inspect", "log.csv"]) == 2
     assert "no names: write a row of names above it" in " ".join(capsys.readouterr().err.split())
     with pytest.raises(DataError, match=r"no channel t \(time\): its first row has numbers and no names"):
+        read_log("log.csv")
+    LOG[["steer"]].to_csv("log.csv", index=False, header=False)
+    with pytest.raises(DataError, match="its first row has numbers and no names"):
         read_log("log.csv")
 
 
@@ -422,13 +429,53 @@ def test_a_unit_of_two_meanings_is_proposed_with_its_reason(
 
 
 @pytest.mark.parametrize(("name", "stated"), [("wheel_speed_{}", True), ("wheel_speed_{} [rad/s]", False)])
-def test_spins_with_the_numbers_of_kmh_are_stated(tmp_path, monkeypatch, capsys, name, stated):
+@pytest.mark.parametrize(("unit", "factor", "radius"), [("km/h", 3.6, "0.278"), ("m/s", 1.0, "1")])
+def test_spins_with_the_numbers_of_the_speed_are_stated(
+    tmp_path, monkeypatch, capsys, name, stated, unit, factor, radius
+):
     monkeypatch.chdir(tmp_path)
-    spins = {name.format(wheel): 3.6 * LOG["speed"] for wheel in ("front_left", "RR")}
+    spins = {name.format(wheel): factor * LOG["speed"] for wheel in ("front_left", "RR")}
     LOG.assign(**spins).to_csv("log.csv", index=False)
     assert main(["inspect", "log.csv"]) == 0
-    note = "omega_fl, omega_rr: wheels of 0.278 m in rad/s, or speeds in km/h"
+    note = f"omega_fl, omega_rr: wheels of {radius} m in rad/s, or speeds in {unit}"
     assert (note in " ".join(capsys.readouterr().out.split())) == stated
+
+
+TURNING = LOG.assign(ay=15.0 * LOG["yaw_rate"] * (1.05 + 0.1 * np.sin(3.0 * T)))
+
+
+@pytest.mark.parametrize(("speed", "v"), [("", 1.0), ("km/h", 3.6), ("mph", 1.0 / 0.44704)])
+@pytest.mark.parametrize(("rate", "r"), [("", 1.0), ("deg/s", np.degrees(1.0))])
+@pytest.mark.parametrize(("lateral", "a"), [("", 1.0), ("g", 1.0 / 9.80665)])
+def test_units_with_which_a_car_turns_are_proposed(tmp_path, monkeypatch, capsys, speed, v, rate, r, lateral, a):
+    """The lateral acceleration of a car is speed times yaw rate, whatever the car; a user's units are kept."""
+    monkeypatch.chdir(tmp_path)
+    TURNING.assign(speed=v * TURNING["speed"], yaw_rate=0.3 * r * TURNING["yaw_rate"], ay=0.3 * a * TURNING["ay"],
+                   steer=0.1 * STEER).to_csv("log.csv", index=False)  # fmt: skip
+    assert main(["inspect", "log.csv", "-o", "car.toml"]) == 0
+    assert ("ay is speed times yaw rate with" in capsys.readouterr().out) == bool(speed or rate or lateral)
+    log = read_log("log.csv", toml_file(tmp_path / "car.toml", TirefmuError)["columns"])
+    for name, factor in (("speed", 1.0), ("yaw_rate", 0.3), ("ay", 0.3)):
+        np.testing.assert_allclose(log.values(name), factor * TURNING[name], atol=1e-12)
+    assert main(["inspect", "log.csv", "--columns", "speed=speed,yaw_rate=yaw_rate,ay=ay", "--quiet"]) == 0
+
+
+def test_an_acceleration_of_something_else_is_stated(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    TURNING.assign(ay=0.1 * TURNING["ay"]).rename(columns={"ay": "ay [g]"}).to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv"]) == 0
+    assert "ay is 0.98 times" not in (out := " ".join(capsys.readouterr().out.split()))
+    assert "another unit of one of them" not in out
+    TURNING.assign(ay=0.65 * TURNING["ay"]).rename(columns={"ay": "ay [m/s^2]"}).to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv"]) == 0
+    assert "ay is 0.68 times speed times yaw rate: another unit" in " ".join(capsys.readouterr().out.split())
+
+
+def test_zeros_that_only_contain_a_name_are_proposed_for_no_channel(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    LOG.drop(columns="yaw_rate").assign(local_angular_velocity_z_0=0.0).to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv"]) == 0
+    assert "yaw_rate =" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("columns", [{}, {"yaw_rate": "yaw_rate"}, {"yaw_rate": "yaw_rate [rps]"}])

@@ -89,7 +89,8 @@ POSITIONS = ("latitude", "longitude", "gps_latitude", "gps_longitude")
 SHORT = {"acceleration": "acc", "accel": "acc", "lateral": "lat", "longitudinal": "long", "lon": "long",
          "vertical": "vert", "gs": "g", "gforce": "g", "steering": "steer", "whl": "wheel", "ang": "angle",
          "spd": "speed", "vel": "velocity", "gyroscope": "gyro", "gyr": "gyro", "speeds": "speed",
-         "lf": "fl", "rf": "fr", "lr": "rl"}  # fmt: skip
+         "lf": "fl", "rf": "fr", "lr": "rl",
+         "angvel": "angular_velocity", "xv": "x", "yv": "y", "zv": "z"}  # fmt: skip
 #: Channels that change sign between axes forward, left, up and forward, right, down.
 TURNED = ("steer", "yaw_rate", "ay", "beta", "vy", "y", "heading")
 LOG_CHANNELS: dict[str, LogChannel] = {declared.name: declared for declared in _CHANNELS}
@@ -99,6 +100,10 @@ NEEDED = ("steer", "yaw_rate", "ay", "speed")
 FULL_LOCK = (1.0, 100.0)
 #: Radius of wheels in m whose spin in rad/s has the numbers of the speed in km/h, and relative distance from it.
 RADIUS_OF_KMH, NEAR = 1.0 / 3.6, 0.02
+#: Units that logs have, SI first.
+UNITS = {
+    "steer": ("rad", "deg"), "speed": ("m/s", "km/h", "mph"), "yaw_rate": ("rad/s", "deg/s"), "ay": ("m/s^2", "g"),
+}  # fmt: skip
 WHEEL_SPEEDS = {"front": ("omega_fl", "omega_fr"), "rear": ("omega_rl", "omega_rr")}
 
 

@@ -14,7 +14,7 @@ from ....tires import Tire
 from .car import Car
 from .grid import MEASURED, Grid, spinning
 from .log import Log
-from .log_channels import NEAR, RADIUS_OF_KMH, share_of_lock
+from .log_channels import NEAR, RADIUS_OF_KMH, UNITS, share_of_lock
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -29,10 +29,6 @@ MIN_CORRELATION, MIN_STEER, ROUNDING = 0.5, 0.002, 1e-9
 #: steering wants it. Delays of the yaw rate behind the steering at which both are compared, s: of the car and the log.
 CALM, DELAYS = 0.5, (0.0, -0.1, 0.1, 0.2, 0.3)
 
-#: Units that logs have, SI first.
-UNITS = {
-    "steer": ("rad", "deg"), "speed": ("m/s", "km/h", "mph"), "yaw_rate": ("rad/s", "deg/s"), "ay": ("m/s^2", "g"),
-}  # fmt: skip
 #: Limits of the logged speed over that of the wheels.
 RIM_RATIO = (0.75, 1.35)
 #: Limits of the static load of a wheel over the nominal load of its tire. A model is used between 0.2 and 2.

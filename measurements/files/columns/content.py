@@ -138,7 +138,7 @@ def names_of(content: Content) -> str:
     headers = [column.header.strip() for column in content.columns]
     if not headers:
         return "it has no columns of numbers"
-    if len(headers) > 1 and sum(map(is_number, headers)) >= len(headers) - 1:
+    if sum(map(is_number, headers)) >= max(1, len(headers) - 1):
         return "its first row has numbers and no names: write a row of names above it"
     only = ": columns are separated by commas, semicolons or tabs" if len(headers) == 1 else ""
     return f"it has {quoted(listed(headers))}{only}"
