@@ -105,7 +105,6 @@ _BEHIND = re.compile(
 _LONGEST = 6
 
 
-@lru_cache(maxsize=8192)
 def without_qualifiers(name: str) -> str:
     """Return a name without words of the car, a sensor or a filter behind it.
 
@@ -115,6 +114,7 @@ def without_qualifiers(name: str) -> str:
     return _BEHIND.sub("", name)
 
 
+@lru_cache(maxsize=8192)
 def words_of(name: str) -> tuple[str, ...]:
     """Return the words of a name in lower case, with the terms of other languages in English.
 

@@ -18,6 +18,7 @@ from ..recording import Recording
 from .columns.content import Content
 from .columns.frames import frame_columns
 from .columns.long_tables import with_columns_of_signals
+from .columns.quaternions import with_headings
 from .columns.stamps import with_whole_stamps
 from .encoding import encoding_of
 from .formats import FORMATS, Format, format_of, is_bag
@@ -59,7 +60,7 @@ def read_content(path: str | PathLike[str], signs: str | None = None) -> Content
         _check_size(file, declared)
         module, _, function = declared.reader.partition(":")
         content = getattr(import_module(f".{module}", __package__), function)(file)
-        return with_columns_of_signals(with_whole_stamps(content), str(file))
+        return with_headings(with_columns_of_signals(with_whole_stamps(content), str(file)))
     except MemoryError:
         raise DataError(f"{file}: reading needs more memory than there is") from None
     except UnicodeDecodeError:

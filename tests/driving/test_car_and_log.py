@@ -17,7 +17,7 @@ from tirefmu.applications.driving.inputs.car_entries import ENTRIES, car_schema
 from tirefmu.applications.driving.inputs.clock import clock_problem
 from tirefmu.applications.driving.inputs.grid import forward_speed, gridded, with_delays
 from tirefmu.applications.driving.inputs.log import read_log
-from tirefmu.applications.driving.inputs.plausibility import check_log, exchanged_axles
+from tirefmu.applications.driving.inputs.plausibility import check_log, check_wheel_speeds, exchanged_axles
 from tirefmu.applications.driving.verdict import CarFinding, _deviation
 from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.commands.cli import main
@@ -261,6 +261,22 @@ def test_exchanged_wheel_speeds_are_exchanged_again_and_right_ones_are_not(car, 
     assert again.exchanged == (axle,)
     for name, (_, values) in read_log(table).channels.items():
         np.testing.assert_array_equal(again.values(name), values)
+
+
+def test_wheel_speeds_with_the_numbers_of_kmh_are_refused_until_their_unit_is_stated(car):
+    """In rad/s they would be those of wheels of 0.278 m, 8 % from a common radius: a slip of all wheels."""
+    table = with_wheels(turning(lambda t, steer, rate: (steer, rate)), 0.0)
+    spins = [name for name in table if name.startswith("omega")]
+    peripheral = table.assign(**{name: 3.6 * road.CAR["radius_front"] * table[name] for name in spins})
+    radii = {"radius_front": 0.3, "radius_rear": 0.3}
+    larger = replace(car, values={**car.values, **radii})
+    with pytest.raises(DataError, match=r"numbers of the speed in km/h; in rad/s they would be 1\.08 times"):
+        check_wheel_speeds(read_log(peripheral), larger)
+    check_wheel_speeds(read_log(peripheral.rename(columns={name: f"{name} [rad/s]" for name in spins})), larger)
+    check_wheel_speeds(read_log(peripheral), replace(car, values={**car.values, **dict.fromkeys(radii, 1.0 / 3.6)}))
+    for radius in (0.25, 0.3, 0.33):
+        same = table.assign(**{name: table[name] * road.CAR["radius_front"] / radius for name in spins})
+        check_wheel_speeds(read_log(same), replace(car, values={**car.values, **dict.fromkeys(radii, radius)}))
 
 
 @pytest.mark.parametrize("larger", [-0.03, 0.03])

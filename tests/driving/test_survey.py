@@ -9,11 +9,11 @@ import pandas as pd
 import pytest
 
 from tirefmu.applications.driving.inputs.log import LOG_CHANNELS, read_log
-from tirefmu.applications.driving.inputs.survey import nearest_channel
+from tirefmu.applications.driving.inputs.survey import nearest_channel, survey, words_of
 from tirefmu.boundary.bounded_file import toml_file
 from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.commands.cli import main
-from tirefmu.measurements.files.columns.content import Column
+from tirefmu.measurements.files.columns.content import Column, Content
 
 T = np.arange(0.0, 20.0, 0.05)
 STEER = 0.4 * np.sin(T)
@@ -126,6 +126,20 @@ def test_a_name_counts_in_any_spelling_and_with_its_unit(tmp_path, monkeypatch, 
         ("twist/angular/z", "yaw_rate"),
         ("Car.WheelSpd_FL", "omega_fl"),
         ("Car.SideSlipAngle", "beta"),
+        ("Angular rate Zv", "yaw_rate"),
+        ("Acceleration Yv", "ay"),
+        ("angvel_z", "yaw_rate"),
+        ("accely", "ay"),
+        ("gyroz", "yaw_rate"),
+        ("wheel_fl_rps", "omega_fl"),
+        ("Wheel RL [rpm]", "omega_rl"),
+        ("w_rr_rad_s", "omega_rr"),
+        ("WhlRPM_FR", "omega_fr"),
+        ("FrontLeftWheelRPM", "omega_fl"),
+        ("carState.wheelSpeeds.rl", "omega_rl"),
+        ("LR_wheel_speed", "omega_rl"),
+        ("Raddrehzahl vorne links", "omega_fl"),
+        ("wheel_angular_velocity_left_rear", "omega_rl"),
     ],
 )
 def test_a_name_counts_joined_separated_and_in_another_order(name, channel):
@@ -137,7 +151,9 @@ def test_a_name_counts_joined_separated_and_in_another_order(name, channel):
     "Vhcl.FL.SideSlip", "RR_ay", "Car.CFL.vx", "Trailer.ay", "AngularVelocityY", "imu/angular_velocity/x",
     "Vertical Velocity", "wind_velocity", "steering_angle_target", "cmd_steering_angle", "vehicle_speed_limit",
     "GPS Speed Accuracy", "lateral_acceleration_variance", "ang_vel_x", "steering_velocity", "SteeringWheelSpeed",
-    "steeringRateDeg", "steering_angle_velocity", "yaw_acceleration", "COG",
+    "steeringRateDeg", "steering_angle_velocity", "yaw_acceleration", "COG", "wheel_fl", "w_rr", "wheel_fl_torque",
+    "wheel_speed_fl_kmh", "FL_wheel_speed_mph_filtered", "wheel_speed_rl [km/h]", "LF wheel speed [m/s]",
+    "brake_fl_rpm_target",
 ])  # fmt: skip
 def test_a_name_of_something_else_is_no_channel(name):
     assert nearest_channel(Column(name, [])) == ""
@@ -172,7 +188,7 @@ def test_a_name_in_g_declares_its_unit(tmp_path, monkeypatch, names):
 def test_the_vertical_acceleration_shows_the_unit_of_the_others(tmp_path, monkeypatch, size, other, down):
     """Also of a gentle drive. One without gravity shows nothing: SI is proposed."""
     monkeypatch.chdir(tmp_path)
-    slow = LOG.assign(ax=0.1 * LOG["ax"], ay=0.1 * LOG["ay"])
+    slow = LOG.assign(**{name: 0.1 * LOG[name] for name in ("steer", "yaw_rate", "ax", "ay")})
     turned = slow.assign(**{name: -slow[name] for name in ("steer", "yaw_rate", "ay")}) if down and other else slow
     log = turned.assign(
         ax=turned["ax"] / 9.80665 * size, ay=turned["ay"] / 9.80665 * size, az=-other if down else other
@@ -207,6 +223,48 @@ def test_a_column_without_a_number_is_proposed_for_no_channel(tmp_path, monkeypa
     out = capsys.readouterr().out
     assert 'ay = "AccelY"' not in out
     assert "needed for an estimate of the tires: ay" in out
+
+
+def quaternion(heading, pitch, roll):
+    """Return w, x, y, z of a rotation about z, then y, then x: the product of three."""
+    (cz, cy, cx), (sz, sy, sx) = ([f(0.5 * angle) for angle in (heading, pitch, roll)] for f in (np.cos, np.sin))
+    return {"w": cz * cy * cx + sz * sy * sx, "x": cz * cy * sx - sz * sy * cx,
+            "y": cz * sy * cx + sz * cy * sx, "z": sz * cy * cx - cz * sy * sx}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["q_{}", "orientation.{}", "/odom/pose/orientation/{}", "Quat {} [1]", "q{}"])
+@pytest.mark.parametrize("order", ["wxyz", "xyzw"])
+def test_the_heading_of_a_quaternion_is_read(tmp_path, monkeypatch, name, order):
+    """With the sign of q or -q, and rows before the sensor has a rotation."""
+    monkeypatch.chdir(tmp_path)
+    heading = 3.0 * np.sin(0.5 * T) + 0.4 * T
+    parts = quaternion(heading, 0.1 * np.cos(T), 0.2 * np.sin(3.0 * T))
+    sign = np.where(T < 1.0, 0.0, np.where(T < 9.0, -1.0, 1.0))
+    pose = {"x": 15.0 * np.cos(T), "y": 15.0 * np.sin(T)}
+    LOG.assign(**pose, **{name.format(part): sign * parts[part] for part in order}).to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv", "-o", "car.toml", "--quiet"]) == 0
+    log = read_log("log.csv", toml_file(tmp_path / "car.toml", TirefmuError)["columns"])
+    t, read = log.channels["heading"]
+    np.testing.assert_allclose(t, T[T >= 1.0])
+    np.testing.assert_allclose(np.exp(1j * read), np.exp(1j * heading[T >= 1.0]), atol=1e-9)
+
+
+@pytest.mark.parametrize("parts", [
+    {"w": 1.0, "x": 0.0, "y": 0.0, "z": 0.0}, {"w": STEER, "x": STEER, "y": 0.3, "z": 0.5}, {"w": 0.0, "x": 1.0},
+], ids=["never changes", "no rotation", "two"])  # fmt: skip
+def test_four_columns_that_are_no_rotation_have_no_heading(tmp_path, monkeypatch, capsys, parts):
+    monkeypatch.chdir(tmp_path)
+    LOG.assign(**{f"q_{part}": cells for part, cells in parts.items()}).to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv"]) == 0
+    assert "heading" not in capsys.readouterr().out
+
+
+def test_the_words_of_a_name_are_found_once():
+    """Not for each of the hundred names that it is compared with: results of simulations have thousands."""
+    columns = tuple(Column(f"car.body.part{i}.frame_a.r_{i}", STEER) for i in range(200))
+    words_of.cache_clear()
+    survey(Content((Column("t", T), *columns)), "log")
+    assert words_of.cache_info().misses < 10 * len(columns)
 
 
 @pytest.mark.parametrize("types", [[], ["C1"] * 6])
@@ -245,6 +303,9 @@ def test_a_log_without_names_is_said_to_have_none(tmp_path, monkeypatch, capsys,
     assert main(["inspect", "log.csv"]) == 2
     assert "no names: write a row of names above it" in " ".join(capsys.readouterr().err.split())
     with pytest.raises(DataError, match=r"no channel t \(time\): its first row has numbers and no names"):
+        read_log("log.csv")
+    LOG[["steer"]].to_csv("log.csv", index=False, header=False)
+    with pytest.raises(DataError, match="its first row has numbers and no names"):
         read_log("log.csv")
 
 
@@ -365,6 +426,56 @@ def test_a_unit_of_two_meanings_is_proposed_with_its_reason(
         log = read_log("log.csv", columns)
         np.testing.assert_allclose(log.values("yaw_rate"), LOG["yaw_rate"], atol=1e-12)
         np.testing.assert_allclose(log.values("omega_rl"), 50.0, atol=1e-12)
+
+
+@pytest.mark.parametrize(("name", "stated"), [("wheel_speed_{}", True), ("wheel_speed_{} [rad/s]", False)])
+@pytest.mark.parametrize(("unit", "factor", "radius"), [("km/h", 3.6, "0.278"), ("m/s", 1.0, "1")])
+def test_spins_with_the_numbers_of_the_speed_are_stated(
+    tmp_path, monkeypatch, capsys, name, stated, unit, factor, radius
+):
+    monkeypatch.chdir(tmp_path)
+    spins = {name.format(wheel): factor * LOG["speed"] for wheel in ("front_left", "RR")}
+    LOG.assign(**spins).to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv"]) == 0
+    note = f"omega_fl, omega_rr: wheels of {radius} m in rad/s, or speeds in {unit}"
+    assert (note in " ".join(capsys.readouterr().out.split())) == stated
+
+
+TURNING = LOG.assign(ay=15.0 * LOG["yaw_rate"] * (1.05 + 0.1 * np.sin(3.0 * T)))
+
+
+@pytest.mark.parametrize(("speed", "v"), [("", 1.0), ("km/h", 3.6), ("mph", 1.0 / 0.44704)])
+@pytest.mark.parametrize(("rate", "r"), [("", 1.0), ("deg/s", np.degrees(1.0))])
+@pytest.mark.parametrize(("lateral", "a"), [("", 1.0), ("g", 1.0 / 9.80665)])
+def test_units_with_which_a_car_turns_are_proposed(tmp_path, monkeypatch, capsys, speed, v, rate, r, lateral, a):
+    """The lateral acceleration of a car is speed times yaw rate, whatever the car; a user's units are kept."""
+    monkeypatch.chdir(tmp_path)
+    TURNING.assign(speed=v * TURNING["speed"], yaw_rate=0.3 * r * TURNING["yaw_rate"], ay=0.3 * a * TURNING["ay"],
+                   steer=0.1 * STEER).to_csv("log.csv", index=False)  # fmt: skip
+    assert main(["inspect", "log.csv", "-o", "car.toml"]) == 0
+    assert ("ay is speed times yaw rate with" in capsys.readouterr().out) == bool(speed or rate or lateral)
+    log = read_log("log.csv", toml_file(tmp_path / "car.toml", TirefmuError)["columns"])
+    for name, factor in (("speed", 1.0), ("yaw_rate", 0.3), ("ay", 0.3)):
+        np.testing.assert_allclose(log.values(name), factor * TURNING[name], atol=1e-12)
+    assert main(["inspect", "log.csv", "--columns", "speed=speed,yaw_rate=yaw_rate,ay=ay", "--quiet"]) == 0
+
+
+def test_an_acceleration_of_something_else_is_stated(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    TURNING.assign(ay=0.1 * TURNING["ay"]).rename(columns={"ay": "ay [g]"}).to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv"]) == 0
+    assert "ay is 0.98 times" not in (out := " ".join(capsys.readouterr().out.split()))
+    assert "another unit of one of them" not in out
+    TURNING.assign(ay=0.65 * TURNING["ay"]).rename(columns={"ay": "ay [m/s^2]"}).to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv"]) == 0
+    assert "ay is 0.68 times speed times yaw rate: another unit" in " ".join(capsys.readouterr().out.split())
+
+
+def test_zeros_that_only_contain_a_name_are_proposed_for_no_channel(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    LOG.drop(columns="yaw_rate").assign(local_angular_velocity_z_0=0.0).to_csv("log.csv", index=False)
+    assert main(["inspect", "log.csv"]) == 0
+    assert "yaw_rate =" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("columns", [{}, {"yaw_rate": "yaw_rate"}, {"yaw_rate": "yaw_rate [rps]"}])

@@ -17,6 +17,7 @@ class LogChannel:
     - `unit`, `quantity`: SI unit and physical quantity; a header may declare another unit.
     - `aliases`: other common names, for suggestions (`survey.py` compares them in the words of `SHORT`). They are
       never accepted silently.
+    - `with_unit`: names that count only with a unit of the quantity: the one of a wheel may be that of its torque.
     - `limit`: magnitude beyond which a value can only be in another unit.
     - `precision`: the smallest plausible standard deviation of the noise.
     - `instead`: channels of which a group serves in its place, and `source`: where a log without it may get it.
@@ -31,6 +32,7 @@ class LogChannel:
     precision: float = 0.0
     instead: tuple[tuple[str, ...], ...] = ()
     source: str = ""
+    with_unit: tuple[str, ...] = ()
 
 
 #: Position and heading, which only all three determine the motion of a car.
@@ -48,9 +50,10 @@ _CHANNELS = (
                150.0, 0.005, (*_WHEELS, POSE)),
     *(
         LogChannel(f"omega_{corner}", f"spin of the wheel {corner}", "rad/s", "rotation",
-                   (f"wheel_speed_{corner}", f"wheel_speed_{side}"),
-                   2000.0, 0.01)
-        for corner, side in (("fl", "front_left"), ("fr", "front_right"), ("rl", "rear_left"), ("rr", "rear_right"))
+                   (f"wheel_speed_{corner}", f"wheel_angular_speed_{corner}", f"wheel_angular_velocity_{corner}",
+                    f"wheel_rpm_{corner}", f"rpm_{corner}"),
+                   2000.0, 0.01, with_unit=(f"wheel_{corner}", f"w_{corner}"))
+        for corner in ("fl", "fr", "rl", "rr")
     ),
     LogChannel("yaw_rate", "yaw rate, positive to the left", "rad/s", "rotation", ("r", "yawrate", "psi_dot",
                "gyro_z", "gz", "wz", "w_z", "omega_z", "angular_velocity_z", "angular_z", "gyro_rad_2",
@@ -85,7 +88,9 @@ POSITIONS = ("latitude", "longitude", "gps_latitude", "gps_longitude")
 #: Words of names that are written in several ways.
 SHORT = {"acceleration": "acc", "accel": "acc", "lateral": "lat", "longitudinal": "long", "lon": "long",
          "vertical": "vert", "gs": "g", "gforce": "g", "steering": "steer", "whl": "wheel", "ang": "angle",
-         "spd": "speed", "vel": "velocity", "gyroscope": "gyro", "gyr": "gyro"}  # fmt: skip
+         "spd": "speed", "vel": "velocity", "gyroscope": "gyro", "gyr": "gyro", "speeds": "speed",
+         "lf": "fl", "rf": "fr", "lr": "rl",
+         "angvel": "angular_velocity", "xv": "x", "yv": "y", "zv": "z"}  # fmt: skip
 #: Channels that change sign between axes forward, left, up and forward, right, down.
 TURNED = ("steer", "yaw_rate", "ay", "beta", "vy", "y", "heading")
 LOG_CHANNELS: dict[str, LogChannel] = {declared.name: declared for declared in _CHANNELS}
@@ -93,6 +98,12 @@ LOG_CHANNELS: dict[str, LogChannel] = {declared.name: declared for declared in _
 NEEDED = ("steer", "yaw_rate", "ay", "speed")
 #: Where numbers of a steering end that are shares of the lock.
 FULL_LOCK = (1.0, 100.0)
+#: Radius of wheels in m whose spin in rad/s has the numbers of the speed in km/h, and relative distance from it.
+RADIUS_OF_KMH, NEAR = 1.0 / 3.6, 0.02
+#: Units that logs have, SI first.
+UNITS = {
+    "steer": ("rad", "deg"), "speed": ("m/s", "km/h", "mph"), "yaw_rate": ("rad/s", "deg/s"), "ay": ("m/s^2", "g"),
+}  # fmt: skip
 WHEEL_SPEEDS = {"front": ("omega_fl", "omega_fr"), "rear": ("omega_rl", "omega_rr")}
 
 

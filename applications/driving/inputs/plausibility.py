@@ -14,7 +14,7 @@ from ....tires import Tire
 from .car import Car
 from .grid import MEASURED, Grid, spinning
 from .log import Log
-from .log_channels import share_of_lock
+from .log_channels import NEAR, RADIUS_OF_KMH, UNITS, share_of_lock
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -29,10 +29,6 @@ MIN_CORRELATION, MIN_STEER, ROUNDING = 0.5, 0.002, 1e-9
 #: steering wants it. Delays of the yaw rate behind the steering at which both are compared, s: of the car and the log.
 CALM, DELAYS = 0.5, (0.0, -0.1, 0.1, 0.2, 0.3)
 
-#: Units that logs have, SI first.
-UNITS = {
-    "steer": ("rad", "deg"), "speed": ("m/s", "km/h", "mph"), "yaw_rate": ("rad/s", "deg/s"), "ay": ("m/s^2", "g"),
-}  # fmt: skip
 #: Limits of the logged speed over that of the wheels.
 RIM_RATIO = (0.75, 1.35)
 #: Limits of the static load of a wheel over the nominal load of its tire. A model is used between 0.2 and 2.
@@ -57,7 +53,10 @@ def check_load_class(car: Car, tires: Mapping[str, Tire]) -> None:
 
 
 def check_wheel_speeds(log: Log, car: Car) -> None:
-    """Raise `DataError` if the logged speed is far from that of the wheels: another unit of one, or other radii."""
+    """Raise `DataError` if the logged speed is far from that of the wheels: another unit of one, or other radii.
+
+    The numbers of a speed in km/h are near those of a spin in rad/s. They are refused if the radii are other ones.
+    """
     wheels = spinning(log, car)
     t, speed = log.channels.get("speed", (np.empty(0), np.empty(0)))
     if not wheels or not speed.any():
@@ -67,6 +66,14 @@ def check_wheel_speeds(log: Log, car: Car) -> None:
     rims = np.mean([radius * spin for radius, spin in zip(radii, spins, strict=True)], axis=0)
     moving = rims > 0.5 * np.quantile(rims, 0.95)
     ratio = float(np.median(speed[moving] / rims[moving])) if moving.any() else 1.0
+    spun = float(np.median(speed[moving] / np.mean(spins, axis=0)[moving])) if moving.any() else 0.0
+    stated = any(log.units.get(f"omega_{corner}") for corner in wheels)
+    if not stated and abs(spun / RADIUS_OF_KMH - 1.0) < NEAR < abs(ratio - 1.0):
+        raise DataError(
+            f"{log.source}: the wheel speeds have the numbers of the speed in km/h; in rad/s they would be "
+            f"{1.0 / ratio:.3g} times those of {car.source}: divide them by 3.6 and the radius, or state "
+            f"--columns 'omega_{wheels[0]}=HEADER [rad/s]'"
+        )
     if _within(ratio, RIM_RATIO):
         return
     factor = float(to_si(1.0, log.units.get("speed") or "m/s"))

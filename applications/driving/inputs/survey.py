@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from itertools import product
 
 import numpy as np
 import numpy.typing as npt
@@ -23,10 +23,23 @@ from ....measurements.units import GRAVITY, meanings, quantity_of, to_si
 from ....symbolic.channels import CHANNELS, OUTPUTS
 from .car_entries import example_text
 from .clock import TRIED, clock_problem
-from .log_channels import LOG_CHANNELS, POSITIONS, SHORT, TURNED, VERTICAL, lacking, share_of_lock
+from .log_channels import (
+    LOG_CHANNELS,
+    NEAR,
+    POSITIONS,
+    RADIUS_OF_KMH,
+    SHORT,
+    TURNED,
+    UNITS,
+    VERTICAL,
+    lacking,
+    share_of_lock,
+)
 from .several import several_cars
 
 FloatArray = npt.NDArray[np.float64]
+#: A column, its values, and their times; None if the file has none.
+Sampled = tuple[Column, FloatArray, FloatArray | None]
 
 #: Steps between samples, in median steps, from which they are a gap.
 GAP = 5.0
@@ -35,12 +48,20 @@ SHORTEST_CONTAINED = 8
 #: Characters of a name that the end of a path may be ("x" may be that of anything), and of one without separators
 #: ("G(z)" is not gz); of the end behind the car or a sensor ("imu/x" may be anything).
 SHORTEST_END, SHORTEST_JOINED, SHORTEST_OWNED = 5, 4, 2
+#: Characters of a unit at the end of a name that makes another quantity of it ("in", "f", "c" may be anything); units
+#: that names of channels have within.
+SHORTEST_UNIT, IN_NAMES = 3, frozenset({"g", "rpm"})
+#: Characters of a word to which an axis is joined.
+SHORTEST_STEM = 3
 #: Gravity by the unit that a file does not state: SI, g, mg.
 GRAVITIES = {"": GRAVITY, "g": 1.0, "mg": 1000.0}
 #: m: radius of a wheel of a car.
 RADIUS = 0.3
 #: Share by which a mean may differ from gravity, correlations that show a sign and a cause.
 GRAVITY_SHARE, CLEAR, STRONG = 0.2, 0.3, 0.7
+#: Channels of a turn, in which ay is speed times yaw rate, and limit of their ratio: the factors of units are further
+#: apart, roll and bank of a car are within.
+TURN, TURN_GAIN = ("speed", "yaw_rate", "ay"), 0.8
 #: Words of a name that make another quantity of it, in the words of `SHORT`; those of a wheel.
 OTHERS = frozenset((
     "angular", "vert", "wind", "air", "motor", "engine", "target", "desired", "command", "cmd", "reference",
@@ -150,15 +171,15 @@ def _nearest(column: Column) -> _Nearest:
     name, unit = name_and_unit(column.header)[0], column.declared_unit
     quantity = quantity_of(unit) if is_unit(unit) else ""
     candidates = []
-    wheel = WHEELS & set(words_of(name))
+    wheel = WHEELS & set(_words(name).split("_"))
     for channel, declared in LOG_CHANNELS.items():
         if quantity in ("", declared.quantity):
             plain, ending = (name, "") if quantity else unit_at_end(name, declared.quantity)
-            for alias in (channel, *declared.aliases):
-                of_another = bool(wheel - set(words_of(alias)))
+            for alias in (channel, *declared.aliases, *(declared.with_unit if quantity or ending else ())):
+                of_another = bool(wheel - set(alias.split("_")))
                 if of_another and channel != "steer":
                     continue  # the slip or the acceleration of a wheel is not that of the car
-                unit = ending or ("g" if "g" in alias.split("_") and not quantity else "")
+                unit = ending or next((word for word in alias.split("_") if word in IN_NAMES and not quantity), "")
                 if _is_named(plain, alias) or _is_named(name, alias):
                     candidates.append(_Nearest(int(of_another), -len(alias), channel, unit))
                 elif len(alias) >= SHORTEST_CONTAINED and _is_contained(_words(alias), _words(plain)):
@@ -171,26 +192,36 @@ def _is_named(written: str, alias: str) -> bool:
 
     Words of the car, of a sensor or of a filter do not count: ``Car.ay``, ``imu_gz``, ``ay_filtered``.
     """
+    return not _forms_of_ends(written).isdisjoint(_forms(alias))
+
+
+@lru_cache(maxsize=8192)
+def _forms_of_ends(written: str) -> frozenset[tuple[str, ...]]:
     parts, words = _PATH.split(written), words_of(written)
-    wanted = _words(alias).split("_")
     core = tuple(word for word in words if word not in OWNERS)
     ends = [("_".join(parts[first:]), SHORTEST_END if first else 0) for first in range(len(parts))]
     if core != words:
         ends.append(("_".join(core), SHORTEST_OWNED))
+    forms = set[tuple[str, ...]]()
     for end, shortest in ends:
-        words = tuple(_words(end).split("_"))
-        joined = "".join(words)
-        plain = "".join(words_of(end))
-        alike = joined == "".join(wanted) or plain == "".join(words_of(alias))
-        same = sorted(words) == sorted(wanted) or (len(joined) >= SHORTEST_JOINED and alike)
-        if same and len(joined) >= shortest:
-            return True
-    return False
+        length = len(_words(end).replace("_", ""))
+        if length >= shortest:
+            forms |= _forms(end) if length >= SHORTEST_JOINED else {form for form in _forms(end) if form[0] == "words"}
+    return frozenset(forms)
+
+
+@lru_cache(maxsize=8192)
+def _forms(name: str) -> frozenset[tuple[str, ...]]:
+    """Return the forms of a name of which two names of one thing share one: its words in any order, and joined."""
+    words = _words(name).split("_")
+    return frozenset((("words", *sorted(words)), ("joined", "".join(words)), ("plain", "".join(words_of(name)))))
 
 
 def _is_contained(alias: str, name: str) -> bool:
-    """Return whether a name has the words of an alias, and none that makes another quantity of it."""
-    return f"_{alias}_" in f"_{name}_" and not OTHERS & (set(name.split("_")) - set(alias.split("_")))
+    """Return whether a name has the words of an alias, and none or no unit that makes another quantity of it."""
+    others = set(name.split("_")) - set(alias.split("_"))
+    other_unit = len(unit_at_end(name)[1]) >= SHORTEST_UNIT
+    return f"_{alias}_" in f"_{name}_" and not OTHERS & others and not other_unit
 
 
 def nearest_column(name: str, content: Content) -> str:
@@ -213,7 +244,7 @@ def survey(content: Content, source: str, columns: Mapping[str, str] | None = No
     notes: list[str] = []
     clock, clock_text = _clock(content, source, columns.get("t", ""))
     rows: list[SurveyedColumn] = []
-    values: dict[str, tuple[Column, FloatArray, FloatArray | None]] = {}
+    values: dict[str, Sampled] = {}
     best: dict[str, tuple[int, int]] = {}
     for column in content.columns:
         times = column.times if column.times is not None else clock
@@ -225,7 +256,7 @@ def survey(content: Content, source: str, columns: Mapping[str, str] | None = No
         present = data[np.isfinite(data)]
         if not len(present) and id(column) not in named:
             continue  # a sensor that the car does not have
-        fit = near.rank + (len(present) == 0 or np.ptp(present) == 0.0), -len(present)
+        fit = near.rank + (len(present) == 0 or np.ptp(present) == 0.0) + (not present.any()), -len(present)
         if near.channel not in ("", "t") and fit < best.get(near.channel, (2, 0)):
             best[near.channel], values[near.channel] = fit, (column, data, times)
     gravity = _gravity(content, source)
@@ -257,6 +288,7 @@ def survey(content: Content, source: str, columns: Mapping[str, str] | None = No
     if "steer" in values and "steer" not in columns and not is_unit(values["steer"][0].declared_unit):
         notes += filter(None, [share_of_lock(values["steer"][1])])
     notes += _agreed(proposal, values, columns)
+    notes += filter(None, [_turned_as_fast(proposal, values, columns), _speeds_of_rims(proposal, values)])
     notes += [content.about["decimals"]] if "decimals" in content.about else []
     clocks = clock is not None or any(column.times is not None for column in content.columns)
     if lacks := [*([] if clocks else ["t"]), *(channel.name for channel in lacking(proposal))]:
@@ -363,27 +395,81 @@ def _text(column: Column, name: str, values: FloatArray, gravity: _Gravity) -> s
     return f"{header} [{unit}]" if size > most and name != "heading" else header
 
 
-def _meant_unit(
-    name: str, units: Sequence[str], speed: str, values: Mapping[str, tuple[Column, FloatArray, Any]]
-) -> tuple[str, str]:
+def _meant_unit(name: str, units: Sequence[str], speed: str, values: Mapping[str, Sampled]) -> tuple[str, str]:
     """Return which of the units of an ambiguous spelling a rotation has, and why.
 
     The first one, but for a wheel whose radius follows from the speed. `speed`: how the car file names its column.
     """
     if name not in OF_A_CAR - {"yaw_rate"} or not speed:
         return units[0], f"{units[0]} in most logs, which its numbers do not show"
-    column, data, _ = values["speed"]
-    unit = name_and_unit(speed)[1] or column.declared_unit
-    forward = float(np.nanmedian(np.abs(to_si(data, unit) if is_unit(unit) else data)))
-    spin = float(np.nanmedian(np.abs(values[name][1])))
-    radii = {unit: forward / float(to_si(spin, unit)) if spin else np.inf for unit in units}
+    radius = _radius(name, speed, values)
+    radii = {unit: radius / float(to_si(1.0, unit)) for unit in units}
     nearest = min(units, key=lambda unit: abs(np.log(radii[unit] / RADIUS)))
     return nearest, "wheels of " + " or ".join(f"{radius:.2g} m ({unit})" for unit, radius in radii.items())
 
 
-def _agreed(
-    proposal: dict[str, str], values: dict[str, tuple[Column, FloatArray, Any]], named: Collection[str]
-) -> Sequence[str]:
+def _radius(name: str, speed: str, values: Mapping[str, Sampled]) -> float:
+    """Return the radius of a wheel whose spin is in rad/s, m; infinite if it does not turn."""
+    column, data, _ = values["speed"]
+    unit = name_and_unit(speed)[1] or column.declared_unit
+    forward = float(np.nanmedian(np.abs(to_si(data, unit) if is_unit(unit) else data)))
+    spin = float(np.nanmedian(np.abs(values[name][1])))
+    return forward / spin if spin else np.inf
+
+
+def _speeds_of_rims(proposal: Mapping[str, str], values: Mapping[str, Sampled]) -> str:
+    """Return that spins without a unit have the numbers of the speed in m/s or km/h; empty if they have not."""
+    for unit, radius in (("m/s", 1.0), ("km/h", RADIUS_OF_KMH)):
+        like = [
+            name
+            for name in LOG_CHANNELS
+            if name in OF_A_CAR - {"yaw_rate"} and {name, "speed"} <= values.keys()
+            if not _stated_unit(name, proposal, values)
+            and abs(_radius(name, proposal["speed"], values) / radius - 1.0) < NEAR
+        ]
+        if like:
+            wheels = f"wheels of {radius:.3g} m in rad/s, or speeds in {unit}, which are not read: state the unit"
+            return f"{', '.join(like)}: {wheels}"
+    return ""
+
+
+def _stated_unit(name: str, proposal: Mapping[str, str], values: Mapping[str, Sampled]) -> str:
+    """Return the unit of a channel that its file or the proposal states; empty without one."""
+    stated = name_and_unit(proposal[name])[1] or values[name][0].declared_unit
+    return stated if is_unit(stated) else ""
+
+
+def _turned_as_fast(proposal: dict[str, str], values: Mapping[str, Sampled], named: Collection[str]) -> str:
+    """Return that ay is not speed times yaw rate, and propose the units with which it is; empty if it is.
+
+    Units that file or user state are kept. Those of logs differ by factors that the law tells apart.
+    """
+    if not set(TURN) <= values.keys():
+        return ""
+    stated = {name: _stated_unit(name, proposal, values) for name in TURN}
+    free = {name: ("",) if name in named or stated[name] else UNITS[name] for name in TURN}
+    units_read = {name: stated[name] or UNITS[name][0] for name in TURN}
+    sampled = _at_the_times(values["yaw_rate"], *(values[name] for name in units_read))
+    in_si = {name: to_si(data, unit) for (name, unit), data in zip(units_read.items(), sampled, strict=True)}
+    turn, ay = in_si["speed"] * in_si["yaw_rate"], in_si["ay"]
+    if abs(turn @ ay) <= STRONG * float(np.sqrt((turn @ turn) * (ay @ ay))):
+        return ""
+    gain = abs(float(turn @ ay) / float(turn @ turn))
+    factors = {}
+    for units in product(*free.values()):
+        changed = {name: unit for name, unit in zip(free, units, strict=True) if unit and unit != units_read[name]}
+        sizes = {name: float(to_si(1.0, changed.get(name, "1"))) for name in TURN}
+        factors[sizes["speed"] * sizes["yaw_rate"] / sizes["ay"]] = changed
+    factor = min(factors, key=lambda factor: abs(np.log(gain / factor)))
+    if not TURN_GAIN < gain / factor < 1.0 / TURN_GAIN:
+        return f"ay is {gain:.2g} times speed times yaw rate: another unit of one of them, or another channel?"
+    for name, unit in factors[factor].items():
+        proposal[name] = f"{proposal[name]} [{unit}]"
+    changes = " and ".join(f"{name} in {unit}" for name, unit in factors[factor].items())
+    return f"ay is speed times yaw rate with {changes}" if changes else ""
+
+
+def _agreed(proposal: dict[str, str], values: dict[str, Sampled], named: Collection[str]) -> Sequence[str]:
     """Exchange ax and ay, and turn signs, so that steering, yaw rate and lateral acceleration agree.
 
     In a turn of a car that moves forward all three have one sign: the one that differs from the two others is turned.
@@ -409,23 +495,42 @@ def _agreed(
     return notes
 
 
-def _correlation(
-    first: tuple[Column, FloatArray, FloatArray | None], second: tuple[Column, FloatArray, FloatArray | None]
-) -> float:
+def _correlation(first: Sampled, second: Sampled) -> float:
     """Return the correlation of two channels about zero; 0 if their samples cannot be compared."""
-    (_, x, x_times), (_, y, y_times) = first, second
-    usable = np.isfinite(y)
-    if x_times is not None and y_times is not None and usable.any():
-        y = np.interp(x_times, y_times[usable], y[usable])
-    if len(x) != len(y):
-        return 0.0
-    usable = np.isfinite(x) & np.isfinite(y)
-    x, y = x[usable], y[usable]
+    x, y = _at_the_times(first, first, second)
     size = float(np.sqrt((x @ x) * (y @ y)))
     return float(x @ y) / size if size else 0.0
 
 
+def _at_the_times(of: Sampled, *channels: Sampled) -> list[FloatArray]:
+    """Return the values of channels at the times of one where all are there; none if they cannot be compared."""
+    (_, reference, times) = of
+    rows = []
+    for _, values, sampled in channels:
+        usable = np.isfinite(values)
+        if sampled is not None and times is not None and usable.any():
+            values = np.interp(times, sampled[usable], values[usable])
+        rows.append(values if len(values) == len(reference) else np.full(len(reference), np.nan))
+    there = np.isfinite(rows).all(axis=0)
+    return [values[there] for values in rows]
+
+
+def _with_axis(word: str) -> tuple[str, ...]:
+    """Return a word and the axis that is joined to it.
+
+    >>> _with_axis("accelx"), _with_axis("gz")
+    (('accel', 'x'), ('gz',))
+    """
+    stem, axis = word[:-1], word[-1:]
+    joined = axis in ("x", "y", "z") and len(stem) >= SHORTEST_STEM and stem in {*SHORT, *SHORT.values()}
+    return (stem, axis) if joined else (word,)
+
+
 @lru_cache(maxsize=8192)
 def _words(name: str) -> str:
-    words = "_".join(SHORT.get(word, word) for word in words_of(name))
-    return words.replace("angle_velocity", "angular_velocity").replace("angle_speed", "angular_speed")
+    words = [SHORT.get(word, word) for written in words_of(name) for word in _with_axis(written)]
+    axle, side = ([word for word in words if word in either] for either in (("front", "rear"), ("left", "right")))
+    if len(axle) == len(side) == 1:  # front_left is fl
+        words[words.index(axle[0])] = axle[0][0] + side[0][0]
+        words.remove(side[0])
+    return "_".join(words).replace("angle_velocity", "angular_velocity").replace("angle_speed", "angular_speed")

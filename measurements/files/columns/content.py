@@ -15,7 +15,7 @@ from ...units import UNITS, find_unit
 from .cells import is_number
 
 #: Upper limits: columns of a table, characters of a header that may declare a unit.
-MAX_COLUMNS, LONGEST_HEADER = 5000, 200
+MAX_COLUMNS, LONGEST_HEADER = 20_000, 200
 #: Metadata of a file whose numbers have decimal commas.
 DECIMAL_COMMAS: Mapping[str, str] = {"decimals": "commas in numbers are read as decimal points"}
 #: Where a last word of a header may begin: ``wheel_deg``, ``Yaw deg/s``, ``SlipDeg``.
@@ -138,7 +138,7 @@ def names_of(content: Content) -> str:
     headers = [column.header.strip() for column in content.columns]
     if not headers:
         return "it has no columns of numbers"
-    if len(headers) > 1 and sum(map(is_number, headers)) >= len(headers) - 1:
+    if sum(map(is_number, headers)) >= max(1, len(headers) - 1):
         return "its first row has numbers and no names: write a row of names above it"
     only = ": columns are separated by commas, semicolons or tabs" if len(headers) == 1 else ""
     return f"it has {quoted(listed(headers))}{only}"

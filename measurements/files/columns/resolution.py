@@ -126,8 +126,10 @@ def choices(
     return chosen
 
 
-def unit_at_end(header: str, quantity: str) -> tuple[str, str]:
+def unit_at_end(header: str, quantity: str = "") -> tuple[str, str]:
     """Return name and unit of a header that ends in a unit of a quantity without brackets; otherwise the header and "".
+
+    `quantity`: empty for a unit of any.
 
     Words of a sensor or of a filter may be behind the unit.
 
@@ -138,7 +140,7 @@ def unit_at_end(header: str, quantity: str) -> tuple[str, str]:
     for begin in WORD_BEGINS.finditer(core):
         written = core[begin.start() :]
         for unit in (written, written.replace("_", "/")):
-            if quantity_of(unit) == quantity:
+            if is_unit(unit) and quantity in ("", quantity_of(unit)):
                 return core[: begin.start()].rstrip(" _.,:;"), unit
     return header, ""
 

@@ -6,7 +6,6 @@ neither the bag nor ROS 2 describes are not read.
 
 from __future__ import annotations
 
-import math
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
@@ -68,14 +67,10 @@ def _types(connection: Any) -> Any:
 
 
 def _numbers(message: Any, prefix: str, depth: int) -> Iterator[tuple[str, float]]:
-    """Yield the names and values of the numbers in a message, and the heading of a quaternion."""
-    names = [entry.name for entry in fields(message) if entry.name != "header"]
-    for name in names:
+    """Yield the names and values of the numbers in a message."""
+    for name in (entry.name for entry in fields(message) if entry.name != "header"):
         value = getattr(message, name)
         if isinstance(value, (int, float)) and not isinstance(value, bool):
             yield f"{prefix}{name}", float(value)
         elif depth and is_dataclass(value):
             yield from _numbers(value, f"{prefix}{name}.", depth - 1)
-    if set(names) == {"x", "y", "z", "w"}:
-        x, y, z, w = (float(getattr(message, name)) for name in ("x", "y", "z", "w"))
-        yield f"{prefix}yaw", math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
