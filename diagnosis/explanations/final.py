@@ -138,6 +138,9 @@ def final_fits(
     effects = {name: coefficients_of(name, explanation, model, solution) for name in explanation.effects}
     evidence = {name: effect_evidence(after, _absent_without(name, explanation, model, solution)) for name in effects}
     of_formula = effect_evidence(after, added) if added else None
+    for name, coefficients in effects.items():  # at a bound, something is missing there in another form than this one
+        if extended.at_bounds(solution.parameters, coefficients):
+            answer = answer.with_rival(name, UNKNOWN, better=True)
     return Final(
         before, after, np.hypot(errors, moved), effects, evidence, refinements, unknown, of_formula, answer, change
     )

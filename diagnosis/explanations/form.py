@@ -1,7 +1,8 @@
 """The correction of the formula's own form: errors of friction, slip stiffness and trail over load and slip.
 
 Every explanation contains a discrepancy of the form; this is what the tire is given of it. The quantities are
-multiplied by 1 plus smooth bumps over the tested loads and slips, each with a coefficient. They are fitted together
+multiplied by 1 plus smooth bumps over the tested loads and slips, each with a coefficient; friction also over the
+direction of a combined slip, as the formula's weights are the same for driving and braking. They are fitted together
 with all other coefficients. A bump is 0 at 1.25 times the distance of the bumps from its center: outside the tested
 range the correction falls to 0 within three quarters of this distance.
 """
@@ -22,26 +23,28 @@ from ...tires.tire import Tire
 from ..least_squares import LeastSquares, Solution, density_gains
 from ..probing.effect_probing import Screen
 from ..signals.signals import Signals
-from ..thresholds import FOLDS
+from ..thresholds import FOLDS, SIDE
 from .discrepancy import model_discrepancy
 from .evidence import folds_of, likelihood_power
 
 #: The name of the effect, and how the names of its shares of bumps begin.
 FORM, PREFIX = "form", "FORM_"
-#: Numbers of bumps over load and slip, and the half width of a bump in distances of two. Conventions.
-LOADS, SLIPS, HALF_WIDTH = 4, 3, 1.25
+#: Numbers of bumps over load, slip and its direction, and the half width of a bump in distances of two. Conventions.
+LOADS, SLIPS, DIRECTIONS, HALF_WIDTH = 4, 3, 5, 1.25
 #: Prior standard deviation of a share of a bump. Convention: by more, no formula is corrected but another one is built,
 #: and the coefficients that are fitted beside it extrapolate worse.
 SHARE = 0.06
 #: Smallest ranges of Fz/FNOMIN and slip that have a form. Convention.
 MIN_LOADS, MIN_SLIPS = 0.2, 0.02
-#: Coordinates whose 0 is the center of the first bump and whose 1 that of the second one.
+#: Coordinates whose 0 is the center of the first bump and whose 1 that of the second one. The direction is -pi/2 in
+#: braking and pi/2 in driving, smooth where alpha changes its sign.
 LOAD = "(Fz/FNOMIN - FORMF0)/FORMFW"
 SLIP = "(sqrt(tan(alpha)**2 + kappa**2 + 1e-12) - FORMS0)/FORMSW"
-#: By role of a quantity: the channel that determines it, how names of its coefficients go on, and its bumps over slip.
+DIRECTION = f"(atan(kappa/sqrt(tan(alpha)**2 + {SIDE**2})) - FORMD0)/FORMDW"
+#: By role of a quantity: the channel that determines it, and how names of its coefficients go on.
 CORRECTED = {
-    "friction_x": ("Fx", "MX", SLIPS), "friction_y": ("Fy", "MY", SLIPS), "stiffness_x": ("Fx", "KX", 1),
-    "stiffness_y": ("Fy", "KY", 1), "trail": ("Mz", "T", SLIPS),
+    "friction_x": ("Fx", "MX"), "friction_y": ("Fy", "MY"), "stiffness_x": ("Fx", "KX"), "stiffness_y": ("Fy", "KY"),
+    "trail": ("Mz", "T"),
 }  # fmt: skip
 
 
@@ -61,21 +64,24 @@ def form_of(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, So
     size, geometry = problem.sizes(solution.residual), _geometry(signals, tire)
     if geometry is None or FORM in tire.has:
         return None
+    directed = "FORMD0" in geometry
     power = likelihood_power(int(used.any(axis=0).sum()))
     weights = problem.inverse_noise * (np.sqrt(power) / np.where(size > 0.0, size, 1.0))[:, None]
     gains = _gains(signals, solution.residual, _smoothed(problem, solution, weights), used, used)
     if not gains.sum() > 0.0:
         return None
     leading, channels = tire.symbolic_model.leading, signals.channels
-    roles = tuple(role for role, (channel, *_) in CORRECTED.items() if channel in channels and leading(role))
+    roles = tuple(role for role, (channel, _) in CORRECTED.items() if channel in channels and leading(role))
     weighted = replace(problem, inverse_noise=weights)
     apart, held = _without_block(weighted, solution), signals.present & signals.holdout
     while roles:
         try:
-            wider, parameters = weighted.with_effect(form_effect(roles), solution, geometry)
+            effect = form_effect(roles, directed=directed)
+            centers = {one.name: geometry[one.name] for one in effect.declarations if one.name in geometry}
+            wider, parameters = weighted.with_effect(effect, solution, centers)
         except EffectError:  # an effect of this name, or a quantity that cannot be acted on
             return None
-        free = tuple(sorted((*solution.free, *_coefficients(roles)), key=wider.simulator.names.index))
+        free = tuple(sorted((*solution.free, *_coefficients(roles, directed)), key=wider.simulator.names.index))
         wider, best = wider.fitted(parameters, free)
         gains = _gains(signals, apart, _without_block(wider, best), used, used)
         of_holdout = _gains(signals, solution.residual, best.residual, used, held).sum(axis=1)
@@ -126,21 +132,24 @@ def _gains(signals: Signals, before: FloatArray, after: FloatArray, fitted: Bool
 
 
 def _geometry(signals: Signals, tire: Tire) -> dict[str, float] | None:
-    """Return the coefficients of the coordinates; None if a recording has too few loads or slips."""
+    """Return the coefficients of the coordinates; None if a recording has too few loads or slips.
+
+    Those of the direction only if it has both slips at once.
+    """
     named = signals.named()
-    load = named["Fz"] / tire.values["FNOMIN"]
-    slip = np.hypot(np.tan(named["alpha"]), named["kappa"])
+    load, lateral, kappa = named["Fz"] / tire.values["FNOMIN"], np.abs(np.tan(named["alpha"])), named["kappa"]
+    slip = np.hypot(lateral, kappa)
     width = float(np.ptp(load)) / LOADS, float(slip.max()) / SLIPS
     if width[0] < MIN_LOADS / LOADS or width[1] < MIN_SLIPS / SLIPS:
         return None
-    return {
+    geometry = {
         "FORMF0": float(load.min()) + 0.5 * width[0], "FORMFW": width[0], "FORMS0": 0.5 * width[1], "FORMSW": width[1],
     }  # fmt: skip
-
-
-def _names(role: str, load: int) -> tuple[str, ...]:
-    _, short, slips = CORRECTED[role]
-    return tuple(f"{PREFIX}{short}{load + 1}{k + 1}" for k in range(slips))
+    if ((lateral > MIN_SLIPS) & (np.abs(kappa) > MIN_SLIPS)).any():
+        direction = np.arctan(kappa / np.hypot(lateral, SIDE))
+        apart = float(np.ptp(direction)) / DIRECTIONS
+        geometry |= {"FORMD0": float(direction.min()) + 0.5 * apart, "FORMDW": apart}
+    return geometry
 
 
 def without_form(tire: Tire) -> Tire:
@@ -148,46 +157,57 @@ def without_form(tire: Tire) -> Tire:
     return tire.with_values(**{name: 0.0 for name in tire.symbolic_model.coefficients if name.startswith(PREFIX)})
 
 
-def _coefficients(roles: Collection[str]) -> list[str]:
-    return [name for role in roles for load in range(LOADS) for name in _names(role, load)]
+def _shares(role: str, load: int, directed: bool) -> dict[str, str]:
+    """Return the bumps of a quantity at one load by the names of their shares."""
+    start = f"{PREFIX}{CORRECTED[role][1]}{load + 1}"
+    if role.startswith("stiffness"):
+        return {f"{start}1": "1"}
+    shares = {f"{start}{k + 1}": _bump(SLIP, k) for k in range(SLIPS)}
+    if directed and role.startswith("friction"):
+        shares |= {f"{start}{SLIPS + k + 1}": _bump(DIRECTION, k) for k in range(DIRECTIONS)}
+    return shares
+
+
+def _coefficients(roles: Collection[str], directed: bool) -> list[str]:
+    return [name for role in roles for load in range(LOADS) for name in _shares(role, load, directed)]
 
 
 @lru_cache(maxsize=8)
-def form_effect(roles: tuple[str, ...]) -> AddedEffect:
-    """Return the effect of the correction for quantities by their roles, the same for all recordings."""
+def form_effect(roles: tuple[str, ...], *, directed: bool = False) -> AddedEffect:
+    """Return the effect of the correction for quantities by their roles, the same for all recordings.
+
+    `directed`: whether friction is corrected over the direction of slip.
+    """
     bound = 2.0 * SHARE
-    centers = [
-        ("FORMF0", "center of the first bump over Fz/FNOMIN", -100.0, 0.0),
-        ("FORMFW", "distance of the bumps over Fz/FNOMIN", 1e-3, 1.0),
-        ("FORMS0", "center of the first bump over slip", -100.0, 0.0),
-        ("FORMSW", "distance of the bumps over slip", 1e-3, 1.0),
+    acts = [
+        {"on": role, "factor": f"1 + {_bump(LOAD, load)}*({' + '.join(terms)})"}
+        for role in roles
+        for load in range(LOADS)
+        for terms in ([f"{name}*{bump}" for name, bump in _shares(role, load, directed).items()],)
     ]
+    centers = {
+        name: {
+            "description": f"{text} over {coordinate}", "unit": "1", "lower": lower, "upper": 100.0,
+            "neutral": neutral, "fitted": False,
+        }
+        for letter, coordinate in (("F", "Fz/FNOMIN"), ("S", "slip"), ("D", "the direction of slip"))
+        for name, text, lower, neutral in (
+            (f"FORM{letter}0", "center of the first bump", -100.0, 0.0),
+            (f"FORM{letter}W", "distance of the bumps", 1e-3, 1.0),
+        )
+        if any(name in act["factor"] for act in acts)
+    }  # fmt: skip
     table = {
         "name": FORM,
         "physics": "correction of the formula's own form within the tested loads and slips",
         "source": "diagnosis of a recording",
-        "coefficients": {
-            name: {
-                "description": text, "unit": "1", "lower": lower, "upper": 100.0, "neutral": neutral, "fitted": False
-            }
-            for name, text, lower, neutral in centers
-        } | {
+        "coefficients": centers | {
             name: {"description": "share of a bump", "unit": "1", "lower": -bound, "upper": bound}
-            for name in _coefficients(roles)
+            for name in _coefficients(roles, directed)
         },
-        "acts": [
-            {"on": role, "factor": f"1 + {_bump(LOAD, load)}*({_over_slip(_names(role, load))})"}
-            for role in roles
-            for load in range(LOADS)
-        ],
+        "acts": acts,
     }  # fmt: skip
     return effect_from(table, f"{FORM}.toml")
-
-
-def _over_slip(names: tuple[str, ...]) -> str:
-    if len(names) == 1:
-        return names[0]
-    return " + ".join(f"{name}*{_bump(SLIP, k)}" for k, name in enumerate(names))
 
 
 def _bump(coordinate: str, number: int) -> str:

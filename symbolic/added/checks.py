@@ -14,7 +14,7 @@ from .state import KINDS, SPEED, State, with_speeds
 
 #: Upper limits, in characters and in numbers of items.
 LONGEST_FILE, LONGEST_TEXT, LONGEST_UNIT = 100_000, 600, 40
-MAX_COEFFICIENTS, MAX_ACTS, MAX_EFFECTS, MAX_STATES = 50, 50, 50, 10
+MAX_COEFFICIENTS, MAX_ACTS, MAX_EFFECTS, MAX_STATES = 100, 50, 50, 10
 
 
 def check_effect(effect: AddedEffect, location: str) -> None:
