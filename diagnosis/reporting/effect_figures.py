@@ -20,7 +20,7 @@ from ...numerics.arrays import FloatArray
 from ...numerics.ties import graded
 from ...symbolic.quantities import ALPHA, KAPPA
 from ...tires.signs import convert_signs
-from ..explanations.form import without_form
+from ..explanations.form import MIN_SLIPS, without_form
 from ..signals.signals import FORMULA_SIGNS
 from ..verdict.findings import FoundEffect
 from ..verdict.residual_location import MIN_ROWS_OF_CELL
@@ -189,24 +189,39 @@ def _by_direction(rows: pd.DataFrame, values: FloatArray, slip: str, least: int)
 def form_figure(diagnosis: Diagnosis) -> Figure:
     """Return the change of each corrected channel by the correction over the slip that varies most.
 
+    At no other slip; of a recording of combined slip, also at the other slip that is combined most.
+
     `diagnosis`: with a correction of the form.
     """
     rows = diagnosis.rows
     slip = _widest_slip(rows)
     at = np.linspace(rows[slip].min(), rows[slip].max(), POINTS)
     tire = replace(diagnosis.tire, added=diagnosis.run.tested)  # its equations are printed already
-    plain, panels = without_form(tire), dict[str, list[Series]]()
-    for quantile, color, dashes in LOADS:
-        load = float(np.quantile(np.abs(rows["Fz"]), quantile))
-        sign = float(np.sign(rows["Fz"].median()))
-        table = pd.DataFrame({slip: at, "Fz": sign * load})
-        with_it, without = (either.evaluate(table, signs=diagnosis.recording_signs) for either in (tire, plain))
-        for channel in diagnosis.form.channels:
-            change = (with_it[channel] - without[channel]).to_numpy() * per_si(channel)
-            line = Series("line", at * per_si(slip), change, color, f"Fz {load:.0f} N", dashes)
-            panels.setdefault(channel, []).append(line)
-    drawn = tuple(
-        Panel(axis_label(slip), f"correction of {channel} ({drawn_unit(channel)})", tuple(lines), across=(0.0,))
-        for channel, lines in panels.items()
-    )
-    return Figure("form", "Correction of the formula's own form", (drawn,))
+    plain, sign = without_form(tire), float(np.sign(rows["Fz"].median()))
+    drawn = []
+    for fixed, title in _other_slips(rows, slip):
+        panels = dict[str, list[Series]]()
+        for quantile, color, dashes in LOADS:
+            load = float(np.quantile(np.abs(rows["Fz"]), quantile))
+            table = pd.DataFrame({slip: at, "Fz": sign * load, **fixed})
+            with_it, without = (either.evaluate(table, signs=diagnosis.recording_signs) for either in (tire, plain))
+            for channel in diagnosis.form.channels:
+                change = (with_it[channel] - without[channel]).to_numpy() * per_si(channel)
+                line = Series("line", at * per_si(slip), change, color, f"Fz {load:.0f} N", dashes)
+                panels.setdefault(channel, []).append(line)
+        drawn.append(tuple(
+            Panel(axis_label(slip), f"correction of {name} ({drawn_unit(name)})", tuple(lines), title, across=(0.0,))
+            for name, lines in panels.items()
+        ))  # fmt: skip
+    return Figure("form", "Correction of the formula's own form", tuple(drawn))
+
+
+def _other_slips(rows: pd.DataFrame, slip: str) -> list[tuple[dict[str, float], str]]:
+    """Return no other slip, and the one that is combined most with a slip, each with its title."""
+    other = KAPPA.name if slip == ALPHA.name else ALPHA.name
+    if other not in rows:
+        return [({}, "")]
+    combined = np.minimum(*(rows[name].abs().to_numpy(dtype=np.float64) for name in (slip, other)))
+    value = float(rows[other].to_numpy(dtype=np.float64)[combined.argmax()])
+    shown = [0.0, value] if combined.max() > MIN_SLIPS else [0.0]
+    return [({other: one}, f"{axis_label(other)}: {one * per_si(other):.3g}") for one in shown]
