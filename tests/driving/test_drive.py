@@ -387,12 +387,15 @@ def test_effects_compete_by_estimates_of_the_whole_drive(answer):
     assert by_name["d"].gain == unlikely.gain
     assert sum(rival.probability for rival in ranked) == pytest.approx(1.0)
     assert [rival.probability for rival in ranked] == sorted((rival.probability for rival in ranked), reverse=True)
-    # One that is likely only as long as another one is not seen to explain little is estimated after that.
+    # The linearized evidence does not decide between effects: one that it shows far behind is estimated, and may win.
     asked.clear()
-    reestimated([none, replace(first, gain=40.0), second, unlikely], base, answer.unknowns, refit)
+    ahead = replace(first, gain=40.0)
+    evidence["b"] = 4.0
+    ranked, _ = reestimated([none, ahead, second, unlikely], base, answer.unknowns, refit)
     assert asked == ["a", "b"]
+    assert [rival.missing.name for rival in ranked if rival.missing][:2] == ["b", "a"]
     # An effect without an optimum may explain as much as the best one: no name is certain.
-    ranked, estimates = reestimated([none, first, third], base, answer.unknowns, refit)
+    ranked, estimates = reestimated([none, first, replace(third, gain=30.0)], base, answer.unknowns, refit)
     assert set(estimates) == {"a"}
     likely = [rival.log_odds for rival in ranked if rival.missing]
     assert likely[0] == pytest.approx(likely[1])
