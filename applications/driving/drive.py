@@ -36,7 +36,7 @@ from .rivals import (
     reestimated,
     rivals_of,
 )
-from .simulation import simulated
+from .simulation import SIGNALS, changes, simulated
 from .trust.contradiction import contradiction_of
 from .trust.left_out import left_out, parts_of, widened
 from .verdict import disagreement, unexplained_axles, verdict_on
@@ -186,7 +186,8 @@ def _concluded(
     gap = _lacking(answer, unknowns, car, tires, (tires, new))
     where = disagreement(answer.grid, answer.estimate, gap[0], car)
     verdict = verdict_on(answer, ranked, unknowns, car, factors, certain, wrong, contradiction, predicted, where)
-    verdict = replace(verdict, lines=(*verdict.lines, *_limits(tires), *_exchanged(log)))
+    further = [*_worse(before.rms, after.rms), *_limits(tires)] if sound and verdict.better else _limits(tires)
+    verdict = replace(verdict, lines=(*verdict.lines, *further, *_exchanged(log)))
     deviations = answer.estimate.output_deviations(answer.grid, interval, len(unknowns))
     wheels = wheel_table(answer.grid, answer.estimate.outputs, deviations)
     return Drive(
@@ -201,6 +202,15 @@ def _refitted(rival: Rival, refit: Callable[[], tuple[Grid, Estimate]]) -> Drive
     except (np.linalg.LinAlgError, DataError):  # no motion, or one whose loads no tire has
         return None
     return explanation if explanation.estimate.converged else None
+
+
+def _worse(before: Mapping[str, float], after: Mapping[str, float]) -> list[str]:
+    """Return in which signals the simulated vehicle is worse on the new tires."""
+    names = [name for name in SIGNALS if after[name] > before[name]]
+    return [
+        "the vehicle that is simulated without a return to the recorded motion is worse on the new tires (rms errors: "
+        f"{changes(before, after, names)}): where a car slides, errors of its motion grow"
+    ] * bool(names)
 
 
 def _exchanged(log: Log) -> list[str]:

@@ -227,7 +227,10 @@ def _estimated(
         widening = at.widening(floor, ceiling)
         arrived = arrived or bool(np.abs(change_z).max() < (1.0 - 1e-9) * LONGEST_STEP)
         widening *= arrived
-        step = change_z / np.sqrt(np.diag(at.posterior.covariance))
+        variances = np.diag(at.posterior.covariance)
+        if not (variances > 0.0).all():  # forces so large that rounding hides the priors
+            break
+        step = change_z / np.sqrt(variances)
         longest = max(np.abs(step).max(), np.abs(widening).max(), resized)
         if longest < SETTLED:
             converged = True
@@ -253,8 +256,8 @@ def _estimated(
         z = z + share * change_z
         weights = _weights(tried.values / at.problem.weights)
         if longest < 1.0:  # before, errors of the unknowns would be taken for the car's
-            coefficients, variances = z[-n_rest:], np.diag(at.posterior.covariance)[-n_rest:]
-            new = size_of(size, coefficients[SIZED], variances[SIZED])
+            coefficients = z[-n_rest:]
+            new = size_of(size, coefficients[SIZED], variances[-n_rest:][SIZED])
             resized = abs(np.log(new / size))
             coefficients[SIZED] *= size / new
             size = new
