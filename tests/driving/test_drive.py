@@ -747,10 +747,29 @@ REFUSED = {
         lambda log: with_pose(log, -1.0, np.pi / 180.0),
         "as that of a compass? --columns 'heading=-HEADER'",
     ),
+    "braking is positive": (lambda log: log.assign(ax=-log["ax"]), "rate of the speed have opposite signs"),
+    "a turned sensor": (
+        lambda log: log.assign(ax=-log["ay"], ay=log["ax"]),
+        "--columns 'ay=-HEADER of ax,ax=HEADER of ay'",
+    ),
+    "a sensor turned the other way": (
+        lambda log: log.assign(ax=log["ay"], ay=-log["ax"]),
+        "--columns 'ay=HEADER of ax,ax=-HEADER of ay'",
+    ),
+    "another signal": (lambda log: log.assign(ay=np.roll(log["ax"], 100)), "ay does not follow speed times yaw rate"),
+    "wheel speeds in rpm": (
+        lambda log: log.drop(columns="speed").assign(
+            **{name: log[name] * 30.0 / np.pi for name in log if "omega" in name}
+        ),
+        "wheel speeds in rpm (--columns 'omega_fl=HEADER [rpm],omega_fr=HEADER [rpm]",
+    ),
     "a bank": (lambda log: log.assign(ay=log["ay"] + 6.0), "a banked road"),
     "microseconds": (lambda log: log.assign(t=1e6 * log["t"]), "in us? --columns 't=t [us]'"),
     "speed 0": (lambda log: log.assign(speed=0.0), "does not move"),
-    "another log": (lambda log: log.assign(yaw_rate=np.roll(log["yaw_rate"], 300)), "car.toml"),
+    "another log": (
+        lambda log: log.assign(yaw_rate=np.roll(log["yaw_rate"], 300)),
+        "does not follow speed times yaw rate",
+    ),
     "time": (lambda log: log.assign(t=log["t"].to_numpy()[::-1]), "time decreases"),
 }
 
