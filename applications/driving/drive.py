@@ -16,7 +16,7 @@ from ...tires import Tire, tire_from
 from ...tires.description import limits_of
 from ...tires.tire_argument import TireLike
 from .effects import factor_values, motion_of, scaled
-from .estimate import Estimate, estimated
+from .estimate import Estimate, estimated, restarted
 from .factors import CERTAIN, believed, factors_of, scaled_tires, withheld
 from .inputs.car import Car, read_car
 from .inputs.grid import Grid, forward_speed, gridded, spinning, unwrapped
@@ -37,7 +37,7 @@ from .rivals import (
     rivals_of,
 )
 from .simulation import SIGNALS, changes, simulated
-from .trust.contradiction import contradiction_of
+from .trust.contradiction import IMPROBABLE, contradiction_of
 from .trust.left_out import left_out, parts_of, widened
 from .verdict import disagreement, unexplained_axles, verdict_on
 
@@ -126,7 +126,10 @@ def _answer(
     interval = interval_of(car, tires, unknowns, sampled=grid.sampled, spins=spinning(log, car), step=grid.step)
     start = _start(grid, interval.states, log, car, speed)
     try:
-        grid, estimate = estimated(grid, interval, unknowns, start, log, car)
+        given = interval, unknowns, start, log, car
+        grid, estimate = estimated(grid, *given)
+        if contradiction_of(estimate, unknowns).p < IMPROBABLE:
+            grid, estimate = restarted(grid, *given, estimate)
     except np.linalg.LinAlgError:
         raise DataError(f"{log.source}: no motion of {car.source} on these tires explains the log") from None
 
@@ -134,13 +137,13 @@ def _answer(
 
     def with_effect(rival: Rival) -> DriveExplanation | None:
         forces, near = forces_of(rival, unknowns, car, base), nearby(rival, base, unknowns)
-        return _refitted(rival, lambda: estimated(grid, interval, unknowns, start, log, car, forces, near))
+        return _refitted(rival, lambda: estimated(grid, *given, forces, near))
 
     ranked, with_effects = reestimated(rivals_of(base, unknowns, car, tires), base, unknowns, with_effect)
     first = ranked[0].missing
     best = with_effects.get(first.name, base) if first and ranked[0].probability > CERTAIN else base
-    given = base, ranked, unknowns, interval, car, tires, log, fmus
-    answer = _concluded(best, *given) or _concluded(base, *given)
+    context = base, ranked, unknowns, interval, car, tires, log, fmus
+    answer = _concluded(best, *context) or _concluded(base, *context)
     assert answer
     return answer
 
