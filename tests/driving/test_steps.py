@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.linalg import block_diag
 
-from tirefmu.applications.driving import estimate, linear_solution
+from tirefmu.applications.driving import estimate
 from tirefmu.applications.driving.effects import effect_columns, factor_values, motion_of
 from tirefmu.applications.driving.interval import interval_of
 from tirefmu.symbolic.vehicle.quantities import CORNERS
@@ -119,7 +119,7 @@ def test_forces_that_hide_the_priors_end_an_estimate_that_did_not_converge(answe
     def rounded(matrix):
         return inverted(matrix) - (np.eye(matrix.shape[-1]) if matrix.ndim == 2 else 0.0)
 
-    monkeypatch.setattr(linear_solution.np.linalg, "inv", rounded)
+    monkeypatch.setattr(np.linalg, "inv", rounded)
     with np.errstate(invalid="raise"):
         _, found = estimate.estimated(answer.grid, interval, unknowns, answer.estimate.states, answer.log, answer.car)
     assert not found.converged

@@ -224,9 +224,9 @@ def _remedy(gain: float, lateral: float, read_as: Mapping[str, str], wheels: Seq
     `wheels`: channels from which the speed follows, if it is not logged.
     """
     columns = {name: [name] for name in UNITS} | ({"speed": list(wheels)} if wheels else {})
-    known = UNITS | ({"speed": WHEEL_UNITS} if wheels else {})
-    factor = {name: float(to_si(1.0, read_as.get(columns[name][0]) or units[0])) for name, units in known.items()}
-    candidates = [(name, unit) for name, units in known.items() for unit in units if to_si(1.0, unit) != factor[name]]
+    allowed = UNITS | ({"speed": WHEEL_UNITS} if wheels else {})
+    factor = {name: float(to_si(1.0, read_as.get(columns[name][0]) or units[0])) for name, units in allowed.items()}
+    candidates = [(name, unit) for name, units in allowed.items() for unit in units if to_si(1.0, unit) != factor[name]]
     fitting: list[tuple[float, str]] = []
     for count in (1, 2, 3):
         for changed in combinations(candidates, count):
