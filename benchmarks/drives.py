@@ -39,6 +39,8 @@ AXLES, NAMES = ("front", "rear"), ("LMUY", "LKY")
 #: Entries that scales, a tape, a turntable and a test rig for compliance measure; a change that a car of a workshop's
 #: numbers shows, beyond three standard deviations of LKY.
 MEASURED, LARGE = ("mass", "cg_to_front", "ratio", "x", "y", "steer_front", "steer_rear"), 0.1
+#: Probabilities above which a wrong effect counts.
+WRONG_EFFECTS = 0.5, 0.9
 #: What is wrong in the car file of the last drives, relative to the true car or absolute.
 WRONG = ({"yaw_inertia": 1.45}, {"cg_to_front": 1.12}, {"ratio": 1.06}, {"wheelbase": 1.02}, {"offset": 0.02})
 
@@ -107,37 +109,25 @@ def car_file(wrong: Mapping[str, float], measured: float = 1.0) -> Car:
     return Car.from_content(content, "car")
 
 
-def judged(
-    truths: list[road.Truth], hard: list[bool], seconds: float, seed: int, wrong: Sequence[Mapping[str, float]],
-    measured: float = 1.0,
-) -> dict[str, Any]:  # fmt: skip
-    """Return what is named on drives, errors and coverage of the determined factors. `wrong`: of each car file.
+class FactorTally:
+    """Names, errors and intervals of the factors over drives.
 
     A name is right if the factor differs from 1 by more than tires of one kind, in the direction of the finding. Within
     reach are changed factors but those of a friction whose peak the drive does not reach; `large`: those of them that
     differ from 1 by more than 10 %.
     """
-    kinds = [road.KINDS[i % 5] for i in range(len(truths))]
-    logs, rows = road.made_drives(truths, kinds, hard, seed, seconds)
-    errors: dict[str, list[float]] = {name: [] for name in NAMES}
-    inside: dict[str, list[bool]] = {name: [] for name in NAMES}
-    counts = dict.fromkeys(
-        ("drives", "spun", "to_name", "within_reach", "large", "large_named", "right_names", "wrong_names", "effects",
-         "contradictions", "car_names", "right_car_names", "determined_before_the_peak"), 0,
-    )  # fmt: skip
-    cpu = []
-    for i, (truth, log) in enumerate(zip(truths, logs, strict=True)):
-        if spins(rows, i):
-            counts["spun"] += 1
-            continue
-        answer = answered(log, car_file(wrong[i], measured), i, kinds[i])
-        cpu.append(answer["seconds"])
-        counts["drives"] += 1
-        counts["effects"] += bool(answer["effect"])
-        counts["contradictions"] += not answer["ok"]
-        named = {entry["name"] for entry in answer["car"]["found"]}
-        counts["car_names"] += len(named)
-        counts["right_car_names"] += len(named & wrong[i].keys())
+
+    def __init__(self) -> None:
+        self.counts = dict.fromkeys(
+            ("to_name", "within_reach", "large", "large_named", "right_names", "wrong_names",
+             "determined_before_the_peak"), 0,
+        )  # fmt: skip
+        self.errors: dict[str, list[float]] = {name: [] for name in NAMES}
+        self.inside: dict[str, list[bool]] = {name: [] for name in NAMES}
+
+    def add(self, answer: Mapping[str, Any], truth: road.Truth, rows: dict[str, Any], i: int) -> None:
+        """Count the answer on drive i."""
+        counts = self.counts
         found = {(entry["axle"], entry["name"]): entry["factor"]["value"] > 1.0 for entry in answer["found"]}
         for axle in AXLES:
             reached = road.used_share(rows, truth, i, axle)
@@ -156,13 +146,44 @@ def judged(
                 if not factor["determined"]:
                     continue
                 counts["determined_before_the_peak"] += name == "LMUY" and reached < 0.85
-                errors[name].append(abs(factor["value"] / true - 1.0))
-                inside[name].append(factor["low"] <= true <= factor["high"])
+                self.errors[name].append(abs(factor["value"] / true - 1.0))
+                self.inside[name].append(factor["low"] <= true <= factor["high"])
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the counts."""
+        return {
+            **self.counts,
+            "determined": {name: len(values) for name, values in self.inside.items()},
+            "inside": {name: sum(values) for name, values in self.inside.items()},
+            "median_error": {name: float(np.median(values)) for name, values in self.errors.items() if values},
+        }
+
+
+def judged(
+    truths: list[road.Truth], hard: list[bool], seconds: float, seed: int, wrong: Sequence[Mapping[str, float]],
+    measured: float = 1.0,
+) -> dict[str, Any]:  # fmt: skip
+    """Return what is named on drives, errors and coverage of the determined factors. `wrong`: of each car file."""
+    kinds = [road.KINDS[i % 5] for i in range(len(truths))]
+    logs, rows = road.made_drives(truths, kinds, hard, seed, seconds)
+    factors = FactorTally()
+    counts = dict.fromkeys(("drives", "spun", "effects", "contradictions", "car_names", "right_car_names"), 0)
+    cpu = []
+    for i, (truth, log) in enumerate(zip(truths, logs, strict=True)):
+        if spins(rows, i):
+            counts["spun"] += 1
+            continue
+        answer = answered(log, car_file(wrong[i], measured), i, kinds[i])
+        cpu.append(answer["seconds"])
+        counts["drives"] += 1
+        counts["effects"] += bool(answer["effect"])
+        counts["contradictions"] += not answer["ok"]
+        named = {entry["name"] for entry in answer["car"]["found"]}
+        counts["car_names"] += len(named)
+        counts["right_car_names"] += len(named & wrong[i].keys())
+        factors.add(answer, truth, rows, i)
     return {
-        **counts,
-        "determined": {name: len(values) for name, values in inside.items()},
-        "inside": {name: sum(values) for name, values in inside.items()},
-        "median_error": {name: float(np.median(values)) for name, values in errors.items() if values},
+        **counts, **factors.to_json(),
         "seconds": float(np.median(cpu)), "longest": max(cpu), "peak_memory_MB": peak_memory(),
     }  # fmt: skip
 
@@ -173,27 +194,39 @@ def peak_memory() -> float:
 
 
 def named_effects(n: int, seconds: float, seed: int) -> dict[str, Any]:
-    """Return how often the effect that the tires lack is named, of n drives of each kind, and without an effect."""
+    """Return how often the effect that the tires lack is named, of n drives of each kind, and the same without one.
+
+    Factors are counted on the drives without an effect: a friction that changes within a drive has no single truth.
+    """
     kinds = [*(kind for kind in hidden.KINDS for _ in range(n)), *[""] * (n * len(hidden.KINDS))]
-    logs, rows, *_ = hidden.made(kinds, seed + 3, seconds)
+    logs, rows, truths, _ = hidden.made(kinds, seed + 3, seconds)
     car = Car.from_content(road.car_content(), "car")
-    counts = dict.fromkeys(("drives", "named", "named_right", "first_right", "drives_without", "named_without"), 0)
+    wrong = {f"wrong_above_{limit}": limit for limit in WRONG_EFFECTS}
+    counts = dict.fromkeys(("drives", "named", "named_right", "first_right", *wrong, "drives_without"), 0)
+    without, factors = dict.fromkeys(wrong, 0), FactorTally()
     for i in sorted(range(len(logs)), key=lambda i: i % n):
         if spins(rows, i):
             continue
         kind = kinds[i]
         answer = answered(logs[i], car, i, kind or "no effect", kind)
-        named = bool(answer["effect"])
+        right = hidden.KINDS[kind][0] if kind else ""
+        effects = [entry["effect"] for entry in answer["effects"]]
+        above = {
+            name: any(entry["probability"] > limit for entry in answer["effects"] if entry["effect"] != right)
+            for name, limit in wrong.items()
+        }
+        for name, value in above.items():
+            (counts if kind else without)[name] += value
         if not kind:
             counts["drives_without"] += 1
-            counts["named_without"] += named
+            factors.add(answer, truths[i], rows, i)
             continue
-        right = bool(answer["effects"]) and answer["effects"][0]["effect"] == hidden.KINDS[kind][0]
+        named = bool(answer["effect"])
         counts["drives"] += 1
         counts["named"] += named
-        counts["named_right"] += named and right
-        counts["first_right"] += right
-    return counts
+        counts["named_right"] += named and effects[0] == right
+        counts["first_right"] += effects[:1] == [right]
+    return {**counts, "without": {**without, **factors.to_json()}}
 
 
 def main() -> None:

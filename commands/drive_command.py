@@ -47,6 +47,7 @@ def drive(
     check_input_paths(log, vehicle, tire, rear)
     from ..applications.driving.drive import drive as run
     from ..applications.driving.figures import write_drive
+    from ..applications.driving.simulation import changes
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
@@ -58,9 +59,7 @@ def drive(
         write_drive(answer, output / "report.html", command=command_line())
     write_json(json_file, answer.to_json())
     terminal.print(*(f"verdict: {line}" if i == 0 else f"  {line}" for i, line in enumerate(answer.verdict.lines)))
-    rms = answer.before.rms, answer.after.rms
-    changes = ", ".join(f"{name} {rms[0][name]:.3g} -> {rms[1][name]:.3g}" for name in rms[0])
-    terminal.print(f"rms error of the simulated vehicle: {changes}")
+    terminal.print(f"rms errors of the simulated vehicle: {changes(answer.before.rms, answer.after.rms)}")
     terminal.not_read(answer.log.ignored)
     if not answer.written:
         terminal.print("no tire is written")

@@ -4,6 +4,8 @@
 const AXIS = { x: 36, y: 62 };
 const PER_INCH = 77;
 const MIN_HEIGHT = 160;
+/** Numbers of an axis: those of their kind, without errors of rounding. */
+const TICK = new Intl.NumberFormat("en-US", { maximumSignificantDigits: 9 });
 const FONT = "12px system-ui, sans-serif";
 /** Ends and middle of the colors of a map, red, green, blue: below 0, 0, above 0. */
 const MAP_COLORS = [[33, 102, 172], [247, 247, 247], [178, 24, 43]];
@@ -142,6 +144,7 @@ class PanelChart {
   options() {
     const axis = (label, i) => ({
       label, font: FONT, labelFont: FONT, labelSize: 22, stroke: "#333", size: i ? AXIS.y : AXIS.x, space: i ? 22 : 50,
+      values: (plot, ticks) => ticks.map((tick) => TICK.format(tick)),
       grid: { stroke: "#e4e4e4", width: 1 }, ticks: { stroke: "#999", width: 1, size: 4 },
     });
     return {

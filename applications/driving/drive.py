@@ -16,7 +16,7 @@ from ...tires import Tire, tire_from
 from ...tires.description import limits_of
 from ...tires.tire_argument import TireLike
 from .effects import factor_values, motion_of, scaled
-from .estimate import Estimate, estimated
+from .estimate import Estimate, estimated, restarted
 from .factors import CERTAIN, believed, factors_of, scaled_tires, withheld
 from .inputs.car import Car, read_car
 from .inputs.grid import Grid, forward_speed, gridded, spinning, unwrapped
@@ -36,8 +36,8 @@ from .rivals import (
     reestimated,
     rivals_of,
 )
-from .simulation import simulated
-from .trust.contradiction import contradiction_of
+from .simulation import SIGNALS, changes, simulated
+from .trust.contradiction import IMPROBABLE, contradiction_of
 from .trust.left_out import left_out, parts_of, widened
 from .verdict import disagreement, unexplained_axles, verdict_on
 
@@ -126,7 +126,10 @@ def _answer(
     interval = interval_of(car, tires, unknowns, sampled=grid.sampled, spins=spinning(log, car), step=grid.step)
     start = _start(grid, interval.states, log, car, speed)
     try:
-        grid, estimate = estimated(grid, interval, unknowns, start, log, car)
+        given = interval, unknowns, start, log, car
+        grid, estimate = estimated(grid, *given)
+        if contradiction_of(estimate, unknowns).p < IMPROBABLE:
+            grid, estimate = restarted(grid, *given, estimate)
     except np.linalg.LinAlgError:
         raise DataError(f"{log.source}: no motion of {car.source} on these tires explains the log") from None
 
@@ -134,13 +137,13 @@ def _answer(
 
     def with_effect(rival: Rival) -> DriveExplanation | None:
         forces, near = forces_of(rival, unknowns, car, base), nearby(rival, base, unknowns)
-        return _refitted(rival, lambda: estimated(grid, interval, unknowns, start, log, car, forces, near))
+        return _refitted(rival, lambda: estimated(grid, *given, forces, near))
 
     ranked, with_effects = reestimated(rivals_of(base, unknowns, car, tires), base, unknowns, with_effect)
     first = ranked[0].missing
     best = with_effects.get(first.name, base) if first and ranked[0].probability > CERTAIN else base
-    given = base, ranked, unknowns, interval, car, tires, log, fmus
-    answer = _concluded(best, *given) or _concluded(base, *given)
+    context = base, ranked, unknowns, interval, car, tires, log, fmus
+    answer = _concluded(best, *context) or _concluded(base, *context)
     assert answer
     return answer
 
@@ -186,7 +189,8 @@ def _concluded(
     gap = _lacking(answer, unknowns, car, tires, (tires, new))
     where = disagreement(answer.grid, answer.estimate, gap[0], car)
     verdict = verdict_on(answer, ranked, unknowns, car, factors, certain, wrong, contradiction, predicted, where)
-    verdict = replace(verdict, lines=(*verdict.lines, *_limits(tires), *_exchanged(log)))
+    further = [*_worse(before.rms, after.rms), *_limits(tires)] if sound and verdict.better else _limits(tires)
+    verdict = replace(verdict, lines=(*verdict.lines, *further, *_exchanged(log)))
     deviations = answer.estimate.output_deviations(answer.grid, interval, len(unknowns))
     wheels = wheel_table(answer.grid, answer.estimate.outputs, deviations)
     return Drive(
@@ -201,6 +205,15 @@ def _refitted(rival: Rival, refit: Callable[[], tuple[Grid, Estimate]]) -> Drive
     except (np.linalg.LinAlgError, DataError):  # no motion, or one whose loads no tire has
         return None
     return explanation if explanation.estimate.converged else None
+
+
+def _worse(before: Mapping[str, float], after: Mapping[str, float]) -> list[str]:
+    """Return in which signals the simulated vehicle is worse on the new tires."""
+    names = [name for name in SIGNALS if after[name] > before[name]]
+    return [
+        "the vehicle that is simulated without a return to the recorded motion is worse on the new tires (rms errors: "
+        f"{changes(before, after, names)}): where a car slides, errors of its motion grow"
+    ] * bool(names)
 
 
 def _exchanged(log: Log) -> list[str]:

@@ -166,6 +166,21 @@ def estimated(
     return max(answers, key=lambda answer: (answer[1].converged, graded(answer[1].evidence)))
 
 
+def restarted(
+    grid: Grid, interval: Interval, unknowns: Unknowns, start: FloatArray, log: Log, car: Car, estimate: Estimate
+) -> tuple[Grid, Estimate]:
+    """Return the more probable one of an estimate and what begins at its car, with the factors of the tire files.
+
+    Factors and entries of the car may have moved far together, to an optimum beside the best one: what the other starts
+    lack is a car without the factors that belong to it.
+    """
+    deviations = np.concatenate([estimate.deviations[: -len(BALANCE)], np.full(len(BALANCE), START_DEVIATION)])
+    z = np.where(np.arange(len(unknowns)) < len(unknowns.car), estimate.z[: len(unknowns)], 0.0)
+    begin = replace(estimate, z=z, deviations=deviations)
+    other = _estimated(grid, start, interval, unknowns, log, car, no_forces, part=begin)
+    return max([(grid, estimate), other], key=lambda answer: (answer[1].converged, graded(answer[1].evidence)))
+
+
 def _estimated(
     grid: Grid, start: FloatArray, interval: Interval, unknowns: Unknowns, log: Log, car: Car, forces: Forces,
     near: Estimate | None = None, part: Estimate | None = None, together: bool = False,
@@ -227,7 +242,10 @@ def _estimated(
         widening = at.widening(floor, ceiling)
         arrived = arrived or bool(np.abs(change_z).max() < (1.0 - 1e-9) * LONGEST_STEP)
         widening *= arrived
-        step = change_z / np.sqrt(np.diag(at.posterior.covariance))
+        variances = np.diag(at.posterior.covariance)
+        if not (variances > 0.0).all():  # forces so large that rounding hides the priors
+            break
+        step = change_z / np.sqrt(variances)
         longest = max(np.abs(step).max(), np.abs(widening).max(), resized)
         if longest < SETTLED:
             converged = True
@@ -253,8 +271,8 @@ def _estimated(
         z = z + share * change_z
         weights = _weights(tried.values / at.problem.weights)
         if longest < 1.0:  # before, errors of the unknowns would be taken for the car's
-            coefficients, variances = z[-n_rest:], np.diag(at.posterior.covariance)[-n_rest:]
-            new = size_of(size, coefficients[SIZED], variances[SIZED])
+            coefficients = z[-n_rest:]
+            new = size_of(size, coefficients[SIZED], variances[-n_rest:][SIZED])
             resized = abs(np.log(new / size))
             coefficients[SIZED] *= size / new
             size = new

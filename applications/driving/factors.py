@@ -48,8 +48,12 @@ class Factor:
     @property
     def differs(self) -> bool:
         """Whether the drive states that it differs from 1, by more than two tires of one kind do."""
-        beyond = self.low > 1.0 + SAME or self.high < 1.0 - SAME
-        return self.determined and self.changed > CERTAIN and beyond
+        return self.determined and self.changed > CERTAIN and self.beyond
+
+    @property
+    def beyond(self) -> bool:
+        """Whether its interval excludes what two tires of one kind differ by."""
+        return self.low > 1.0 + SAME or self.high < 1.0 - SAME
 
     @property
     def informed(self) -> bool:

@@ -16,7 +16,7 @@ from .inputs.car_entries import ENTRIES
 from .inputs.unknowns import AXLES
 from .interval import OUTPUTS
 from .result import Drive
-from .simulation import estimated_motion, horizon
+from .simulation import SIGNALS, estimated_motion, horizon
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -40,14 +40,13 @@ def _histories(answer: Drive) -> Figure:
     grid, recorded = answer.grid, estimated_motion(answer.grid, answer.estimate).T
     labels = ("yaw rate (rad/s)", "ay (m/s²)", "lateral speed (m/s)")
     some = _some(len(grid.t))
+    t = np.where(np.diff(grid.segment[some], append=grid.segment[-1]), np.nan, grid.t[some])  # no line over a gap
     panels = []
     for i, (label, course) in enumerate(zip(labels, recorded, strict=True)):
         series = (
-            Series("line", grid.t[some], course[some], RECORDED, "estimated from the log", size=2.0),
-            Series(
-                "line", grid.t[some], answer.before.motion[some, i], BEFORE, "simulated, car and tires as given", DASHED
-            ),
-            Series("line", grid.t[some], answer.after.motion[some, i], AFTER, "simulated, after"),
+            Series("line", t, course[some], RECORDED, "estimated from the log", size=2.0),
+            Series("line", t, answer.before.motion[some, i], BEFORE, "simulated, car and tires as given", DASHED),
+            Series("line", t, answer.after.motion[some, i], AFTER, "simulated, after"),
         )
         panels.append((Panel("time (s)", label, series, x_axis="time", width=12.0, height=2.6),))
     text = (
@@ -72,7 +71,10 @@ def _left_out(answer: Drive) -> list[Figure]:
         )
     )
     panel = Panel("time (s)", "rms error (rad/s)", series, width=12.0, height=2.6, y_limits=(0.0, None))
-    text = "Yaw rate and lateral acceleration over speed, in parts of the drive that the estimate did not see."
+    text = (
+        "Root mean square over yaw rate and, over the speed, lateral acceleration and lateral speed, in parts of the "
+        "drive that the estimate did not see."
+    )
     return [Figure("left_out", "Parts that were left out", ((panel,),), text)]
 
 
@@ -164,10 +166,6 @@ def _track(answer: Drive) -> FloatArray:
     return np.stack([track.real, track.imag])
 
 
-#: What is simulated, with its unit.
-SIMULATED = {"yaw_rate": "yaw rate, rad/s", "ay": "lateral acceleration, m/s²", "vy": "lateral speed, m/s"}
-
-
 def write_drive(answer: Drive, path: str | Path, *, command: str = "") -> None:
     """Write the page of an answer: verdict, factors, car, simulation, figures.
 
@@ -176,7 +174,7 @@ def write_drive(answer: Drive, path: str | Path, *, command: str = "") -> None:
     path = path_from(path)
     content: dict[str, Any] = answer.to_json()
     page = page_text(
-        "tirefmu.applications.driving", {"short": _short}, answer=content, entries=ENTRIES, simulated=SIMULATED,
+        "tirefmu.applications.driving", {"short": _short}, answer=content, entries=ENTRIES, simulated=SIGNALS,
         horizon=horizon(answer.car), figures=drive_figures(answer),
         origin=[("log", answer.log.source), ("car", answer.car.source), ("command", command or "tirefmu.drive")],
     )  # fmt: skip

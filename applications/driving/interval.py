@@ -58,6 +58,7 @@ UNEQUAL, SLIP_NOISE, SMALL_SLIP = 0.02, 0.002, 0.01
 BODY = {
     "m": "mass", "I_z": "yaw_inertia", "l_f": "cg_to_front", "l_r": "cg_to_rear", "w_f": "track_front",
     "w_r": "track_rear", "h": "cg_height", "roll_front": "front_roll_share", "drag": "drag",
+    "down_f": "downforce_front", "down_r": "downforce_rear",
 }  # fmt: skip
 
 

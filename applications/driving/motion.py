@@ -77,7 +77,10 @@ class MotionProblem:
         if damping > LEAST_DAMPING:  # of another point or damped, the determinant is not the posterior's
             factor = Factor(self.grid, linear)
         # The density of the next motion that the balance gives and those of sensors have the deviations as scales.
-        density = np.log(np.abs(np.linalg.det(linear.by_nodes[:, -len(BALANCE) :, n + 1 : n + 3]))).sum()
+        slopes = np.abs(np.linalg.det(linear.by_nodes[:, -len(BALANCE) :, n + 1 : n + 3]))
+        if not slopes.all():
+            raise np.linalg.LinAlgError("the balance of forces does not give the next motion")
+        density = np.log(slopes).sum()
         density -= np.sum((linear.values != 0.0) * np.log(self.deviations), axis=0)[: -len(BALANCE)].sum()
         criterion = linear.cost(self.z) + float(np.log(factor.band[0]).sum() - density)
         return BestMotion(self, states, linear.values, criterion)

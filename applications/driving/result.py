@@ -171,7 +171,7 @@ class Drive:
                 row = correlation[self.unknowns.factor(axle, name)]
                 pairs = zip(self.unknowns.car, row.tolist(), strict=False)
                 strong[f"{name} {axle}"] = {entry: value for entry, value in pairs if abs(value) > 0.3}
-        return strong
+        return {factor: pairs for factor, pairs in strong.items() if pairs}
 
     @property
     def simulation(self) -> SimulationErrors:

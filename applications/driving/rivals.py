@@ -173,12 +173,11 @@ def reestimated(
     """Return the explanations compared by estimates of the whole drive with likely effects, and these by name.
 
     About an estimate without an effect, other unknowns and the noise have taken a part of it, and the linearized
-    evidence is too small. Effects are estimated until no likely one is left.
+    evidence is too small: by how much differs, so that it does not decide between effects, and an effect is likely if
+    it is against none.
     """
-    compared, fitted = _ranked(ranked), dict[str, DriveExplanation | None]()
-    while likely := [rival for rival in compared if _name(rival) not in ("", *fitted) and rival.probability > LIKELY]:
-        fitted |= {_name(rival): refit(rival) for rival in likely}
-        compared = _compared(ranked, fitted, base, unknowns)
+    fitted = {_name(rival): refit(rival) for rival in ranked if rival.missing and rival.log_odds > LIKELY_ODDS}
+    compared = _compared(ranked, fitted, base, unknowns)
     return compared, {name: explanation for name, explanation in fitted.items() if explanation}
 
 
@@ -209,7 +208,7 @@ def _compared(
             u = estimates[name].estimate.z[len(unknowns) :][: len(rival.u)]
             rival = replace(rival, u=u, gain=gains[name], power=power)
         elif name in fitted:  # without an optimum, it may explain as much
-            rival = replace(rival, gain=max(rival.gain, gains[strongest]), power=power)
+            rival = replace(rival, gain=gains[strongest], power=power)
         rivals.append(rival)
     return _ranked(rivals)
 

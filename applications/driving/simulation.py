@@ -7,7 +7,7 @@ slips, heat) from the recorded motion; an FMU has states of its own, which begin
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,6 +35,10 @@ IntArray = npt.NDArray[np.intp]
 #: Length of a piece of a typical car, s; longest Heun step, s, and in the shorter time constant of lateral speed and
 #: yaw rate.
 HORIZON, MAX_STEP, MAX_SHARE = 2.0, 0.01, 0.5
+#: What is simulated: its name and unit.
+SIGNALS = {
+    "yaw_rate": ("yaw rate", "rad/s"), "ay": ("lateral acceleration", "m/s^2"), "vy": ("lateral speed", "m/s"),
+}  # fmt: skip
 #: kappa, alpha, gamma, Fz, V and states of effects, shape (4, n) each, and the length of the step that follows with
 #: these inputs, s (0: none); the answer is Fx and Fy, shape (2, 4, n).
 TireForces = Callable[[Mapping[str, FloatArray], float], FloatArray]
@@ -231,7 +235,20 @@ def errors_of(motion: FloatArray, grid: Grid, estimate: Estimate, unknowns: Unkn
     reference[:, 0] = np.where(np.isfinite(yaw_rate), yaw_rate, reference[:, 0])
     squares = ((motion - reference) ** 2)[np.isfinite(motion[:, 0])]
     rms = np.sqrt(squares.mean(axis=0)) if len(squares) else np.full(3, np.nan)
-    return dict(zip(("yaw_rate", "ay", "vy"), rms.tolist(), strict=True))
+    return dict(zip(SIGNALS, rms.tolist(), strict=True))
+
+
+def changes(before: Mapping[str, float], after: Mapping[str, float], names: Iterable[str] = SIGNALS) -> str:
+    """Return errors of signals before and after in words.
+
+    >>> changes({"yaw_rate": 0.0123}, {"yaw_rate": 0.01}, ["yaw_rate"])
+    'yaw rate 0.0123 -> 0.01 rad/s'
+    """
+    return ", ".join(
+        f"{meaning} {before[name]:.3g} -> {after[name]:.3g} {unit}"
+        for name, (meaning, unit) in SIGNALS.items()
+        if name in names
+    )
 
 
 def code_forces(tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, FloatArray]]) -> TireForces:

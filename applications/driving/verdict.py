@@ -18,6 +18,7 @@ from .inputs.grid import Grid
 from .inputs.unknowns import AXLES, Unknowns
 from .interval import OUTPUTS
 from .rivals import LIKELY, DriveExplanation, Rival, lacking
+from .simulation import changes
 from .trust.contradiction import Contradiction, chances_of_entries, contradiction_of
 from .trust.left_out import LeftOut
 
@@ -126,16 +127,17 @@ def verdict_on(
         if rival.missing and rival.probability > LIKELY
     )
     unknown = unexplained_axles(estimate)
-    lines = [*_factor_lines(findings, factors), where, *_car_lines(of_car, check, unknown, estimate)]
+    lines = [*_factor_lines(findings, factors), *_car_lines(of_car, check, unknown, estimate)]
     if best.missing:
         lines.insert(0, _effects_line(likely))
     elif likely:
         lines.append(_unidentified_line(likely))
     if contradiction.doubtful:
         lines.insert(0, _contradiction_line(contradiction, estimate, unknowns))
-    if not estimate.converged:
+    if estimate.converged:
+        lines += [where, _prediction_line(predicted, bool(findings or best.missing))]
+    else:
         lines.insert(0, "the estimate did not converge: no conclusion about the tires or the car is possible")
-    lines.append(_prediction_line(predicted, bool(findings or best.missing)))
     effect = best.missing.name if best.missing else None
     return DriveVerdict(
         findings, of_car, check, contradiction, predicted, effect, likely, vote * lacking(ranked), unknown, tuple(lines)
@@ -192,8 +194,7 @@ def _contradiction_line(contradiction: Contradiction, estimate: Estimate, unknow
 def _prediction_line(predicted: LeftOut | None, something: bool) -> str:
     if predicted is None:
         return "the drive is too short to test the prediction of left-out parts: no tire is written"
-    before, after = (rms["yaw_rate"] for rms in (predicted.before, predicted.after))
-    numbers = f"rms error of the yaw rate {before:.3g} rad/s before, {after:.3g} rad/s after"
+    numbers = f"rms errors: {changes(predicted.before, predicted.after)}"
     if not predicted.better:
         return f"new tires do not predict left-out parts of the drive better than the given ones ({numbers})"
     some = "new tires predict left-out parts of the drive better than the given ones"
@@ -229,7 +230,9 @@ def _factor_lines(findings: tuple[TireDifference, ...], factors: Mapping[str, Ma
                 by_reason.setdefault(f"not determined ({factor.reason})", []).append(name)
             elif factor not in [d.factor for d in findings if (d.axle, d.name) == (axle, name)]:
                 text = f"{name} {factor.value:.3g} ({factor.low:.3g} to {factor.high:.3g})"
-                by_reason.setdefault("no certain difference from the tire file", []).append(text)
+                certainty = f"a difference that is not certain (probability {factor.changed:.2f})"
+                reason = certainty if factor.beyond else "no certain difference from the tire file"
+                by_reason.setdefault(reason, []).append(text)
         lines += [f"{axle} axle: {', '.join(names)}: {reason}" for reason, names in by_reason.items()]
     return lines
 
@@ -238,13 +241,12 @@ def _car_lines(
     of_car: tuple[CarFinding, ...], check: tuple[CarFinding, ...], unknown: tuple[str, ...], estimate: Estimate
 ) -> list[str]:
     lines = [
-        f"car: {ENTRIES[entry.name].meaning} is {'higher' if entry.deviation > 0.0 else 'lower'} than in its file: "
+        f"car: {_meaning(entry)} is {'higher' if entry.deviation > 0.0 else 'lower'} than in its file: "
         f"{_deviation(entry)}"
         for entry in of_car
     ]
     lines += [
-        f"car: check the {ENTRIES[entry.name].meaning}, which may be wrong in its file: {_deviation(entry)}"
-        for entry in check
+        f"car: check the {_meaning(entry)}, which may be wrong in its file: {_deviation(entry)}" for entry in check
     ]
     lines += [
         f"{axle} axle: the motion requires side forces that no factor explains: "
@@ -254,9 +256,14 @@ def _car_lines(
     return lines
 
 
+def _meaning(entry: CarFinding) -> str:
+    return ENTRIES[entry.name].meaning.partition(";")[0].partition(":")[0]
+
+
 def _deviation(entry: CarFinding) -> str:
     unit = f" {ENTRIES[entry.name].unit}".removesuffix(" 1")
-    return f"{entry.value:.4g} instead of {entry.given:.4g}{unit}, {abs(entry.deviation):.1f} standard deviations"
+    instead = f"{entry.value:.4g} instead of {entry.given:.4g}{unit}"
+    return f"{instead}, {abs(entry.deviation):.1f} standard deviations of the file"
 
 
 #: Name and unit of an input, and what its value is multiplied by.
@@ -264,8 +271,9 @@ INPUTS = {
     "alpha": ("slip angle", " deg", 180.0 / np.pi), "kappa": ("longitudinal slip", "", 1.0), "Fz": ("load", " N", 1.0),
     "V": ("speed", " m/s", 1.0), "t": ("time in the log", " s", 1.0),
 }  # fmt: skip
-#: Groups of equal size into which an input is divided; length of a phase, s; acceleration that is one, m/s^2.
-GROUPS, PHASE, ACCELERATING = 8, 2.0, 1.0
+#: Groups of equal size into which an input is divided; length of a phase, s; acceleration that is one, m/s^2; share of
+#: what one input explains from which another one explains as much.
+GROUPS, PHASE, ACCELERATING, ALIKE = 8, 2.0, 1.0, 0.9
 
 
 def disagreement(grid: Grid, estimate: Estimate, lacking: FloatArray, car: Car) -> str:
@@ -280,6 +288,7 @@ def disagreement(grid: Grid, estimate: Estimate, lacking: FloatArray, car: Car) 
     groups = {name: _groups(np.abs(values.get(name, grid.t))) for name in INPUTS}
     explained = {name: sum(len(rows) * np.mean(along[rows]) ** 2 for rows in groups[name]) for name in INPUTS}
     name = max(explained, key=lambda name: graded(explained[name]))
+    others = [INPUTS[other][0] for other in INPUTS if other != name and explained[other] > ALIKE * explained[name]]
     strongest = max(groups[name], key=lambda rows: graded(float(np.mean(size[rows] ** 2))))
     meaning, unit, scale = INPUTS[name]
     low, high = scale * np.quantile(np.abs(values.get(name, grid.t))[strongest], [0.0, 1.0])
@@ -289,9 +298,18 @@ def disagreement(grid: Grid, estimate: Estimate, lacking: FloatArray, car: Car) 
     return (
         f"{AXLES[axle]} axle: the drive disagrees most with its tire file, by {100 * np.sqrt(np.mean(size**2)):.2g} % "
         f"of the load (rms); most from {first:.0f} to {last:.0f} s ({_motion(grid, estimate, phase)}), and at a "
-        f"{meaning} of {low:.3g} to {high:.3g}{unit}; the {meaning} explains "
+        f"{meaning} of {_short(low)} to {_short(high)}{unit}; the {meaning} explains "
         f"{100 * explained[name] / np.sum(size**2):.0f} % of it"
+        f"{f', as {_listed(others)} may' if others else ''}"
     )
+
+
+def _short(number: float) -> str:
+    return f"{number:.3g}" if abs(number) < 1e3 else f"{number:.0f}"
+
+
+def _listed(names: Sequence[str]) -> str:
+    return " and ".join([*([", ".join(f"the {name}" for name in names[:-1])] if names[1:] else []), f"the {names[-1]}"])
 
 
 def _groups(values: FloatArray) -> list[npt.NDArray[np.intp]]:

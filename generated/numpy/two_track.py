@@ -20,7 +20,7 @@ def turned(v_x, v_y, yaw_rate, v_x_dot, v_y_dot, yaw_rate_dot, a_x_lag, a_y_lag,
 
 
 def wheels(v_x, v_y, yaw_rate, v_x_dot, v_y_dot, yaw_rate_dot, a_x_lag, a_y_lag, a_z, delta_f, delta_r, m,
-    I_z, l_f, l_r, w_f, w_r, h, roll_front, drag, xp=np):
+    I_z, l_f, l_r, w_f, w_r, h, roll_front, drag, down_f, down_r, xp=np):
     """Slip angles, forward speeds and loads of the wheels from the motion."""
     a_x = v_x_dot - v_y*yaw_rate
     a_y = v_y_dot + v_x*yaw_rate
@@ -33,29 +33,29 @@ def wheels(v_x, v_y, yaw_rate, v_x_dot, v_y_dot, yaw_rate_dot, a_x_lag, a_y_lag,
     v_fl = v_y + l_f*yaw_rate
     V_fl = u_fl*xp.cos(delta_f) + v_fl*xp.sin(delta_f)
     alpha_fl = -delta_f + xp.atan(v_fl/u_fl)
-    Fz_fl = -pitch_transfer - roll_transfer_front + 0.5*l_r*m*(9.80665 + a_z)/(l_f + l_r)
+    Fz_fl = -pitch_transfer - roll_transfer_front + 0.5*down_f*v_x**2 + 0.5*l_r*m*(9.80665 + a_z)/(l_f + l_r)
     u_fr = v_x + 0.5*w_f*yaw_rate
     v_fr = v_y + l_f*yaw_rate
     V_fr = u_fr*xp.cos(delta_f) + v_fr*xp.sin(delta_f)
     alpha_fr = -delta_f + xp.atan(v_fr/u_fr)
-    Fz_fr = roll_transfer_front - pitch_transfer + 0.5*l_r*m*(9.80665 + a_z)/(l_f + l_r)
+    Fz_fr = roll_transfer_front - pitch_transfer + 0.5*down_f*v_x**2 + 0.5*l_r*m*(9.80665 + a_z)/(l_f + l_r)
     u_rl = v_x - 0.5*w_r*yaw_rate
     v_rl = v_y - l_r*yaw_rate
     V_rl = u_rl*xp.cos(delta_r) + v_rl*xp.sin(delta_r)
     alpha_rl = -delta_r + xp.atan(v_rl/u_rl)
-    Fz_rl = pitch_transfer - roll_transfer_rear + 0.5*l_f*m*(9.80665 + a_z)/(l_f + l_r)
+    Fz_rl = pitch_transfer - roll_transfer_rear + 0.5*down_r*v_x**2 + 0.5*l_f*m*(9.80665 + a_z)/(l_f + l_r)
     u_rr = v_x + 0.5*w_r*yaw_rate
     v_rr = v_y - l_r*yaw_rate
     V_rr = u_rr*xp.cos(delta_r) + v_rr*xp.sin(delta_r)
     alpha_rr = -delta_r + xp.atan(v_rr/u_rr)
-    Fz_rr = pitch_transfer + roll_transfer_rear + 0.5*l_f*m*(9.80665 + a_z)/(l_f + l_r)
+    Fz_rr = pitch_transfer + roll_transfer_rear + 0.5*down_r*v_x**2 + 0.5*l_f*m*(9.80665 + a_z)/(l_f + l_r)
     return (
         alpha_fl, alpha_fr, alpha_rl, alpha_rr, V_fl, V_fr, V_rl, V_rr, Fz_fl, Fz_fr, Fz_rl, Fz_rr,
     )
 
 
 def balance(v_x, v_y, yaw_rate, v_x_dot, v_y_dot, yaw_rate_dot, delta_f, delta_r, m, I_z, l_f, l_r, w_f, w_r,
-    h, roll_front, drag, Fx_fl, Fx_fr, Fx_rl, Fx_rr, Fy_fl, Fy_fr, Fy_rl, Fy_rr, xp=np):
+    h, roll_front, drag, down_f, down_r, Fx_fl, Fx_fr, Fx_rl, Fx_rr, Fy_fl, Fy_fr, Fy_rl, Fy_rr, xp=np):
     """Forces at the axles, and what the motion requires beyond them."""
     a_x = v_x_dot - v_y*yaw_rate
     a_y = v_y_dot + v_x*yaw_rate
@@ -83,7 +83,7 @@ def balance(v_x, v_y, yaw_rate, v_x_dot, v_y_dot, yaw_rate_dot, delta_f, delta_r
 
 
 def accelerations(v_x, v_y, yaw_rate, delta_f, delta_r, m, I_z, l_f, l_r, w_f, w_r, h, roll_front, drag,
-    Fx_fl, Fx_fr, Fx_rl, Fx_rr, Fy_fl, Fy_fr, Fy_rl, Fy_rr, xp=np):
+    down_f, down_r, Fx_fl, Fx_fr, Fx_rl, Fx_rr, Fy_fl, Fy_fr, Fy_rl, Fy_rr, xp=np):
     """Rates of the motion that the forces of the tires cause."""
     X_fl = Fx_fl*xp.cos(delta_f) - Fy_fl*xp.sin(delta_f)
     Y_fl = Fx_fl*xp.sin(delta_f) + Fy_fl*xp.cos(delta_f)

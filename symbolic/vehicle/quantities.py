@@ -44,6 +44,8 @@ CAR = (
     Quantity("h", "m", "height of the center of gravity"),
     Quantity("roll_front", "1", "share of the roll stiffness at the front axle"),
     Quantity("drag", "N s^2/m^2", "drag force over the square of the speed"),
+    Quantity("down_f", "N s^2/m^2", "downforce of the front axle over the square of the speed"),
+    Quantity("down_r", "N s^2/m^2", "the same of the rear axle"),
 )
 SENSOR = (
     Quantity("s_x", "m", "position of the sensor, forward"),

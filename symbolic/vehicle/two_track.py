@@ -2,7 +2,7 @@
 
 The body moves in the plane. Loads follow from the accelerations, behind which roll and pitch lag: the longitudinal
 transfer from the height of the center of gravity, the lateral one divided between the axles by their roll stiffness.
-Both axles have more load while cornering accelerates the body up.
+Both axles have more load while cornering accelerates the body up, and from downforce.
 Both wheels of an axle have one angle; roll and compliance turn and incline them. After Schramm, Hiller, Bardini,
 Vehicle Dynamics (2018), chapters 10 and 11; the balance at the axles is the balance of lateral force and yaw moment,
 solved for the two axle forces.
@@ -32,7 +32,7 @@ def line(number: str, name: str, expression: Expr, unit: str = "N", description:
 
 vx, vy, r = (quantity.symbol for quantity in car.MOTION)
 vx_dot, vy_dot, r_dot = (quantity.symbol for quantity in car.RATES)
-m, Iz, lf, lr, wf, wr, h, roll_front, drag = (quantity.symbol for quantity in car.CAR)
+m, Iz, lf, lr, wf, wr, h, roll_front, drag, down_f, down_r = (quantity.symbol for quantity in car.CAR)
 sx, sy, roll_gradient, misalignment = (quantity.symbol for quantity in car.SENSOR)
 delta = dict(zip("fr", (quantity.symbol for quantity in car.TURNED), strict=True))
 ax_lag, ay_lag = (quantity.symbol for quantity in car.LAG)
@@ -55,7 +55,7 @@ line(WHEELS, "gamma", camber*rolled, "rad", "inclination angle")
 
 # Slip angles and loads of the wheels.
 weight   = m*(g + az)
-static   = {"f": weight*lr / (lf + lr) / 2, "r": weight*lf / (lf + lr) / 2}
+steady   = {"f": weight*lr / (lf + lr) / 2 + down_f*vx**2 / 2, "r": weight*lf / (lf + lr) / 2 + down_r*vx**2 / 2}
 pitched  = line(BODY, "a_x_pitched", ax + ax_lag, "m/s^2", "longitudinal acceleration that pitches the body")
 pitching = line(WHEELS, "pitch_transfer", m*pitched*h / (lf + lr) / 2, "N", "load of acceleration, to a rear wheel")
 front    = line(WHEELS, "roll_transfer_front", m*rolled*h*roll_front / wf, "N", "load that a left turn moves right")
@@ -70,7 +70,7 @@ for corner, (x, y) in position.items():
     left  = line(WHEELS, f"v_{corner}", vy + r*x, "m/s", "lateral speed of the wheel center, vehicle axes")
     V = line(WHEELS, f"V_{corner}", along*cos(turned) + left*sin(turned), "m/s", "forward speed in the wheel plane")
     line(WHEELS, f"alpha_{corner}", atan(left / along) - turned, "rad", "slip angle")
-    line(WHEELS, f"Fz_{corner}", static[axle] + (pitching if axle == "r" else -pitching)
+    line(WHEELS, f"Fz_{corner}", steady[axle] + (pitching if axle == "r" else -pitching)
          + (-rolling[axle] if side == "l" else rolling[axle]), "N", "load")
     forward[corner] = line(BODY, f"X_{corner}", Fx[corner]*cos(turned) - Fy[corner]*sin(turned), "N", "vehicle x axis")
     across[corner]  = line(BODY, f"Y_{corner}", Fx[corner]*sin(turned) + Fy[corner]*cos(turned), "N", "vehicle y axis")

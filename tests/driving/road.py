@@ -22,6 +22,7 @@ CAR = {
     "yaw_inertia": 1700.0, "front_roll_share": 0.56, "ratio": 15.0, "offset": 0.0, "radius_front": 0.3,
     "radius_rear": 0.3, "x": 0.15, "y": -0.1, "roll_lag": 0.05, "steer_front": 0.0, "steer_rear": 0.0,
     "ay_gain": 1.0, "yaw_rate_gain": 1.0, "misalignment": 0.0, "wheel_delay": 0.0, "lift": 0.0, "heave_period": 0.7,
+    "downforce_front": 0.0, "downforce_rear": 0.0,
 }  # fmt: skip
 #: Standard deviations of a workshop's numbers, and what cars and sensors differ by.
 SPREAD = {
@@ -119,7 +120,8 @@ class Road:
         roll_f = c["mass"] * self.rolled[1] * c["cg_height"] * share / c["track_front"]
         roll_r = c["mass"] * self.rolled[1] * c["cg_height"] * (1 - share) / c["track_rear"]
         weight = c["mass"] * (G + self.lifted)
-        front, rear = -weight * X[2] / c["wheelbase"] / 2, weight * X[0] / c["wheelbase"] / 2
+        front = (c["downforce_front"] * vx**2 - weight * X[2] / c["wheelbase"]) / 2
+        rear = (c["downforce_rear"] * vx**2 + weight * X[0] / c["wheelbase"]) / 2
         Fz = np.array([front - shift - roll_f, front - shift + roll_f, rear + shift - roll_r, rear + shift + roll_r])
         Fx, Fy = self.tire(kappa, alpha, Fz, along, self.factors)
         bx, by = Fx * cos - Fy * sin, Fx * sin + Fy * cos

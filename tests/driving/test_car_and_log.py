@@ -191,6 +191,29 @@ def test_what_the_estimate_explains_of_the_steering_is_no_refusal(change, car):
     checked(turning(change), car)
 
 
+@pytest.mark.parametrize("offset", [0.0, 1.0])
+def test_ay_of_a_circle_at_one_speed_follows_it_whatever_its_noise(offset, car):
+    t = 0.01 * np.arange(4000)
+    for seed in range(4):
+        noise = 0.1 * np.random.default_rng(seed).standard_normal((2, len(t)))
+        motion = {"steer": 0.6, "speed": 15.0, "yaw_rate": 0.2 + noise[0], "ay": 3.0 + offset + noise[1]}
+        checked(read_log(pd.DataFrame({"t": t, **motion})), car)
+        with pytest.raises(DataError, match="ay and yaw rate have opposite signs"):
+            checked(read_log(pd.DataFrame({"t": t, **motion, "ay": -motion["ay"]})), car)
+
+
+def test_ax_on_hills_at_a_nearly_constant_speed_is_no_other_sign(car):
+    """An accelerometer measures the force, which climbs while the car loses speed."""
+    driven = turning(lambda t, steer, rate: (steer, rate))
+    t = driven.channels["steer"][0]
+    table = pd.DataFrame({name: values for name, (_, values) in driven.channels.items()} | {"t": t})
+    hill = np.sin(2 * np.pi * t / 20.0)
+    climbing = table.assign(speed=15.0 + 0.5 * np.cos(2 * np.pi * t / 20.0), ax=0.6 * hill)
+    checked(read_log(climbing), car)
+    with pytest.raises(DataError, match="rate of the speed have opposite signs"):
+        checked(read_log(climbing.assign(speed=15.0 + 2.0 * np.cos(2 * np.pi * t / 20.0))), car)
+
+
 @pytest.mark.parametrize("angle", [0.3, 1.7])
 def test_a_circle_at_rising_speed_explains_itself_and_a_slalom_with_held_steering_does_not(angle, car):
     t = 0.01 * np.arange(4000)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.linalg import block_diag
@@ -89,3 +91,35 @@ def test_a_motion_without_side_slip_leads_to_that_of_the_answer(answer):
     deviation = np.sqrt(np.diag(final.covariance))
     assert np.abs((found.z - final.z) / deviation).max() < 0.5
     assert found.evidence == pytest.approx(final.evidence, abs=2.0)
+
+
+def test_a_restart_finds_the_optimum_from_its_car_alone_and_never_a_worse_one(answer):
+    unknowns, n_car = answer.unknowns, len(answer.unknowns.car)
+    interval = interval_of(
+        answer.car, answer.tires, unknowns, sampled=answer.grid.sampled, spins=CORNERS, step=answer.grid.step
+    )
+    given = interval, unknowns, answer.estimate.states, answer.log, answer.car
+    z = answer.estimate.z.copy()
+    z[n_car : len(unknowns)] += 3.0  # factors that belong to no such car
+    beside = replace(answer.estimate, z=z, evidence=answer.estimate.evidence - 100.0)
+    _, found = estimate.restarted(answer.grid, *given, beside)
+    np.testing.assert_allclose(found.z[n_car : len(unknowns)], answer.estimate.z[n_car : len(unknowns)], atol=0.02)
+    assert found.evidence == pytest.approx(answer.estimate.evidence, abs=2.0)
+    best = replace(answer.estimate, evidence=found.evidence + 1.0)
+    assert estimate.restarted(answer.grid, *given, best)[1] is best
+
+
+def test_forces_that_hide_the_priors_end_an_estimate_that_did_not_converge(answer, monkeypatch):
+    unknowns = answer.unknowns
+    interval = interval_of(
+        answer.car, answer.tires, unknowns, sampled=answer.grid.sampled, spins=CORNERS, step=answer.grid.step
+    )
+    inverted = np.linalg.inv
+
+    def rounded(matrix):
+        return inverted(matrix) - (np.eye(matrix.shape[-1]) if matrix.ndim == 2 else 0.0)
+
+    monkeypatch.setattr(np.linalg, "inv", rounded)
+    with np.errstate(invalid="raise"):
+        _, found = estimate.estimated(answer.grid, interval, unknowns, answer.estimate.states, answer.log, answer.car)
+    assert not found.converged

@@ -9,11 +9,12 @@ import road
 from tirefmu.applications.driving.interval import _apart
 from tirefmu.tires.code.modules import two_track
 
-BODY = (1250.0, 1700.0, 1.2, 1.3, 1.5, 1.48, 0.52, 0.56, 0.0)
+BODY = (1250.0, 1700.0, 1.2, 1.3, 1.5, 1.48, 0.52, 0.56, 0.0, 0.0, 0.0)
+DOWNFORCE = {"downforce_front": 2.0, "downforce_rear": 3.0}
 
 
-def wheels(vx=15.0, vy=0.0, r=0.0, ax=0.0, vy_dot=0.0, r_dot=0.0, steer=0.0, lag=(0.0, 0.0), heave=0.0):
-    return np.array(two_track.wheels(vx, vy, r, ax, vy_dot, r_dot, *lag, heave, steer, 0.0, *BODY)).reshape(3, 4)
+def wheels(vx=15.0, vy=0.0, r=0.0, ax=0.0, vy_dot=0.0, r_dot=0.0, steer=0.0, lag=(0.0, 0.0), heave=0.0, body=BODY):
+    return np.array(two_track.wheels(vx, vy, r, ax, vy_dot, r_dot, *lag, heave, steer, 0.0, *body)).reshape(3, 4)
 
 
 def test_loads_are_the_weight_and_straight_running_has_no_slip():
@@ -27,6 +28,11 @@ def test_loads_are_the_weight_and_straight_running_has_no_slip():
 def test_a_body_that_is_accelerated_up_presses_all_wheels_on_the_road():
     turn = {"r": 0.3, "ax": 2.0}
     np.testing.assert_allclose(wheels(**turn, heave=1.0)[2] - wheels(**turn)[2], wheels()[2] / 9.80665)
+
+
+def test_downforce_presses_both_wheels_of_an_axle_on_the_road():
+    pressed = wheels(vx=20.0, r=0.3, body=(*BODY[:-2], *DOWNFORCE.values()))[2]
+    np.testing.assert_allclose(pressed - wheels(vx=20.0, r=0.3)[2], [400.0, 400.0, 600.0, 600.0])
 
 
 def test_a_mirrored_motion_has_mirrored_wheels():
@@ -75,7 +81,8 @@ def test_a_wheel_at_its_limit_transmits_less_than_the_other_one():
     assert _apart(0.0, -80.0, [0.001, -0.001], [30.0, -90.0], stiffness) == pytest.approx(-80.0, abs=1.0)
 
 
-def test_slips_and_loads_are_those_of_the_independent_program():
+@pytest.mark.parametrize("air", [{}, DOWNFORCE])
+def test_slips_and_loads_are_those_of_the_independent_program(air):
     same = {axle: dict.fromkeys(("LMUX", "LMUY", "LKX", "LKY"), 1.0) for axle in ("front", "rear")}
     seen = {}
 
@@ -83,11 +90,12 @@ def test_slips_and_loads_are_those_of_the_independent_program():
         seen.update(alpha=alpha[:, 0], Fz=Fz[:, 0])
         return road.tire_forces(kappa, alpha, Fz, V, factors)
 
-    program = road.Road([road.Truth(same, {})], tire)
+    program = road.Road([road.Truth(same, air)], tire)
     state = np.array([14.0, -0.2, 0.35, *[14.0 / 0.3] * 4])[:, None]
     program.rolled = np.zeros((2, 1))
     for _ in range(12):  # until the loads follow from the accelerations that they cause
         rates, program.rolled, _ = program.rates(state, np.array([0.04]), np.zeros((4, 1)))
-    alpha, _, load = wheels(14.0, -0.2, 0.35, *rates[:3, 0], 0.04)
+    body = (*BODY[:-2], *air.values()) if air else BODY
+    alpha, _, load = wheels(14.0, -0.2, 0.35, *rates[:3, 0], 0.04, body=body)
     np.testing.assert_allclose(alpha, seen["alpha"], atol=1e-12)
     np.testing.assert_allclose(load, seen["Fz"], rtol=1e-4)

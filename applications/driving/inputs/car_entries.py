@@ -54,6 +54,11 @@ _ENTRIES = (
           "absolute", 0.0, 1.0),
     Entry("body", "drag", "drag force over the square of the speed", "N s^2/m^2", 0.4, 0.0, 0.3, "relative",
           0.0, 100.0),
+    *(
+        Entry("body", f"downforce_{axle}", f"downforce of the {axle} axle over the square of the speed, negative for "
+              "lift", "N s^2/m^2", 0.0, 0.0, 0.1, "relative", -100.0, 100.0)
+        for axle in ("front", "rear")
+    ),
     Entry("body", "roll_lag", "time constant of the lateral load transfer behind the lateral acceleration", "s", 0.05,
           0.05, 0.6, "time", 0.0, 1.0),
     Entry("body", "pitch_lag", "time constant of the longitudinal load transfer", "s", 0.05, 0.05, 0.6, "time", 0.0,
@@ -179,7 +184,7 @@ def car_schema() -> dict[str, Any]:
     sections["steering"]["properties"]["map"] = {"type": "array", "items": pair, "minItems": 2}
     sections["wheels"]["properties"]["driven"] = {"enum": list(LAYOUTS)}
     sections["columns"] = {"type": "object", "additionalProperties": {"type": "string"}}
-    return document("car", "1.4", "Car of a drive", object_schema(sections, ["body"]))
+    return document("car", "1.5", "Car of a drive", object_schema(sections, ["body"]))
 
 
 def _number(entry: Entry) -> list[dict[str, Any]]:

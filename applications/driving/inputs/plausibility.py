@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -29,6 +29,8 @@ MIN_CORRELATION, MIN_STEER, ROUNDING = 0.5, 0.002, 1e-9
 #: steering wants it. Delays of the yaw rate behind the steering at which both are compared, s: of the car and the log.
 CALM, DELAYS = 0.5, (0.0, -0.1, 0.1, 0.2, 0.3)
 
+#: Units of wheel speeds, SI first, from which a speed follows that is not logged.
+WHEEL_UNITS = "rad/s", "rpm", "rev/s", "deg/s"
 #: Limits of the logged speed over that of the wheels.
 RIM_RATIO = (0.75, 1.35)
 #: Limits of the static load of a wheel over the nominal load of its tire. A model is used between 0.2 and 2.
@@ -111,11 +113,31 @@ def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
         )
     _check_heading(grid, yaw_rate, source)
     lateral_gain, offset = 1.0, 0.0
-    ay = grid.means[MEASURED.index("ay")]
+    ax, ay = (grid.means[MEASURED.index(name)] for name in ("ax", "ay"))
+    braked, correlation = _follows(np.gradient(speed, grid.t), ax)
+    if correlation < -MIN_CORRELATION and _within(-braked, LATERAL_GAIN):  # a hill gives ax without such a rate
+        raise DataError(
+            f"{source}: ax and the rate of the speed have opposite signs: ax is positive where the car gains speed "
+            "(--columns ax=-HEADER)"
+        )
     if np.isfinite(ay).any():
         lateral = speed * yaw_rate
-        lateral_gain, sign = _slope(lateral - np.nanmean(lateral), ay - np.nanmean(ay))
-        if sign < 0.0:
+        (lateral_gain, correlation), (turned_gain, turned) = _follows(lateral, ay), _follows(lateral, ax)
+        plausible, exchanged = (
+            abs(correlation) > MIN_CORRELATION and _within(abs(gain), LATERAL_GAIN)
+            for gain, correlation in ((lateral_gain, correlation), (turned_gain, turned))
+        )
+        if exchanged and not plausible:
+            sign, other = ("-", "") if turned < 0.0 else ("", "-")
+            raise DataError(
+                f"{source}: ax follows speed times yaw rate, and ay does not: a sensor whose x axis points to a side "
+                f"(--columns 'ay={sign}HEADER of ax,ax={other}HEADER of ay')?"
+            )
+        if abs(correlation) < MIN_CORRELATION:
+            raise DataError(
+                f"{source}: ay does not follow speed times yaw rate (correlation {correlation:.2f}): another column?"
+            )
+        if correlation < 0.0:
             raise DataError(
                 f"{source}: ay and yaw rate have opposite signs: both are positive to the left (--columns ay=-HEADER)"
             )
@@ -125,7 +147,8 @@ def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
     if not (_within(gain, YAW_GAIN) and _within(lateral_gain, LATERAL_GAIN)):
         facts = [f"the yaw rate is {gain:.3g} times v delta / wheelbase of {car.source}"]
         facts += [f"ay is {lateral_gain:.3g} times speed times yaw rate"] if lateral_gain != 1.0 else []
-        raise DataError(f"{source}: {', '.join(facts)}: {_remedy(gain, lateral_gain, log.units)}")
+        wheels = [] if "speed" in log.channels else [name for name in log.channels if name.startswith("omega_")]
+        raise DataError(f"{source}: {', '.join(facts)}: {_remedy(gain, lateral_gain, log.units, wheels)}")
     largest = car.uncertainties["ay_offset"] + 0.1 * float(np.mean(np.abs(speed * yaw_rate)))
     if abs(offset) > BANKED * largest:
         raise DataError(
@@ -202,10 +225,15 @@ def _within(gain: float, limits: tuple[float, float]) -> bool:
     return limits[0] < gain < limits[1]
 
 
-def _remedy(gain: float, lateral: float, read_as: Mapping[str, str]) -> str:
-    """Return the units that make both gains plausible, the fewest changes first, with the option that states them."""
-    factor = {name: float(to_si(1.0, read_as.get(name) or units[0])) for name, units in UNITS.items()}
-    candidates = [(name, unit) for name, units in UNITS.items() for unit in units if to_si(1.0, unit) != factor[name]]
+def _remedy(gain: float, lateral: float, read_as: Mapping[str, str], wheels: Sequence[str]) -> str:
+    """Return the units that make both gains plausible, the fewest changes first, with the option that states them.
+
+    `wheels`: channels from which the speed follows, if it is not logged.
+    """
+    columns = {name: [name] for name in UNITS} | ({"speed": list(wheels)} if wheels else {})
+    allowed = UNITS | ({"speed": WHEEL_UNITS} if wheels else {})
+    factor = {name: float(to_si(1.0, read_as.get(columns[name][0]) or units[0])) for name, units in allowed.items()}
+    candidates = [(name, unit) for name, units in allowed.items() for unit in units if to_si(1.0, unit) != factor[name]]
     fitting: list[tuple[float, str]] = []
     for count in (1, 2, 3):
         for changed in combinations(candidates, count):
@@ -215,8 +243,9 @@ def _remedy(gain: float, lateral: float, read_as: Mapping[str, str]) -> str:
             steer, speed, rate, ay = (factors.get(name, 1.0) for name in UNITS)
             turned, pulled = gain * rate / (speed * steer), lateral * ay / (speed * rate)
             if _within(turned, YAW_GAIN) and _within(pulled, LATERAL_GAIN):
-                options = ",".join(f"{name}=HEADER [{unit}]" for name, unit in changed)
-                text = f"{' and '.join(f'{name} in {unit}' for name, unit in changed)} (--columns '{options}')"
+                options = ",".join(f"{column}=HEADER [{unit}]" for name, unit in changed for column in columns[name])
+                names = (f"{'wheel speeds' if columns[name] == wheels else name} in {unit}" for name, unit in changed)
+                text = f"{' and '.join(names)} (--columns '{options}')"
                 fitting.append((abs(np.log(turned / TYPICAL_GAIN)) + abs(np.log(pulled)), text))
         if fitting:
             return f"{' or '.join(text for _, text in sorted(fitting)[:2])}?"
@@ -238,6 +267,19 @@ def _rate_of_heading(grid: Grid) -> FloatArray:
     if not finite.any():
         return np.full(len(grid.t), np.nan)
     return np.asarray(np.gradient(np.interp(grid.t, grid.t[finite], heading[finite]), grid.t))
+
+
+def _follows(x: FloatArray, y: FloatArray) -> tuple[float, float]:
+    """Return slope and correlation of y over x; 0 if no y is logged.
+
+    About their means or about zero, where the correlation is larger: y may have an offset, and a circle at one speed
+    varies by noise alone.
+    """
+    finite = np.isfinite(x) & np.isfinite(y)
+    if not finite.any():
+        return 0.0, 0.0
+    views = _slope(x - x[finite].mean(), y - y[finite].mean()), _slope(x, y)
+    return max(views, key=lambda view: abs(view[1]))
 
 
 def _slope(x: FloatArray, y: FloatArray) -> tuple[float, float]:
