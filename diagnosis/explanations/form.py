@@ -77,7 +77,8 @@ def form_of(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, So
     while roles:
         try:
             effect = form_effect(roles, directed=directed)
-            centers = {one.name: geometry[one.name] for one in effect.declarations if one.name in geometry}
+            declared = [coefficient.name for coefficient in effect.declarations]
+            centers = {name: value for name, value in geometry.items() if name in declared}
             wider, parameters = weighted.with_effect(effect, solution, centers)
         except EffectError:  # an effect of this name, or a quantity that cannot be acted on
             return None

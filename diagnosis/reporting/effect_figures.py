@@ -224,4 +224,4 @@ def _other_slips(rows: pd.DataFrame, slip: str) -> list[tuple[dict[str, float], 
     combined = np.minimum(*(rows[name].abs().to_numpy(dtype=np.float64) for name in (slip, other)))
     value = float(rows[other].to_numpy(dtype=np.float64)[combined.argmax()])
     shown = [0.0, value] if combined.max() > MIN_SLIPS else [0.0]
-    return [({other: one}, f"{axis_label(other)}: {one * per_si(other):.3g}") for one in shown]
+    return [({other: size}, f"{axis_label(other)}: {size * per_si(other):.3g}") for size in shown]

@@ -47,7 +47,7 @@ from tirefmu.numerics.noise_floor import ErrorSplit
 from tirefmu.symbolic.detection import Form
 from tirefmu.symbolic.models import MODELS
 
-from .independent import brush_kinds
+from .independent import brush_kinds, memory_kinds
 from .independent import kinds as independent
 from .recomputation import recomputed
 from .suite import make_case
@@ -493,6 +493,17 @@ def test_a_moment_with_an_inexact_formula_moves_no_force(number):
         for tire in (diagnosis.base_tire, diagnosis.tire)
     )
     assert after < 2.5 * before + 0.001 * np.sqrt(np.mean(force**2))
+
+
+@pytest.mark.slow
+def test_an_effect_at_a_bound_is_not_certain():
+    """Something is missing there, in a form that the effect does not have."""
+    case = memory_kinds.case_of("fast", 1)
+    diagnosis = diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal)
+    (turn_slip,) = (one for one in diagnosis.found if one.effect == "turn_slip")
+    assert turn_slip.at_bounds
+    assert turn_slip.probability == pytest.approx(2.0 / 3.0, abs=0.01)
+    assert diagnosis.answer.probabilities["UNKNOWN"] == pytest.approx(1.0 / 3.0, abs=0.01)
 
 
 @pytest.mark.parametrize("number", [7, 12, *(pytest.param(number, marks=pytest.mark.slow) for number in (0, 3, 6))])

@@ -86,6 +86,23 @@ def test_the_correction_is_zero_outside_the_tested_range():
     assert ratios[0.8] > 0.02
 
 
+def test_friction_over_the_direction_of_slip_tells_driving_from_braking():
+    tire = tire_from("trento_hoosier")
+    geometry = {"FORMF0": 0.5, "FORMFW": 0.25, "FORMS0": 0.03, "FORMSW": 0.06, "FORMD0": -1.2, "FORMDW": 0.6}
+    effect = form_effect(("friction_x",), directed=True)
+    driving = {f"FORM_MX{load}8": 0.05 for load in (1, 2, 3, 4)}
+    corrected = replace(tire, added=(*tire.added, effect), effects=(*tire.has, FORM)).with_values(**geometry, **driving)
+    table = pd.DataFrame(
+        {"Fz": 0.8 * tire.values["FNOMIN"], "kappa": [0.15, -0.15, 0.15, 0.0], "alpha": 3 * [0.05] + [0.1]}
+    )
+    table.loc[2, "alpha"] *= -1.0
+    before, after = (one.evaluate(table)["Fx"].to_numpy() for one in (tire, corrected))
+    change = after - before
+    assert change[0] > 0.01 * before[0]
+    assert change[2] == pytest.approx(change[0], rel=0.2)  # the tire itself is not symmetric
+    assert change[1] == change[3] == 0.0
+
+
 def test_a_fit_keeps_the_loads_and_slips_of_the_bumps():
     tire = tire_from("trento_hoosier")
     geometry = {"FORMF0": 0.5, "FORMFW": 0.25, "FORMS0": 0.03, "FORMSW": 0.06}
