@@ -1,10 +1,10 @@
 """The correction of the formula's own form: errors of friction, slip stiffness and trail over load and slip.
 
 Every explanation contains a discrepancy of the form; this is what the tire is given of it. The quantities are
-multiplied by 1 plus smooth bumps over the tested loads and slips, each with a coefficient; friction also over the
-direction of a combined slip, as the formula's weights are the same for driving and braking. They are fitted together
-with all other coefficients. A bump is 0 at 1.25 times the distance of the bumps from its center: outside the tested
-range the correction falls to 0 within three quarters of this distance.
+multiplied by 1 plus smooth bumps over the tested loads and slips, each with a coefficient; friction also at combined
+slip in driving and in braking, which the formula weights alike. They are fitted together with all other coefficients.
+A bump is 0 at 1.25 times the distance of the bumps from its center: outside the tested range the correction falls to 0
+within three quarters of this distance.
 """
 
 from __future__ import annotations
@@ -29,18 +29,19 @@ from .evidence import folds_of, likelihood_power
 
 #: The name of the effect, and how the names of its shares of bumps begin.
 FORM, PREFIX = "form", "FORM_"
-#: Numbers of bumps over load, slip and its direction, and the half width of a bump in distances of two. Conventions.
-LOADS, SLIPS, DIRECTIONS, HALF_WIDTH = 4, 3, 5, 1.25
+#: Numbers of bumps over load and slip, and the half width of a bump in distances of two. Conventions.
+LOADS, SLIPS, HALF_WIDTH = 4, 3, 1.25
 #: Prior standard deviation of a share of a bump. Convention: by more, no formula is corrected but another one is built,
 #: and the coefficients that are fitted beside it extrapolate worse.
 SHARE = 0.06
 #: Smallest ranges of Fz/FNOMIN and slip that have a form. Convention.
 MIN_LOADS, MIN_SLIPS = 0.2, 0.02
-#: Coordinates whose 0 is the center of the first bump and whose 1 that of the second one. The direction is -pi/2 in
-#: braking and pi/2 in driving, smooth where alpha changes its sign.
+#: Coordinates whose 0 is the center of the first bump and whose 1 that of the second one.
 LOAD = "(Fz/FNOMIN - FORMF0)/FORMFW"
 SLIP = "(sqrt(tan(alpha)**2 + kappa**2 + 1e-12) - FORMS0)/FORMSW"
-DIRECTION = f"(atan(kappa/sqrt(tan(alpha)**2 + {SIDE**2})) - FORMD0)/FORMDW"
+#: Coordinates of combined slip: 1 at the largest slips. Its bumps are 0 without the other slip.
+LATERAL, LONGITUDINAL = f"sqrt(tan(alpha)**2 + {SIDE**2})/FORMLW", "kappa/FORMKW"
+BRAKING, DRIVING = -1, 1
 #: By role of a quantity: the channel that determines it, and how names of its coefficients go on.
 CORRECTED = {
     "friction_x": ("Fx", "MX"), "friction_y": ("Fy", "MY"), "stiffness_x": ("Fx", "KX"), "stiffness_y": ("Fy", "KY"),
@@ -64,7 +65,7 @@ def form_of(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, So
     size, geometry = problem.sizes(solution.residual), _geometry(signals, tire)
     if geometry is None or FORM in tire.has:
         return None
-    directed = "FORMD0" in geometry
+    combined = "FORMKW" in geometry
     power = likelihood_power(int(used.any(axis=0).sum()))
     weights = problem.inverse_noise * (np.sqrt(power) / np.where(size > 0.0, size, 1.0))[:, None]
     gains = _gains(signals, solution.residual, _smoothed(problem, solution, weights), used, used)
@@ -76,13 +77,13 @@ def form_of(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, So
     apart, held = _without_block(weighted, solution), signals.present & signals.holdout
     while roles:
         try:
-            effect = form_effect(roles, directed=directed)
+            effect = form_effect(roles, combined=combined)
             declared = [coefficient.name for coefficient in effect.declarations]
             centers = {name: value for name, value in geometry.items() if name in declared}
             wider, parameters = weighted.with_effect(effect, solution, centers)
         except EffectError:  # an effect of this name, or a quantity that cannot be acted on
             return None
-        free = tuple(sorted((*solution.free, *_coefficients(roles, directed)), key=wider.simulator.names.index))
+        free = tuple(sorted((*solution.free, *_coefficients(roles, combined)), key=wider.simulator.names.index))
         wider, best = wider.fitted(parameters, free)
         gains = _gains(signals, apart, _without_block(wider, best), used, used)
         of_holdout = _gains(signals, solution.residual, best.residual, used, held).sum(axis=1)
@@ -135,7 +136,7 @@ def _gains(signals: Signals, before: FloatArray, after: FloatArray, fitted: Bool
 def _geometry(signals: Signals, tire: Tire) -> dict[str, float] | None:
     """Return the coefficients of the coordinates; None if a recording has too few loads or slips.
 
-    Those of the direction only if it has both slips at once.
+    Those of combined slip only if it has both slips at once.
     """
     named = signals.named()
     load, lateral, kappa = named["Fz"] / tire.values["FNOMIN"], np.abs(np.tan(named["alpha"])), named["kappa"]
@@ -147,9 +148,7 @@ def _geometry(signals: Signals, tire: Tire) -> dict[str, float] | None:
         "FORMF0": float(load.min()) + 0.5 * width[0], "FORMFW": width[0], "FORMS0": 0.5 * width[1], "FORMSW": width[1],
     }  # fmt: skip
     if ((lateral > MIN_SLIPS) & (np.abs(kappa) > MIN_SLIPS)).any():
-        direction = np.arctan(kappa / np.hypot(lateral, SIDE))
-        apart = float(np.ptp(direction)) / DIRECTIONS
-        geometry |= {"FORMD0": float(direction.min()) + 0.5 * apart, "FORMDW": apart}
+        geometry |= {"FORMLW": float(np.hypot(lateral.max(), SIDE)), "FORMKW": float(np.abs(kappa).max())}
     return geometry
 
 
@@ -158,43 +157,49 @@ def without_form(tire: Tire) -> Tire:
     return tire.with_values(**{name: 0.0 for name in tire.symbolic_model.coefficients if name.startswith(PREFIX)})
 
 
-def _shares(role: str, load: int, directed: bool) -> dict[str, str]:
+def _shares(role: str, load: int, combined: bool) -> dict[str, str]:
     """Return the bumps of a quantity at one load by the names of their shares."""
     start = f"{PREFIX}{CORRECTED[role][1]}{load + 1}"
     if role.startswith("stiffness"):
         return {f"{start}1": "1"}
     shares = {f"{start}{k + 1}": _bump(SLIP, k) for k in range(SLIPS)}
-    if directed and role.startswith("friction"):
-        shares |= {f"{start}{SLIPS + k + 1}": _bump(DIRECTION, k) for k in range(DIRECTIONS)}
+    if combined and role.startswith("friction"):
+        lateral = _bump(LATERAL, 1, 1.0)
+        shares |= {
+            f"{start}{SLIPS + k + 1}": f"{lateral}*{_bump(LONGITUDINAL, way, 1.0)}"
+            for k, way in enumerate((BRAKING, DRIVING))
+        }
     return shares
 
 
-def _coefficients(roles: Collection[str], directed: bool) -> list[str]:
-    return [name for role in roles for load in range(LOADS) for name in _shares(role, load, directed)]
+def _coefficients(roles: Collection[str], combined: bool) -> list[str]:
+    return [name for role in roles for load in range(LOADS) for name in _shares(role, load, combined)]
 
 
 @lru_cache(maxsize=8)
-def form_effect(roles: tuple[str, ...], *, directed: bool = False) -> AddedEffect:
+def form_effect(roles: tuple[str, ...], *, combined: bool = False) -> AddedEffect:
     """Return the effect of the correction for quantities by their roles, the same for all recordings.
 
-    `directed`: whether friction is corrected over the direction of slip.
+    `combined`: whether friction is corrected at combined slip.
     """
     bound = 2.0 * SHARE
     acts = [
         {"on": role, "factor": f"1 + {_bump(LOAD, load)}*({' + '.join(terms)})"}
         for role in roles
         for load in range(LOADS)
-        for terms in ([f"{name}*{bump}" for name, bump in _shares(role, load, directed).items()],)
+        for terms in ([f"{name}*{bump}" for name, bump in _shares(role, load, combined).items()],)
     ]
     centers = {
         name: {
-            "description": f"{text} over {coordinate}", "unit": "1", "lower": lower, "upper": 100.0,
-            "neutral": neutral, "fitted": False,
+            "description": text, "unit": "1", "lower": lower, "upper": 100.0, "neutral": neutral, "fitted": False,
         }
-        for letter, coordinate in (("F", "Fz/FNOMIN"), ("S", "slip"), ("D", "the direction of slip"))
         for name, text, lower, neutral in (
-            (f"FORM{letter}0", "center of the first bump", -100.0, 0.0),
-            (f"FORM{letter}W", "distance of the bumps", 1e-3, 1.0),
+            ("FORMF0", "center of the first bump over Fz/FNOMIN", -100.0, 0.0),
+            ("FORMFW", "distance of the bumps over Fz/FNOMIN", 1e-3, 1.0),
+            ("FORMS0", "center of the first bump over slip", -100.0, 0.0),
+            ("FORMSW", "distance of the bumps over slip", 1e-3, 1.0),
+            ("FORMLW", "largest lateral slip", 1e-3, 1.0),
+            ("FORMKW", "largest longitudinal slip", 1e-3, 1.0),
         )
         if any(name in act["factor"] for act in acts)
     }  # fmt: skip
@@ -204,14 +209,14 @@ def form_effect(roles: tuple[str, ...], *, directed: bool = False) -> AddedEffec
         "source": "diagnosis of a recording",
         "coefficients": centers | {
             name: {"description": "share of a bump", "unit": "1", "lower": -bound, "upper": bound}
-            for name in _coefficients(roles, directed)
+            for name in _coefficients(roles, combined)
         },
         "acts": acts,
     }  # fmt: skip
     return effect_from(table, f"{FORM}.toml")
 
 
-def _bump(coordinate: str, number: int) -> str:
+def _bump(coordinate: str, number: int, half_width: float = HALF_WIDTH) -> str:
     """Return a bump: (1 - x^2)^2 within its half width, 0 beyond."""
-    inner = f"(1 - (({coordinate} - {number})/{HALF_WIDTH})**2)"
+    inner = f"(1 - (({coordinate} - {number})/{half_width})**2)"
     return f"(0.5*({inner} + absolute({inner})))**2"

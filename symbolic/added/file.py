@@ -152,7 +152,7 @@ def read_declared(text: str, file: str, *, checked: bool = True) -> Effect | Add
 
 def effect_schema() -> dict[str, Any]:
     """Return the JSON Schema of a user's effect file."""
-    return document("effect", "1.1", "Effect of a tire", object_schema(EFFECT_KEYS, ["name", "physics", "acts"]))
+    return document("effect", "1.2", "Effect of a tire", object_schema(EFFECT_KEYS, ["name", "physics", "acts"]))
 
 
 def _parsed(text: str, source: str) -> dict[str, Any]:

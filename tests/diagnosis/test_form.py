@@ -86,11 +86,11 @@ def test_the_correction_is_zero_outside_the_tested_range():
     assert ratios[0.8] > 0.02
 
 
-def test_friction_over_the_direction_of_slip_tells_driving_from_braking():
+def test_friction_at_combined_slip_tells_driving_from_braking():
     tire = tire_from("trento_hoosier")
-    geometry = {"FORMF0": 0.5, "FORMFW": 0.25, "FORMS0": 0.03, "FORMSW": 0.06, "FORMD0": -1.2, "FORMDW": 0.6}
-    effect = form_effect(("friction_x",), directed=True)
-    driving = {f"FORM_MX{load}8": 0.05 for load in (1, 2, 3, 4)}
+    geometry = {"FORMF0": 0.5, "FORMFW": 0.25, "FORMS0": 0.03, "FORMSW": 0.06, "FORMLW": 0.1, "FORMKW": 0.15}
+    effect = form_effect(("friction_x",), combined=True)
+    driving = {f"FORM_MX{load}5": 0.05 for load in (1, 2, 3, 4)}
     corrected = replace(tire, added=(*tire.added, effect), effects=(*tire.has, FORM)).with_values(**geometry, **driving)
     table = pd.DataFrame(
         {"Fz": 0.8 * tire.values["FNOMIN"], "kappa": [0.15, -0.15, 0.15, 0.0], "alpha": 3 * [0.05] + [0.1]}
