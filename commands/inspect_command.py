@@ -63,7 +63,7 @@ def inspect(
         raise TirefmuError("--table writes the rows of one table")
     car_file = output is not None and output.suffix.lower() == ".toml"
     if len(tables) == 1 and not (selection.signs or selection.where or selected) and (car_file or not output):
-        from ..applications.driving.inputs.survey import is_drive_log
+        from ..applications.driving.inputs.nearest_channel import is_drive_log
         from ..measurements.files.reading import read_content
 
         content = read_content(tables[0])

@@ -26,7 +26,8 @@ from .inputs.car import Car
 from .inputs.grid import Grid, with_delays
 from .inputs.log import Log
 from .inputs.unknowns import Unknowns
-from .interval import BALANCE, MOTION, AddedForces, Interval, Linear
+from .interval import BALANCE, MOTION, Interval
+from .linear import AddedForces, Linear
 from .linear_solution import LARGEST, LONGEST_STEP, Factor, posterior_of
 from .motion import MotionProblem
 

@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from .inputs.grid import Grid
-from .interval import BALANCE, CHUNK, AddedForces, Chunk, Interval, Linear
+from .interval import BALANCE, CHUNK, Chunk, Interval
+from .linear import AddedForces, Linear
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]

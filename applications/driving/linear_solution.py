@@ -12,7 +12,7 @@ from scipy.linalg.lapack import dtbtrs
 
 from ...numerics.arrays import BoolArray, FloatArray, IndexArray
 from .inputs.grid import Grid
-from .interval import Linear
+from .linear import Linear
 
 #: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
 LONGEST_STEP = 1.0

@@ -14,7 +14,8 @@ import numpy as np
 from ...numerics.arrays import FloatArray
 from .evaluation import evaluated, interval_data
 from .inputs.grid import Grid
-from .interval import BALANCE, AddedForces, Interval, Linear
+from .interval import BALANCE, Interval
+from .linear import AddedForces, Linear
 from .linear_solution import LEAST_DAMPING, LONGEST_STEP, Factor, Posterior, posterior_of
 
 #: Most steps, and predicted decrease of the cost that ends them: this (a tenth of what an estimate gains in its last

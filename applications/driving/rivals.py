@@ -26,7 +26,8 @@ from .estimate import Estimate, Forces
 from .inputs.car import Car
 from .inputs.grid import Grid
 from .inputs.unknowns import AXLES, CHANGED, CHANGES, FACTOR_SPREAD, FACTORS, SAME, Unknowns
-from .interval import BALANCE, MOTION, AddedForces
+from .interval import BALANCE, MOTION
+from .linear import AddedForces
 from .trust.contradiction import is_agreement
 
 FloatArray = npt.NDArray[np.float64]

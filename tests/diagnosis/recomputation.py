@@ -8,8 +8,7 @@ import pandas as pd
 from scipy.interpolate import PchipInterpolator
 
 from tirefmu.diagnosis import Diagnosis
-from tirefmu.measurements import Recording
-from tirefmu.measurements.turn_slip import with_turn_slip
+from tirefmu.measurements import Recording, with_turn_slip
 from tirefmu.numerics import smoothed
 from tirefmu.tires import Tire
 from tirefmu.tires.states.transient import rolled_distance

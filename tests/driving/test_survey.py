@@ -9,10 +9,12 @@ import pandas as pd
 import pytest
 
 from tirefmu.applications.driving.inputs.log import LOG_CHANNELS, read_log
-from tirefmu.applications.driving.inputs.survey import nearest_channel, survey, words_of
+from tirefmu.applications.driving.inputs.nearest_channel import nearest_channel
+from tirefmu.applications.driving.inputs.survey import survey
 from tirefmu.boundary.bounded_file import toml_file
 from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.commands.cli import main
+from tirefmu.measurements import words_of
 from tirefmu.measurements.files.columns.content import Column, Content
 
 T = np.arange(0.0, 20.0, 0.05)

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.applications.driving.inputs.survey import nearest_channel
+from tirefmu.applications.driving.inputs.nearest_channel import nearest_channel
 from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import TERMS, read_recording, words_of
 from tirefmu.measurements.column_names import intended_channel

@@ -18,8 +18,8 @@ from ....measurements.files.columns.resolution import ColumnChoice, choices, ign
 from ....measurements.files.reading import read_content
 from .clock import clock_problem
 from .log_channels import LOG_CHANNELS, POSE, WHEEL_SPEEDS, LogChannel, lacking
+from .nearest_channel import nearest_column
 from .several import several_cars
-from .survey import nearest_column
 
 FloatArray = npt.NDArray[np.float64]
 #: Times and values of a channel.
