@@ -39,8 +39,9 @@ MIN_LOADS, MIN_SLIPS = 0.2, 0.02
 #: Coordinates whose 0 is the center of the first bump and whose 1 that of the second one.
 LOAD = "(Fz/FNOMIN - FORMF0)/FORMFW"
 SLIP = "(sqrt(tan(alpha)**2 + kappa**2 + 1e-12) - FORMS0)/FORMSW"
-#: Coordinates of combined slip: 1 at the largest slips. Its bumps are 0 without the other slip.
-LATERAL, LONGITUDINAL = f"sqrt(tan(alpha)**2 + {SIDE**2})/FORMLW", "kappa/FORMKW"
+#: Coordinates of combined slip: 1 at the largest slips and 0 without one, where the bumps are 0; the first one is
+#: smooth where alpha changes its sign.
+LATERAL, LONGITUDINAL = f"(sqrt(tan(alpha)**2 + {SIDE**2}) - {SIDE})/FORMLW", "kappa/FORMKW"
 BRAKING, DRIVING = -1, 1
 #: By role of a quantity: the channel that determines it, and how names of its coefficients go on.
 CORRECTED = {
@@ -148,7 +149,7 @@ def _geometry(signals: Signals, tire: Tire) -> dict[str, float] | None:
         "FORMF0": float(load.min()) + 0.5 * width[0], "FORMFW": width[0], "FORMS0": 0.5 * width[1], "FORMSW": width[1],
     }  # fmt: skip
     if ((lateral > MIN_SLIPS) & (np.abs(kappa) > MIN_SLIPS)).any():
-        geometry |= {"FORMLW": float(np.hypot(lateral.max(), SIDE)), "FORMKW": float(np.abs(kappa).max())}
+        geometry |= {"FORMLW": float(np.hypot(lateral.max(), SIDE) - SIDE), "FORMKW": float(np.abs(kappa).max())}
     return geometry
 
 
@@ -198,7 +199,7 @@ def form_effect(roles: tuple[str, ...], *, combined: bool = False) -> AddedEffec
             ("FORMFW", "distance of the bumps over Fz/FNOMIN", 1e-3, 1.0),
             ("FORMS0", "center of the first bump over slip", -100.0, 0.0),
             ("FORMSW", "distance of the bumps over slip", 1e-3, 1.0),
-            ("FORMLW", "largest lateral slip", 1e-3, 1.0),
+            ("FORMLW", "largest lateral slip beyond the smooth zero", 1e-3, 1.0),
             ("FORMKW", "largest longitudinal slip", 1e-3, 1.0),
         )
         if any(name in act["factor"] for act in acts)
