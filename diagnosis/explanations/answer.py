@@ -199,8 +199,8 @@ def _ranked(shares: Mapping[tuple[str, ...], float], candidates: Iterable[str]) 
 def percent(probability: float) -> str:
     """Return a probability in percent as a range: the digits would mean nothing.
 
-    In the suites of docs/discovery.md, 91 to 100 % of the effects above 90 % were missing (72 % where the library
-    lacks the true one), and 17 of 28 between 50 and 90 %.
+    In the suites of docs/discovery.md, 90 to 100 % of the effects above 90 % were missing (72 % where the library
+    lacks the true one), and 22 of 31 between 50 and 90 %.
 
     >>> [percent(probability) for probability in (0.9999, 0.625, 0.5, 0.3, 0.01)]
     ['over 90 %', '50 to 90 %', '50 to 90 %', '10 to 50 %', 'under 10 %']
