@@ -187,20 +187,18 @@ def _by_direction(rows: pd.DataFrame, values: FloatArray, slip: str, least: int)
 
 
 def form_figure(diagnosis: Diagnosis) -> Figure:
-    """Return the change of each corrected channel by the correction over the slip that varies most.
+    """Return the change of each channel by the correction over each slip, where it is not zero.
 
     At no other slip; of a recording of combined slip, also at the other slip that is combined most.
 
     `diagnosis`: with a correction of the form.
     """
     rows = diagnosis.rows
-    slip = _widest_slip(rows)
-    at = np.linspace(rows[slip].min(), rows[slip].max(), POINTS)
     tire = replace(diagnosis.tire, added=diagnosis.run.tested)  # its equations are printed already
     plain, sign = without_form(tire), float(np.sign(rows["Fz"].median()))
-    drawn = []
-    for fixed, title in _other_slips(rows, slip):
-        panels = dict[str, list[Series]]()
+    panels = dict[tuple[str, str, str], list[Series]]()
+    for slip, fixed, title in _slips(rows):
+        at = np.linspace(rows[slip].min(), rows[slip].max(), POINTS)
         for quantile, color, dashes in LOADS:
             load = float(np.quantile(np.abs(rows["Fz"]), quantile))
             table = pd.DataFrame({slip: at, "Fz": sign * load, **fixed})
@@ -208,20 +206,24 @@ def form_figure(diagnosis: Diagnosis) -> Figure:
             for channel in diagnosis.form.channels:
                 change = (with_it[channel] - without[channel]).to_numpy() * per_si(channel)
                 line = Series("line", at * per_si(slip), change, color, f"Fz {load:.0f} N", dashes)
-                panels.setdefault(channel, []).append(line)
-        drawn.append(tuple(
-            Panel(axis_label(slip), f"correction of {name} ({drawn_unit(name)})", tuple(lines), title, across=(0.0,))
-            for name, lines in panels.items()
-        ))  # fmt: skip
-    return Figure("form", "Correction of the formula's own form", tuple(drawn))
+                panels.setdefault((slip, title, channel), []).append(line)
+    shown = {key: lines for key, lines in panels.items() if any(np.any(line.y) for line in lines)} or panels
+    drawn = [
+        Panel(axis_label(slip), f"correction of {channel} ({drawn_unit(channel)})", tuple(lines), title, across=(0.0,))
+        for (slip, title, channel), lines in shown.items()
+    ]
+    return Figure("form", "Correction of the formula's own form", in_rows(drawn))
 
 
-def _other_slips(rows: pd.DataFrame, slip: str) -> list[tuple[dict[str, float], str]]:
-    """Return no other slip, and the one that is combined most with a slip, each with its title."""
-    other = KAPPA.name if slip == ALPHA.name else ALPHA.name
-    if other not in rows:
-        return [({}, "")]
-    combined = np.minimum(*(rows[name].abs().to_numpy(dtype=np.float64) for name in (slip, other)))
-    value = float(rows[other].to_numpy(dtype=np.float64)[combined.argmax()])
-    shown = [0.0, value] if combined.max() > MIN_SLIPS else [0.0]
-    return [({other: size}, f"{axis_label(other)}: {size * per_si(other):.3g}") for size in shown]
+def _slips(rows: pd.DataFrame) -> list[tuple[str, dict[str, float], str]]:
+    """Return each slip without the other one and, if they are combined, with it; and titles that state the other."""
+    recorded = [name for name in (ALPHA.name, KAPPA.name) if name in rows and np.ptp(rows[name]) > 0.0]
+    if len(recorded) == 1:
+        return [(recorded[0], {}, "")]
+    combined = np.minimum(*(rows[name].abs().to_numpy(dtype=np.float64) for name in recorded))
+    most = rows[recorded].iloc[int(combined.argmax())].to_dict() if combined.max() > MIN_SLIPS else {}
+    return [
+        (slip, {other: size}, f"{axis_label(other)}: {size * per_si(other):.3g}")
+        for slip, other in (recorded, recorded[::-1])
+        for size in dict.fromkeys((0.0, most.get(other, 0.0)))
+    ]

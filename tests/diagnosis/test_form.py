@@ -1,6 +1,7 @@
 """The correction of the formula's own form: within the tested range, and only if it predicts what no fit has used."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -9,6 +10,7 @@ import pytest
 from tirefmu.diagnosis.diagnose import _start_model, with_library
 from tirefmu.diagnosis.explanations import FORM, balanced, form_effect, form_of
 from tirefmu.diagnosis.probing import fit_baseline
+from tirefmu.diagnosis.reporting.effect_figures import form_figure
 from tirefmu.diagnosis.signals import signals_of
 from tirefmu.diagnosis.verdict import tire_of
 from tirefmu.fitting import fit
@@ -104,6 +106,25 @@ def test_friction_at_combined_slip_tells_driving_from_braking():
     assert change[0] > 0.01 * before[0]
     assert change[2] == pytest.approx(change[0], rel=0.2)  # the tire itself is not symmetric
     np.testing.assert_allclose(change[[1, 3, 4]], 0.0, atol=1e-9)  # braking, and one slip alone
+
+
+def test_a_correction_of_one_force_is_drawn_over_the_slip_that_it_follows():
+    """Also where the other slip varies more, and at combined slip."""
+    tire = tire_from("trento_hoosier")
+    geometry = {"FORMF0": 0.5, "FORMFW": 0.25, "FORMS0": 0.03, "FORMSW": 0.06}
+    corrected = replace(tire, added=(*tire.added, form_effect(("friction_x",))), effects=(*tire.has, FORM)).with_values(
+        **geometry, FORM_MX22=0.03
+    )
+    rows = pd.DataFrame({"Fz": 0.75 * tire.values["FNOMIN"], "kappa": np.linspace(-0.1, 0.1, 9), "alpha": 0.05})
+    for alpha, together in ((0.05, True), (np.linspace(-0.2, 0.2, 9) * (rows["kappa"].abs() < 0.01), False)):
+        diagnosis = SimpleNamespace(
+            rows=rows.assign(alpha=alpha * np.linspace(0.9, 1.0, 9)), tire=corrected, recording_signs="adapted-sae",
+            run=SimpleNamespace(tested=corrected.added), form=SimpleNamespace(channels={"Fx": {}, "Fy": {}}),
+        )  # fmt: skip
+        panels = [panel for row in form_figure(diagnosis).rows for panel in row if panel]
+        assert {panel.y for panel in panels} == {"correction of Fx (N)"}
+        assert "\u03ba (-)" in {panel.x for panel in panels}
+        assert any(not panel.title.endswith(": 0") for panel in panels) == together
 
 
 def test_a_fit_keeps_the_loads_and_slips_of_the_bumps():
