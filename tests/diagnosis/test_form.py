@@ -115,10 +115,12 @@ def test_a_correction_of_one_force_is_drawn_over_the_slip_that_it_follows():
     corrected = replace(tire, added=(*tire.added, form_effect(("friction_x",))), effects=(*tire.has, FORM)).with_values(
         **geometry, FORM_MX22=0.03
     )
-    rows = pd.DataFrame({"Fz": 0.75 * tire.values["FNOMIN"], "kappa": np.linspace(-0.1, 0.1, 9), "alpha": 0.05})
-    for alpha, together in ((0.05, True), (np.linspace(-0.2, 0.2, 9) * (rows["kappa"].abs() < 0.01), False)):
+    slips, none = np.linspace(-0.1, 0.1, 9), np.zeros(9)
+    for together in (True, False):
+        kappa, alpha = (slips, 0.5 * slips) if together else (np.append(slips, none), np.append(none, 2.0 * slips))
+        rows = pd.DataFrame({"Fz": 0.75 * tire.values["FNOMIN"], "kappa": kappa, "alpha": alpha})
         diagnosis = SimpleNamespace(
-            rows=rows.assign(alpha=alpha * np.linspace(0.9, 1.0, 9)), tire=corrected, recording_signs="adapted-sae",
+            rows=rows, tire=corrected, recording_signs="adapted-sae",
             run=SimpleNamespace(tested=corrected.added), form=SimpleNamespace(channels={"Fx": {}, "Fy": {}}),
         )  # fmt: skip
         panels = [panel for row in form_figure(diagnosis).rows for panel in row if panel]
